@@ -1,6 +1,7 @@
 """Checks: every remark appears where it should, and a clean record gets no warning."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from stickslip import Axis, Measurement, SpringBlock, check, load_measurement
 from stickslip.errors import InputError
 from stickslip.experiments.checking.stationarity import independent
-from stickslip.results import Checks
+from stickslip.results import Checks, Finding
 
 RATE = 1000.0
 
@@ -603,3 +604,11 @@ def test_the_tribometer_counts_friction_the_other_way(data_dir):
 
 def test_a_record_of_three_quarters_of_a_million_samples_is_checked(data_dir):
     assert check(spring(data_dir, "k168_v42")).of("sampling")[0].numbers["samples"] == 751_281
+
+
+def test_findings_cross_processes_and_stay_unchangeable():
+    one = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", numbers={"gap": 0.3})
+    again = pickle.loads(pickle.dumps(one))
+    assert again == one
+    with pytest.raises(TypeError):
+        again.numbers["gap"] = 1.0

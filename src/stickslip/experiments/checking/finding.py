@@ -43,6 +43,15 @@ class Finding:
         object.__setattr__(self, "numbers", MappingProxyType(numbers))
 
     @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what crosses processes: a view of the numbers does not."""
+        return {**self.__dict__, "numbers": dict(self.numbers)}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """Keep what came from another process as it was made there."""
+        self.__dict__.update(state, numbers=MappingProxyType(state["numbers"]))
+
+    @override
     def __str__(self) -> str:
         """Return the sentence, after the name of its trial."""
         return f"{self.record}: {self.sentence}" if self.record else self.sentence
