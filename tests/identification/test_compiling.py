@@ -4,7 +4,8 @@ import pytest
 
 from stickslip import Coulomb, Dahl, LuGre, Measurement, SpringBlock, select
 from stickslip.errors import CompilationError
-from stickslip.identification import precompile, starting_law
+from stickslip.identification import starting_law
+from stickslip.identification.travels import precompile
 from stickslip.identification.travels.model import trials_of
 from stickslip.selection import travels
 

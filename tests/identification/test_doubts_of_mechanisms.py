@@ -314,7 +314,7 @@ def test_uncertainties_of_what_is_not_there_are_refused():
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"stifness": 1.0}))
     with pytest.raises(InputError, match="upper_stop, but SpringBlock has no such value"):
         fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"upper_stop": 1.0}))
-    with pytest.raises(InputError, match="above 0 in the SI unit of the parameter, got 0"):
+    with pytest.raises(InputError, match="above 0, in the SI unit of the parameter, got 0"):
         Measurement(travel=0.2, doubts={K: 0.0})
 
 

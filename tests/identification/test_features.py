@@ -115,7 +115,7 @@ def test_more_unknowns_than_features_are_said_not_to_be_told():
     )
     loose = {estimate.quantity.symbol for estimate in found.estimates if not estimate.bounded}
     assert "v_s" in loose
-    assert any("do not tell" in sentence for sentence in found.sentences)
+    assert any("do not identify" in sentence for sentence in found.sentences)
 
 
 def test_equal_laws_are_not_told_apart_and_the_simpler_one_stands_first():

@@ -95,7 +95,7 @@ def test_intervals_of_rounded_travels_cover_the_truth():
 def test_a_travel_that_no_value_can_give_is_said_so():
     far = Measurement(travel=0.20, uncertainty=0.005, overrides={"mechanism.mass": 1.0})
     law = CoulombViscous(kinetic_coefficient=0.4, viscous_coefficient=0.5)
-    with pytest.raises(ConvergenceError, match=r"viscous_coefficient.*travel 0\.2 m"):
+    with pytest.raises(ConvergenceError, match=r"viscous_coefficient.*travel of 0\.2 m"):
         fit(RIG, law, far, vary=["viscous_coefficient"])
 
 
@@ -111,7 +111,7 @@ def test_an_unknown_parameter_names_the_nearest_known_one():
 
 def test_a_record_of_two_samples_is_refused():
     series = Measurement(time=[0.0, 1.0], position=[0.0, 1.0])
-    with pytest.raises(InputError, match="has only 2 samples: a fit needs 10"):
+    with pytest.raises(InputError, match="has only 2 samples: a fit needs at least 10"):
         fit(RIG, Coulomb, series)
 
 

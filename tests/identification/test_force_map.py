@@ -421,7 +421,7 @@ def test_held_parameters_stay():
         (
             Measurement(velocity=np.ones(20), friction=np.ones(20), load=-5.0),
             AXIS,
-            r"Measurement.load \(N\) of the record must be above 0 N, got -5",
+            r"Measurement.load \(N\) of the record must be above 0 N, got −5",
         ),
         (
             Measurement(

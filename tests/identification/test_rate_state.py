@@ -310,7 +310,7 @@ def test_each_form_is_named_by_its_values():
 def test_the_measurement_alone_and_the_evolution_are_refused_by_their_new_names():
     with pytest.raises(RenamedError, match=r"fit_rate_state\(mechanism, law, measurement"):
         fit_rate_state(record(law(), noise=3e-4))
-    with pytest.raises(RenamedError, match="`evolution` is now the law"):
+    with pytest.raises(RenamedError, match="`evolution` is now part of the law"):
         fit_rate_state(MACHINE, RateState, record(law(), noise=3e-4), evolution="slip")
 
 

@@ -117,14 +117,14 @@ def late():
 def test_a_verdict_whose_residuals_show_an_error_does_not_say_use(late):
     assert late.model_errors[0].kind == "delay"
     assert not late.sentence.startswith("Use")
-    assert "late" in late.sentence
+    assert "lags the recorded force" in late.sentence
     assert late.to_dict()["model_errors"][0]["kind"] == "delay"
 
 
 def test_a_fit_shows_its_error_of_the_model(late):
     found = late.best.fit
-    assert "late" in str(found)
-    assert "late" in found._repr_html_()
+    assert "lags the recorded force" in str(found)
+    assert "lags the recorded force" in found._repr_html_()
     assert found.to_dict()["model_errors"][0]["sentence"] == str(found.model_errors[0])
 
 

@@ -118,7 +118,8 @@ def test_a_text_is_a_condition_whose_values_are_compared():
         for i, word in enumerate(words)
     ]
     found = compared(Measurement(trials=tuple(trials)))
-    assert "mu_k by lubrication is 5" in found.sentences[0]
+    assert "mu_k is 5" in found.sentences[0]
+    assert "(lubrication)" in found.sentences[0]
     assert "for 'dry' and " in found.sentences[0]
     assert "for 'oil'" in found.sentences[0]
 
@@ -144,7 +145,7 @@ def test_a_condition_that_is_the_same_or_missing_or_doubled_is_named():
     text = str(found)
     assert "All trials have load 10: its effect cannot be determined." in text
     assert "run2 has no temperature" in text
-    assert "run and temperature change together" in text
+    assert "run and temperature vary together" in text
     assert {line.condition for line in found.lines} == {"run", "temperature"}
 
 
@@ -195,7 +196,7 @@ def test_one_trial_travels_and_springs_are_refused():
     with pytest.raises(InputError, match="at least two"):
         compared(trial(draw))
     travels = Measurement(trials=(Measurement(travel=0.1), Measurement(travel=0.2)))
-    with pytest.raises(InputError, match="single travel"):
+    with pytest.raises(InputError, match="not travels or the force of a spring"):
         compared(travels)
 
 

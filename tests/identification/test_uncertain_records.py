@@ -232,7 +232,7 @@ def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval
 
 def test_uncertainties_without_effect_are_refused():
     weighed = replace(rubbed(), load=20.0, doubts={N: 0.4})
-    with pytest.raises(InputError, match="measured load takes the place"):
+    with pytest.raises(InputError, match="measured load replaces"):
         fit(AXIS, CoulombViscous, weighed)
     t = np.linspace(0.0, 10.0, 2000)
     towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)

@@ -366,7 +366,7 @@ def test_a_path_is_a_text_or_a_path(runs):
 
 def test_a_run_of_another_mechanism_is_refused(runs, tmp_path):
     run, other = runs["pendulum-cart"], CASES["capsule"][0]
-    words = "not one of Capsule, whose states are .*xi"
+    words = "not a run of Capsule, whose states are .*xi"
     with pytest.raises(InputError, match=words):
         animate(run, other, tmp_path / "cart.gif")
     with pytest.raises(InputError, match=words):

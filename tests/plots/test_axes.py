@@ -204,7 +204,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
     figures = plt.get_fignums()
     wrong = {
         plots.plot_run: "run must be a Trajectory",
-        plots.plot_fit: "fit must be a RecordFit, TravelFit or FeatureFit",
+        plots.plot_fit: "fit must be a RecordFit, TravelFit, FeatureFit or RateStateFit",
         plots.plot_verdict: "verdict must be a TravelVerdict",
         plots.plot_ensemble: "runs must be an Ensemble",
         plots.plot_sweep: "found must be a VelocityMap, Bifurcation or Basins",

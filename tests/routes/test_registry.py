@@ -17,7 +17,7 @@ from stickslip import (
     select,
 )
 from stickslip.errors import InputError, StickslipError, UnknownNameError
-from stickslip.identification import RateState
+from stickslip.friction import RateState
 from stickslip.identification.records.route_choice import RouteChoice
 from stickslip.routes import Options, refuse_unused, registry, route_named, route_of, routes
 

@@ -8,7 +8,8 @@ import pytest
 from stickslip import RecordSettings, fit, select, write_report
 from stickslip.cli import main
 from stickslip.errors import InputError
-from stickslip.identification import RateState, RateStateFit, fit_rate_state
+from stickslip.friction import RateState
+from stickslip.identification import RateStateFit, fit_rate_state
 from stickslip.report.core.documents import Origin
 from stickslip.report.core.page import render
 from stickslip.routes import verdict_page

@@ -159,7 +159,7 @@ def test_a_fault_of_several_trials_is_told_once_after_their_names():
         for name in ("north", "south")
     ]
     with pytest.raises(
-        InputError, match=r"cannot be used for a selection\. north and south: Position never"
+        InputError, match=r"cannot be used for a selection\. north and south: Position is constant"
     ) as seen:
         select(AXIS, [Coulomb], Measurement(trials=tuple(still)))
     assert str(seen.value).count("Position is constant") == 1
