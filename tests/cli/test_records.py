@@ -235,7 +235,7 @@ set = {{ "mechanism.compression" = "60 mm" }}
     ("stiffness", "said"),
     [
         ("3 N/m", "The stiffness (3 %) contributes more to its uncertainty than the readings."),
-        ("0.1 N/m", "contribute more to its uncertainty than the stiffness (0.1 %)."),
+        ("0.1 N/m", "The readings contribute more to its uncertainty than the stiffness (0.1 %)."),
     ],
 )
 def test_fit_prints_what_limits_an_interval(run, tmp_path, stiffness, said):

@@ -132,7 +132,7 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
         if (route, name) == ("travel", "validate"):
             assert "give more trials instead" in said
             continue
-        assert f"it has no effect on {route_named(route).measured}." in said
+        assert f"it has no effect on {route_named(route).measured}: leave it out." in said
         for other, used in USED.items():
             assert (route_named(other).measured in said.partition(";")[0]) is (name in used)
 
@@ -179,7 +179,7 @@ def test_a_law_that_is_given_itself_keeps_what_is_asked_for():
 
 def test_of_travels_a_name_is_the_law_alone_and_of_steps_the_name_stays():
     assert route_named("travel").law_and_parameters("dahl", None) == (Dahl, None)
-    with pytest.raises(InputError, match=r"name for fits to records.*Give dahl"):
+    with pytest.raises(InputError, match=r"only for fits to records.*Give dahl"):
         route_named("travel").law_and_parameters("dahl-exponent", None)
     way = route_named("rate-state")
     assert way.law_and_parameters("logarithmic", ["friction.*"]) == ("logarithmic", ["friction.*"])
