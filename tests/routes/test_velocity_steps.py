@@ -225,10 +225,8 @@ def test_options_without_effect_are_refused(run, arguments, use):
     command, option, *value = arguments
     code, out, err = run(command, "steps.toml", option, *value)
     assert (code, out) == (2, "")
-    assert (
-        err
-        == f"stickslip: {option} applies to {use}; it has no effect on velocity steps: leave it out.\n"
-    )
+    why = f"applies to {use}; it has no effect on velocity steps: leave it out."
+    assert err == f"stickslip: {option} {why}\n"
 
 
 def test_laws_of_slip_speed_are_refused_and_so_are_those_of_steps_elsewhere(run):
