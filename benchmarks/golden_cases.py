@@ -346,8 +346,11 @@ GOUGE = """
 title = "Sepiolite gouge"
 
 [mechanism]
-type = "axis"
-inertia = 1
+type = "towed-block"
+mass = "1 g"
+stiffness = { value = "1 kN/m", vary = true }
+speed = "0.2 um/s"
+load = "1 N"
 
 [data]
 file = "sepiolite.parquet"
@@ -496,7 +499,9 @@ CASES: tuple[Case, ...] = (
         commands=(
             script("steps"),
             script("rock"),
-            stickslip("fit", "fit gouge.toml --law coulomb", 2),
+            stickslip("refused", "fit gouge.toml --law coulomb", 2),
+            stickslip("fit", "fit gouge.toml"),
+            stickslip("select", "select gouge.toml --laws constant-coefficient,logarithmic"),
         ),
     ),
     Case(

@@ -248,7 +248,7 @@ def test_the_whole_rock_record_has_the_difference_of_its_levels(rock):
     levels = mu[t > 1234.6].mean() - mu[t < 1234.6].mean()
     # the mean after the step holds the rise too, and friction wanders by 3 % of the step there
     assert found.rate.value == pytest.approx(levels / math.log(10.0), rel=0.03)
-    assert any("depends on how much is used" in sentence for sentence in found.sentences)
+    assert any("depends on the length of record" in sentence for sentence in found.sentences)
 
 
 def test_a_fit_is_plain_numbers_and_prints_its_sentences():

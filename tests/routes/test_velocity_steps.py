@@ -141,7 +141,7 @@ def test_the_command_fits_law_and_stiffness(run):
     code, out, err = run("fit", "steps.toml", *LOGARITHMIC, *ONCE)
     assert code == 0, err
     assert "mechanism.stiffness" in out
-    assert "What the velocity steps tell" in out
+    assert "Remarks" in out
     code, out, err = run("fit", "steps.toml", *LOGARITHMIC, "--json", "--starts", "2", "--seed=3")
     assert code == 0, err
     told = json.loads(out)

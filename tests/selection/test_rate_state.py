@@ -226,7 +226,7 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
     assert rock.best.name == "logarithmic"
     assert rock.best.fit.rate.low > 0.0157
     lines = " ".join(rock.words.cannot_tell)
-    assert "depends on how much is used" in lines
+    assert "depends on the length of record" in lines
     assert "only one" in lines
 
 

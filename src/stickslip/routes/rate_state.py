@@ -6,9 +6,16 @@ from typing import final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, Scale, number
+from stickslip.formatting import NO_VALUE, Scale, number, percent
 from stickslip.friction import RateState
-from stickslip.identification import STARTS, VELOCITY_STEPS, RateStateFit, fit_rate_state, serves
+from stickslip.identification import (
+    AGREE,
+    STARTS,
+    VELOCITY_STEPS,
+    RateStateFit,
+    fit_rate_state,
+    serves,
+)
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
@@ -132,10 +139,13 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
         if second is not None:
             lines.append(f"On the second record: {number(second, 2)}")
         agreeing, starts = fit.starts_agreeing, len(fit.found.costs)
-        lines.append(f"Restarts: {agreeing} of {starts} starts end at the least residual")
+        lines.append(
+            f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
+            f" {percent(AGREE)}"
+        )
         return FitSummary(
             lines=[*lines, *fit.remarks],
-            open=("What the velocity steps tell", fit.sentences),
+            open=("Remarks", fit.sentences),
             second=second,
         )
 

@@ -142,18 +142,21 @@ def _verdict(
         return f"No candidate explains this record; the closest is {name}."
     told = f"Use {name}"
     if closest.dropped:
-        told = f"{capital(name)} predicts best, but not all of it is known: {closest.dropped}"
+        told = (
+            f"{capital(name)} predicts best, but not all of its parameters are identified:"
+            f" {closest.dropped}"
+        )
     elif fit.over_scatter > STRUCTURE:
         told = (
-            f"{capital(name)} predicts best, but leaves {ratio(fit.over_scatter)} the scatter of"
-            " neighbouring samples"
+            f"{capital(name)} predicts best, but its residuals are {ratio(fit.over_scatter)} the"
+            " scatter of neighbouring samples"
         )
     elif fit.law.name == "constant-coefficient":
         told += f": no effect of speed is established, and $mu_0$ = {fit.estimates[0].plus_minus}"
     elif rival is not None:
-        told += f"; this record does not tell it from {_law(rival)}"
+        told += f"; this record does not distinguish it from {_law(rival)}"
     if fit.law.evolution != "none" and not fit.separable:
-        return f"{told}. Of $a$ and $b$ only the difference is known."
+        return f"{told}. Only the difference of $a$ and $b$ is identified."
     return f"{told}."
 
 
@@ -161,10 +164,11 @@ def _lede(
     ordered: Sequence[RateStateCandidate], fit: RateStateFit, fault: str, *, by_steps: bool
 ) -> str:
     closest = ordered[0]
-    where = "velocity steps that its fit has not seen" if by_steps else (
-        "parts of the record that its fit has not seen"
-    )  # fmt: skip
-    text = f"Held-out error: {score_of(closest)} of the coefficient, on {where}."
+    where = "velocity steps" if by_steps else "parts of the record"
+    text = (
+        f"Held-out error: {score_of(closest)} (coefficient of friction on held-out {where}, root"
+        " mean square)."
+    )
     if fault:
         text += f" {capital(fault)}."
     if fit.rate.interval != "known":
@@ -172,7 +176,7 @@ def _lede(
     constant = next((one for one in ordered[1:] if one.law is not None and one.law.name
                      == "constant-coefficient" and one.validation), None)  # fmt: skip
     if constant is not None:
-        text += f" A constant coefficient has {score_of(constant)}."
+        text += f" Constant coefficient: {score_of(constant)}."
     return text
 
 
@@ -222,7 +226,7 @@ def _cannot_tell(
     if fit.law.evolution != "none" and not fit.separable:
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
     lines += [f"$D_c$: {e.reason}." for e in fit.estimates if e.path == DISTANCE and e.reason]
-    lines += [line for line in fit.sentences if "depends on how much is used" in line]
+    lines += [line for line in fit.sentences if "depends on the length of record" in line]
     lines += [line for line in fit.sentences if "drifts by" in line]
     if fit.over_scatter > STRUCTURE:
         lines.append(

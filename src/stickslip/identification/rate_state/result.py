@@ -541,8 +541,8 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
         f"{estimated(w.rate, w.half_width)} with {quantity(w.after, 'm')}" for w in windows
     )
     return [
-        f"a - b depends on how much is used after the last step: {told}. The law does not describe"
-        " the whole record; the interval holds for the part used."
+        f"a - b depends on the length of record used after the last step: {told}. The law does not"
+        " describe the whole record; the interval holds for the part used."
     ]
 
 

@@ -276,7 +276,7 @@ def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> 
             slider.edges,
             f"error, {MILLI.unit}",
             chosen=verdict.closest.title,
-            above="each part predicted by a fit that has not seen it",
+            above="each part predicted by a fit to the others",
             below="root mean square of each part",
         ),
         alt=f"Held-out errors over time by {joined(list(series))}",
@@ -322,7 +322,7 @@ def scores_section(verdict: RateStateVerdict) -> Section:
     )
     heading = f"{in_words(len(rows)).capitalize()} candidates, scored on {_held(verdict)}"
     if len(rows) == 1:
-        heading = "One candidate, scored on what its fit has not seen"
+        heading = "One candidate, scored on held-out parts"
     return Section(id="scores", nav="Scores", heading=heading, blocks=(Paragraph(text=how), table))
 
 
