@@ -215,3 +215,9 @@ def test_names_of_laws_for_velocity_steps_say_what_these_are(kind):
     mechanism, record = measured(kind)
     with pytest.raises(InputError, match="rate-and-state is a law for velocity steps"):
         fit(mechanism, "rate-and-state", record)
+
+
+def test_the_route_of_other_measurements_is_refused_by_what_it_is_for() -> None:
+    table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
+    with pytest.raises(InputError, match=r"^route 'travel' applies to travels, not to this"):
+        route_of(table, "travel")

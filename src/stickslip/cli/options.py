@@ -233,7 +233,7 @@ Route = Annotated[
     typer.Option(
         "--route",
         help="Estimation method for records: shooting, force-map,"
-        " inverse-dynamics or features. Default: chosen from the data.",
+        " inverse-dynamics, features or rate-state. Default: chosen from the data.",
     ),
 ]
 Segment = Annotated[

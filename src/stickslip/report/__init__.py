@@ -1,4 +1,4 @@
-"""Reports: self-contained HTML pages, and verdicts as such a page, a JSON document and a rig."""
+"""Reports: self-contained HTML pages, and the sections of which they are made."""
 
 from stickslip.lazy import attach
 

@@ -28,7 +28,7 @@ from stickslip.selection import (
 __all__ = ["FeatureRoute"]
 
 SHORT = {"standard_deviation": "deviation"}
-"""Heads of columns, which are to fit on a terminal of 80 characters."""
+"""Column headings, shortened for a terminal of 80 characters."""
 UNITS = {"frequency": "Hz"}
 """Of features that have one."""
 

@@ -37,7 +37,7 @@ from stickslip.selection import (
 __all__ = ["RateStateRoute"]
 
 COEFFICIENT = Scale(1.0, "")
-"""Errors of a coefficient of friction are no shares of it."""
+"""Errors of a coefficient are absolute, not percentages."""
 
 
 @final

@@ -93,6 +93,8 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     ------
     UnknownNameError
         If no route has that name.
+    InputError
+        If the route of that name is only for other measurements.
 
     Examples
     --------
@@ -105,7 +107,12 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     usual = next(route for route in routes() if route.serves(measurement))
     if asked is None:
         return usual
-    found = route_named(asked.route if isinstance(asked, RouteChoice) else asked)
+    name = asked.route if isinstance(asked, RouteChoice) else asked
+    found = route_named(name)
+    if "route" in usual.uses and "route" not in found.uses:
+        raise InputError(
+            f"route {name!r} applies to {found.measured}, not to this measurement: leave it out."
+        )
     return found if "route" in usual.uses else usual
 
 

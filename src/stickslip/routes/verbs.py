@@ -60,12 +60,13 @@ def fit(
     ----------
     mechanism : Mechanism
         What was measured; trials may override its parameters.
-    law : FrictionLaw, type or str
+    law : FrictionLaw, RateState, type or str
         An instance, whose values are the start and, for parameters that are not varied, the
         assumption; or a type or a name, for which start values are found: in a record, or ordinary
         ones for travels. Names are those of `select`, such as ``"dahl-exponent"`` for records.
     measurement : Measurement
-        Travels, records in time, measured friction, or the force of a spring.
+        Travels, records in time, measured friction, the force of a spring, or velocity steps of a
+        load point.
     vary : str or sequence of str, optional
         Parameters to fit, all others are held: full paths such as ``"mechanism.inertia"``, last
         names that are unique, and patterns with ``*``. ``"friction.*"``, which is all if not given,
@@ -76,8 +77,9 @@ def fit(
     fixed : mapping of str to float, optional
         Values of parameters that are held, of law and mechanism, by the same names.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
-        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
-        by `choose_route` if not given.
+        How the measurement is fitted, or what `choose_route` returned for records, with its
+        settings. If not given, it follows from the quantities measured; of records, `choose_route`
+        chooses.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features use the seed and velocity
         steps the starts and the seed.
@@ -156,11 +158,12 @@ def select(
     laws : mapping, sequence or a single law, or None
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
-        Stribeck, Dahl and LuGre, for records ten, for features of stick-slip those with a step
-        above sliding.
+        Stribeck, Dahl and LuGre; for records eleven; for features of stick-slip those with a step
+        above sliding; for velocity steps four forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
-        friction, measured directly; or one record of the force of a spring that pulls a block.
+        friction, measured directly; or one record of the force of a spring that pulls a block, or
+        of friction under velocity steps of a load point.
     vary : str or sequence of str, optional
         ``"friction.*"``, which is all if not given, for the parameters that `fit` fits of each law
         by default, and parameters of the mechanism to fit too, such as ``"mechanism.inertia"``.
@@ -175,8 +178,9 @@ def select(
     horizon : float, optional
         Length of the stretches that are predicted [s], if not that of the purpose.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
-        How records are fitted, or what `choose_route` returned for them, with its settings; chosen
-        by `choose_route` if not given.
+        How the measurement is fitted, or what `choose_route` returned for records, with its
+        settings. If not given, it follows from the quantities measured; of records, `choose_route`
+        chooses.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
     settings : RecordSettings, optional
@@ -191,8 +195,8 @@ def select(
         compiled. For records, False ends the search with the best so far; what was fitted is still
         judged.
     executor : concurrent.futures.Executor, optional
-        Fits laws to records at the same time, with the same result; processes, since threads gain
-        nothing. A law's residual is then told only when its search ends.
+        Fits laws at the same time, with the same result, except of travels; processes, since
+        threads gain nothing. A law's residual is then reported only when its search ends.
 
     Returns
     -------

@@ -116,7 +116,7 @@ class RateStateCandidate(Candidate[RateStateFit]):
             "parameters": self.parameters,
             "score": judged.score if judged else None,
             "score_error": judged.error if judged else None,
-            "held_out": list(judged.losses) if judged else [],
+            "block_errors": [math.sqrt(x) for x in judged.losses] if judged else [],
             "second_record": self.second,
             "dropped": plain(self.dropped),
             "outcome": plain(self.outcome),
@@ -165,7 +165,7 @@ class RateStateVerdict(Verdict[RateStateCandidate]):
         held = "velocity steps" if self.by_steps else "parts of the record"
         return {
             "scored": f"coefficient of friction after held-out {held}, root mean square",
-            "not_told_from": self.rival or None,
+            "not_distinguished_from": self.rival or None,
             "checks": self.checks.to_dict(),
             "next_measurements": [one.to_dict() for one in self.next_steps],
         }

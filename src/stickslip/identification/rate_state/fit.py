@@ -33,6 +33,7 @@ from stickslip.identification.rate_state.result import (
     rate_of,
     result_of,
 )
+from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments, check_given
 from stickslip.mechanisms import Mechanism, TowedBlock
 
@@ -44,7 +45,7 @@ Drift: TypeAlias = Literal["auto", "none", "linear"]
 STIFFNESS = "mechanism.stiffness"
 CONVENTION = "friction.reference_velocity"
 """The speed at which mu_0 holds: any will do, and none can be fitted."""
-STARTS = 6
+STARTS = RecordSettings().starts
 FEWEST = 50
 """Samples that a fit needs."""
 WORTH = 0.05
