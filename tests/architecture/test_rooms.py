@@ -14,12 +14,17 @@ ROOMS = {path.parent.name for path in ROOT.glob("*/__init__.py")}
 OF_MODULES = {"kernels", "catalogue", "paper"}
 """Rooms whose doors are modules: the text of a kernel's module is what is compiled."""
 FILES = sorted(ROOT.rglob("*.py"))
+TREES = {file: ast.parse(file.read_text(encoding="utf-8")) for file in FILES}
+IMPORTS = {
+    file: [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    for file, tree in TREES.items()
+}
 
 
 def imports_past_a_door(file: Path) -> Iterator[str]:
     """Yield the imports of a file that name a module inside of another room."""
     own = file.relative_to(ROOT).parts[0].removesuffix(".py")
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in IMPORTS[file]:
         if isinstance(node, ast.ImportFrom) and node.module:
             modules = [node.module]
         elif isinstance(node, ast.Import):
@@ -52,7 +57,7 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
         alias.name
         for file in FILES
         if file.relative_to(ROOT).parts[0] != room
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for node in IMPORTS[file]
         if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{room}"
         for alias in node.names
     }

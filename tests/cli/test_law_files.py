@@ -35,6 +35,9 @@ CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.t
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
 """Of the swing of that file [s]."""
 SIX = ("coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl", "lugre")
+LONG = {"dahl", "stribeck"}
+"""Of these, models whose pages take long to draw."""
+
 BLOCK = """
 title = "Own block"
 [mechanism]
@@ -106,7 +109,9 @@ def test_an_author_walks_from_three_travels_to_a_page_of_his_cart(walk):
     assert "<script" not in page
 
 
-@pytest.mark.parametrize("name", SIX)
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in SIX]
+)
 def test_each_of_the_six_models_gets_to_the_page(walk, name):
     text = BLOCK + "".join(TRIAL.format(compression=c, travel=t) for c, t in TRAVELS)
     Path("block.toml").write_text(text)

@@ -257,7 +257,7 @@ def test_fit_prints_what_limits_an_interval_from_a_record(run, tmp_path):
     assert "friction.kinetic_coefficient: The inertia (20 %) contributes more to" in out
 
 
-@pytest.mark.parametrize("name", ["dahl", "dahl-exponent"])
+@pytest.mark.parametrize("name", ["dahl", pytest.param("dahl-exponent", marks=pytest.mark.slow)])
 def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
     # bristles, elastic and perfectly plastic: an exponent well below 1
     t = np.linspace(0.0, 10.0, 500)

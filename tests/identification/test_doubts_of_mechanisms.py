@@ -139,6 +139,7 @@ def test_a_fit_agrees_with_least_squares_that_has_a_row_for_each_uncertainty():
     assert fitted.chi_square == pytest.approx(2.0 * both.cost, rel=2e-2)
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_truth_in_95_of_100_sets():
     """200 made-up sets: of a binomial with 0.95, 99 % lie within 0.91 and 0.985."""
     draw = np.random.default_rng(7)

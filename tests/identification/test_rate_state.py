@@ -374,6 +374,7 @@ def test_forces_at_a_load_give_the_coefficients_and_a_stiffness_in_newtons_per_m
     assert found.estimate("stiffness").value == pytest.approx(found.mechanism.stiffness)
 
 
+@pytest.mark.slow
 def test_a_fit_says_whether_the_mass_could_matter():
     truth = record(law(), noise=3e-4)
     light = fitted(truth, drift="none")

@@ -127,6 +127,7 @@ def test_what_a_spring_holds_is_not_left_to_coast():
         assert any(one.what.startswith("Coast") for one in found) is coasts
 
 
+@pytest.mark.slow
 def test_below_break_away_only_bristles_give_way():
     axis = Axis(inertia=0.1)
     stiff, level = 1e4, 2.0

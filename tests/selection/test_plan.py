@@ -174,6 +174,7 @@ def test_repeats_follow_from_what_the_rival_leaves():
     assert one.uncertainty == pytest.approx(math.sqrt(sheet.repeats * least) / 3.523, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_planned_set_rules_the_rival_out_in_nine_of_ten_cases():
     """25 made-up sets: of a binomial with 0.9, 99 % are 18 or more."""
     draw, ruled_out = np.random.default_rng(3), 0
@@ -401,6 +402,7 @@ def test_a_law_under_which_the_body_creeps_on_is_left_out_and_named():
     assert any("does not bring the body to rest: at t_end = 10 s" in line for line in sheet.remarks)
 
 
+@pytest.mark.slow
 def test_bristles_that_ring_are_at_rest():
     """Dahl's bristles have no damping: the block stops but for micrometres."""
     assert "dahl" in plan(BLOCK, ["coulomb", "dahl"], settings=2).laws
