@@ -31,6 +31,8 @@ ROUTE_QUESTIONS = {"travel", "friction", "spring_force", "shooting", "force-map"
     "series",
     "friction-map",
     "scalars",
+    "rate-state",
+    "pull",
 }
 """Texts that name a route or what it is chosen by."""
 

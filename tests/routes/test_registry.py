@@ -108,7 +108,7 @@ def test_a_route_of_another_package_needs_names_of_its_own(monkeypatch):
         names = ("features",)
 
     monkeypatch.setattr(registry, "plugins", lambda *_: [("other:Other", Other)])
-    with pytest.raises(StickslipError, match=r"other:Other is called .*names of its own"):
+    with pytest.raises(StickslipError, match=r"other:Other is named .*, which is taken: rename it"):
         routes.__wrapped__()
     Other.names = ("other",)
     assert [route.names for route in routes.__wrapped__()][:2] == [("other",), ("features",)]

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -80,7 +79,7 @@ def run(
     found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
     if output is not None and not found.route.simulated:
         raise InputError(
-            f"-o writes a law that `simulate` can run; laws of {found.route.measured} are not"
+            f"--output writes a law that `simulate` can run; laws of {found.route.measured} are not"
             " simulated: use --json."
         )
     checks = _checked(rig, found, asked)
@@ -127,18 +126,19 @@ def _fitted(rig: Rig, found: Inputs) -> Fit:
     law: Law = found.law
     name = law if isinstance(law, str) else law.name
     kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
-    request = FitRequest(
-        mechanism=rig.mechanism,
-        law=kind,
-        measurement=found.measurement,
-        vary=vary,
-        fixed=found.fixed,
-    )
     with watching([name], found) as watch:
         report = partial(watch, name)
         if not found.route.counts_runs:
             report(math.nan)  # what is compiled first takes longer than the first look
-        fitted: Fit = found.route.fit(replace(request, progress=report), found.options)
+        request = FitRequest(
+            mechanism=rig.mechanism,
+            law=kind,
+            measurement=found.measurement,
+            vary=vary,
+            fixed=found.fixed,
+            progress=report,
+        )
+        fitted: Fit = found.route.fit(request, found.options)
         return fitted
 
 

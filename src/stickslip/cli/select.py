@@ -122,7 +122,7 @@ def run(
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:
         note(f"Searches that were stopped early may not have converged: {', '.join(ended)}.")
-    if verdict.best is None or getattr(verdict.best, "dropped", False):
+    if verdict.best is None or verdict.best.dropped:
         note("No law is recommended; the verdict states the reason.")
         raise typer.Exit(NO_LAW)
     if enforce and not _criteria_hold(cast("TravelCandidate | None", verdict.best)):

@@ -46,8 +46,8 @@ def routes() -> tuple[AnyRoute, ...]:
     taken = {name for route in OWN for name in route.names}
     base: type[Any] = Route
     for where, kind in plugins("stickslip.routes", base):
-        if taken.intersection(kind.names):
-            raise StickslipError(f"{where} is called {kind.names}: give it names of its own.")
+        if known := sorted(taken.intersection(kind.names)):
+            raise StickslipError(f"{where} is named {joined(known)}, which is taken: rename it.")
         taken.update(kind.names)
         found.append(kind())
     return (*found, *OWN)

@@ -11,9 +11,9 @@ from stickslip.routes.page import verdict_page
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
-__all__ = ["LAW", "PAGE", "write_report", "write_verdict"]
+__all__ = ["LAW_FILE", "PAGE", "write_report", "write_verdict"]
 
-PAGE, DOCUMENT, LAW = "index.html", "verdict.json", "law.toml"
+PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
 """What is written into a folder."""
 
 
@@ -31,8 +31,9 @@ def write_report(
 
     These are ``index.html``, the report as one page that needs nothing else; ``verdict.json``, all
     that the verdict says as numbers and texts; and ``law.toml``, mechanism and law with their
-    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. Without a law to name
-    there is no ``law.toml``. The command's page of the bundled rig also audits the source paper.
+    fitted values, which `load_rig` reads and ``stickslip simulate`` takes. There is no ``law.toml``
+    without a law to name, nor of laws that are not simulated. The command's page of the bundled rig
+    also audits the source paper.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def write_report(
         digest=digest,
         commands=tuple(commands),
     )
-    there = [name for name in (PAGE, DOCUMENT, LAW) if (folder / name).exists()]
+    there = [name for name in (PAGE, DOCUMENT, LAW_FILE) if (folder / name).exists()]
     if there and not overwrite:
         raise InputError(
             f"{folder / there[0]} already exists: give overwrite=True to replace it, or another"
@@ -132,7 +133,7 @@ def write_verdict(
     files: dict[str, str | bytes] = {DOCUMENT: json_text(content)}
     saved = route_named(verdict.route).simulated
     if saved and verdict.best is not None and verdict.best.fit is not None:
-        files[LAW] = verdict.best.fit.to_toml()
+        files[LAW_FILE] = verdict.best.fit.to_toml()
     write_folder(folder, files)
-    for name in {LAW, PAGE} - set(files):
+    for name in {LAW_FILE, PAGE} - set(files):
         (folder / name).unlink(missing_ok=True)
