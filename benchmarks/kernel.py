@@ -6,6 +6,8 @@ import numpy as np
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels.reducers import happened
+from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of
 from stickslip.solver.drive_schedule import gather
@@ -49,25 +51,24 @@ class Kernel:
         self.t_end = t_end
         self.model = formulate(mechanism, law, slopes=slopes)
         self.runner = runner_of(self.model, compiled=compiled)
-        self.module = self.runner.module
+        self.header = self.runner.header
         self.inputs = gather(mechanism, law, self.model, t_end)
-        self._base = self.runner.working(self.inputs.p, self.inputs.first)
+        self._base = self.runner.working(self.inputs.p)
         for state, value in (start or {}).items():
-            self._base[self.module.Y + self.model.states.index(state)] = value
+            self._base[self.header[Y] + self.model.states.index(state)] = value
         self._fresh = self.runner.whole()
-        self._fresh[self.module.BOOKS] = 1
         self.w, self.whole = self._base.copy(), self._fresh.copy()
         self._tables = [self.runner.flat(self.inputs.table)]
         bounds = self.inputs.bounds if len(self.inputs.bounds) else [0.0]
         self._tables.append(self.runner.flat(bounds))
-        self.log = self.runner.zeros(64 * self.module.ROW_COLUMNS)
-        self.events = self.runner.zeros(64 * self.module.EVENT_COLUMNS)
+        self.log = self.runner.zeros(64 * self.header[ROW_COLUMNS])
+        self.events = self.runner.zeros(64 * EVENT_COLUMNS)
 
     def run(self, tolerance: float) -> "Kernel":
         """Run from time 0 to the end; the record stays here until the next run."""
         self.w[:] = self._base
         self.whole[:] = self._fresh
-        self.log, self.events = self.module.enter_run(
+        self.log, self.events = self.runner.kernels.enter_run(
             self.w, self.whole, *self._tables, self.t_end, tolerance,
             self.inputs.time_scale / 6.0, LIMIT, self.log, self.events,
         )  # fmt: skip
@@ -75,19 +76,20 @@ class Kernel:
 
     def steps(self) -> int:
         """Return the steps of the last run, rejected ones included."""
-        return int(self.whole[self.module.STEPS] + self.whole[self.module.REJECTED])
+        return int(self.whole[STEPS] + self.whole[REJECTED])
 
     def final(self) -> list[float]:
         """Return the last state."""
-        return [float(self.w[self.module.Y + i]) for i in range(len(self.model.states))]
+        return [float(self.w[self.header[Y] + i]) for i in range(len(self.model.states))]
 
     def changes(self) -> list[float]:
         """Return the times of the physical events of the last run."""
-        names, width = reasons(self.model), self.module.EVENT_COLUMNS
+        names, width = reasons(self.model), EVENT_COLUMNS
+        events, whole = list(self.events), list(self.whole)
         return [
             float(self.events[i * width])
-            for i in range(int(self.whole[self.module.EVENTS]))
-            if names[self.module.happened(self.events, i)] is not None
+            for i in range(int(self.whole[EVENTS]))
+            if names[happened(events, i, whole)] is not None
         ]
 
     def states(self, times: Sequence[float]) -> np.ndarray:
@@ -95,33 +97,33 @@ class Kernel:
         n, width = len(self.model.states), len(times)
         states, rows = self.runner.zeros(n * width), self.runner.zeros(width)
         forces = self.runner.zeros(2 * width)
-        self.module.enter_play(
-            self.log, int(self.whole[self.module.STEPS]), self.runner.vector(times),
-            self._tables[0], self.runner.working(self.inputs.p, self.inputs.first),
-            states, forces, rows,
+        self.runner.kernels.enter_play(
+            self.log, int(self.whole[STEPS]), self.runner.vector(times),
+            self._tables[0], self.runner.working(self.inputs.p),
+            self.runner.whole(), states, forces, rows,
         )  # fmt: skip
         return np.reshape(states, (width, n)).T
 
     def change(self, path: str, value: float) -> None:
         """Set a parameter of the mechanism or the law, not of a drive, for the next runs."""
-        self._base[self.inputs.first + self.model.parameter_paths.index(path)] = value
+        self._base[self.model.sizes.first_parameter + self.model.parameter_paths.index(path)] = value
 
     def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return what gives the sensitivities (states, paths) at the end of the last run."""
         table = self.inputs.table[None, :]
         along = directions_of(*self.pair, paths, {}, table, self.t_end)
         flat, shape = self.runner.flat, along.start.shape
-        w = working(self.runner, self.runner.working(self.inputs.p, self.inputs.first), along)
+        w = working(self.runner, self.runner.working(self.inputs.p), along)
         fresh = w.copy()
         out, end = self.runner.zeros(along.start.size), self.runner.vector([self.t_end])
         slopes, own = flat(along.table), flat(along.own)
 
         def sense() -> np.ndarray:
             w[:] = fresh
-            self.module.enter_sense(
-                self.log, int(self.whole[self.module.STEPS]), self.events,
-                int(self.whole[self.module.EVENTS]), end, self._tables[0], slopes, own,
-                along.quantities, w, out,
+            self.runner.kernels.enter_sense(
+                self.log, int(self.whole[STEPS]), self.events,
+                int(self.whole[EVENTS]), end, self._tables[0], slopes, own,
+                along.quantities, w, self.runner.whole(), out,
             )  # fmt: skip
             return np.reshape(out, shape)
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import symengine as se
 
 from stickslip.formulation.trace import collapsed, has_switch
+from stickslip.kernels.state_layout import NUMBERS
 
 __all__ = ["Case", "function"]
 
@@ -32,8 +33,8 @@ NAMED = {
 def function(name: str, cases: Mapping[int | None, Case]) -> str:
     """Return the text of a function that reads the vector ``w`` and writes expressions to it.
 
-    Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at the beginning; the
-    results go to the place ``to`` and after it.
+    Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after
+    it; the results go to the place ``to`` and after it.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ class _Body:
         names = {str(s) for e in expressions for s in e.free_symbols}
         for name in sorted(names, key=lambda n: (n[0], len(n), n)):
             if name[0] in "yp" and name[1:].isdigit():
-                place = name[1:] if name[0] == "p" else f"at + {name[1:]}"
+                place = NUMBERS + int(name[1:]) if name[0] == "p" else f"at + {name[1:]}"
                 self.line(f"{name} = w[{place}]")
 
     def write(self, texts: Sequence[str]) -> None:

@@ -1,6 +1,5 @@
 """A law and a mechanism joined: the text of their equations, and what its numbers mean."""
 
-import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,18 +14,11 @@ from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equa
 from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
+from stickslip.kernels.header import Sizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
-
-FEW_PARAMETERS = 32
-FEW_SWITCHES = 3
-"""Room for parameters and for switches is a multiple of these: few kernels serve all laws."""
-
-
-def _rounded(number: int, step: int) -> int:
-    return step * math.ceil(number / step)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,16 +27,14 @@ class Model:
 
     title: str
     """Mechanism and law in words."""
-    shape: str
-    """Program text: the constants on which the kernels depend."""
+    sizes: Sizes
+    """How much of everything it has, for the vectors of a run."""
     text: str
     """Program text: the functions that the kernels call."""
     states: tuple[str, ...]
     """Names of the states, coordinates before rates before bristles."""
     parameter_paths: tuple[str, ...]
     """Paths of the parameters in their order."""
-    first_parameter: int
-    """Place of the first parameter in the vector of a run."""
     drives: tuple[str, ...]
     """Names of the drives; each owns three places at the beginning: value, slope, start."""
     has_slopes: bool
@@ -134,15 +124,13 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
     """Trace and derive; write the text."""
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
-    room = _rounded(len(board.switches), FEW_SWITCHES)
     quantities = _quantities(symbols, index.values()) if slopes else []
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
-        shape=_shape(symbols, mechanics, modes, room, max(index.values(), default=0) + 1),
-        text=_text(symbols, mechanics, modes, list(board.switches.values()), room, quantities),
+        sizes=_sizes(symbols, mechanics, modes, len(board.switches), len(index)),
+        text=_text(symbols, mechanics, modes, list(board.switches.values()), quantities),
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
-        first_parameter=min(index.values(), default=0),
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
@@ -214,13 +202,12 @@ def _text(
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
     switches: list[Switch],
-    room: int,
     quantities: list[se.Symbol],
 ) -> str:
     """Write the module's own part: what the kernels find under these names."""
     y, t, closed = symbols.states, symbols.t, symbols.closed
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
-    guards = _guards(mechanics, modes, room, closed)
+    guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
     margins = [closed(s.margin) for s in switches]
 
@@ -240,13 +227,12 @@ def _text(
         each("contact", lambda m: [closed(e) for e in _contact(modes[m])]),
         each("power", lambda m: [closed(e) for e in modes[m].power]),
         same("energy", [mechanics.energy]),
-        same("margins", margins + [se.Integer(0)] * (room - len(margins))),
+        same("margins", margins),
         same("diagram", _diagram(symbols, mechanics, closed)),
         same("rest", _rest(symbols, modes)),
         same("walls", mechanics.wall_rows()),
     ]
     if quantities:
-        parts.append(f"QUANTITIES = {len(quantities)}\n")
         parts.append(each("field_slopes", lambda m: _slopes(rates[m], quantities)))
         parts.append(each("guard_parameters", lambda m: _slopes(guards[m], quantities)))
     return "\n\n".join(parts)
@@ -255,13 +241,13 @@ def _text(
 def _guards(
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
-    room: int,
+    switches: int,
     closed: Callable[[se.Expr], se.Expr],
 ) -> dict[Mode, list[se.Expr]]:
     """Return the guards of each mode in the order of their indices, the walls' last."""
     limits = _limits(modes)
     return {
-        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + room)]
+        mode: [closed(equations.guards.get(i, se.Integer(0))) for i in range(SWITCH + switches)]
         + [closed(equations.limits.get(name, se.Integer(0))) for name in limits]
         + wall_guards(mechanics.walls, mechanics.slip, int(mode))
         for mode, equations in modes.items()
@@ -289,32 +275,27 @@ def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Cas
     return [e.diff(symbol) for e in expressions for symbol in symbols]
 
 
-def _shape(
+def _sizes(
     symbols: _Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
-    room: int,
-    size: int,
-) -> str:
-    values = {
-        "N_STATES": len(symbols.states),
-        "N_COORDINATES": len(symbols.coordinates),
-        "N_GUARDS": SWITCH + room + len(_limits(modes)) + len(mechanics.walls),
-        "N_SWITCHES": room,
-        "N_LIMITS": len(_limits(modes)),
-        "N_CHANNELS": len(mechanics.efforts),
-        "N_WALLS": len(mechanics.walls),
-        "WALL_COORDINATES": (*[wall.coordinate for wall in mechanics.walls], 0),
-        "WALL_SIDES": (*[wall.side for wall in mechanics.walls], 0),
-        "N_DRIVES": len(symbols.drives),
-        "SLIP": len(symbols.coordinates) + mechanics.slip,
-        "PARAMETER_ROOM": _rounded(size + 1, FEW_PARAMETERS),
-        "CAN_STICK": Mode.STICK in modes,
-        "CAN_LIFT": any(LIFT_OFF in equations.guards for equations in modes.values()),
-        "HAS_BRISTLES": bool(symbols.bristles),
-        "REST_IS_FINAL": _rest_is_final(symbols, modes),
-    }
-    return "\n".join(f"{name} = {value}" for name, value in values.items()) + "\n"
+    switches: int,
+    parameters: int,
+) -> Sizes:
+    return Sizes(
+        coordinates=len(symbols.coordinates),
+        bristles=len(symbols.bristles),
+        slip=len(symbols.coordinates) + mechanics.slip,
+        switches=switches,
+        limits=len(_limits(modes)),
+        channels=len(mechanics.efforts),
+        drives=len(symbols.drives),
+        parameters=parameters,
+        walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
+        can_stick=Mode.STICK in modes,
+        can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),
+        rest_is_final=_rest_is_final(symbols, modes),
+    )
 
 
 def _diagram(

@@ -1,18 +1,20 @@
 """Many runs one after the other, of each of which some numbers are kept."""
 
-from stickslip.kernels.backend import Vector, vector
+from stickslip.kernels.backend import Vector, Wholes, vector
 from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.driver import run
-from stickslip.kernels.model_interface import N_STATES, energy
+from stickslip.kernels.model_interface import energy
 from stickslip.kernels.reducers import reduced
 from stickslip.kernels.sensitivities import columns_at, sense
 from stickslip.kernels.state_layout import (
     BOOKS,
     END,
     EVENTS,
-    FLAGS,
     GROSS,
     LOST,
+    N_STATES,
+    NUMBERS,
+    POLYNOMIAL,
     REACHED,
     REJECTED,
     RESIDUAL,
@@ -37,7 +39,7 @@ EVIDENCE = 5
 
 
 def prepare_row(
-    row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Vector
+    row: int, columns: Vector, places: Vector, base: Vector, w: Vector, whole: Wholes
 ) -> None:
     """Set the vectors of a run back, with the numbers of one row in their places.
 
@@ -46,9 +48,14 @@ def prepare_row(
     FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, REACHED, LOWEST, MODE,
     FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
     """
-    for i in range(STAGES):
+    stages = whole[STAGES]
+    reached = whole[REACHED]
+    slopes = whole[SLOPES]
+    for i in range(POLYNOMIAL):
         w[i] = base[i]
-    for i in range(REACHED, SLOPES):
+    for i in range(NUMBERS, stages):
+        w[i] = base[i]
+    for i in range(reached, slopes):
         w[i] = 0.0
     for i in range(len(places)):
         w[int(places[i])] = columns[row * len(places) + i]
@@ -58,29 +65,33 @@ def prepare_row(
     whole[BOOKS] = books
 
 
-def energy_of(flags: int, t: float, w: Vector) -> float:
+def energy_at(t: float, w: Vector, whole: Wholes) -> float:
     """Return the energy of the state in Y.
 
     Reads: Y.
     Writes: VALUES.
     """
-    energy(0, flags, t, w, Y, VALUES)
-    return w[VALUES]
+    values = whole[VALUES]
+    energy(t, w, whole, whole[Y], values)
+    return w[values]
 
 
 def keep_evidence(
-    at: int, w: Vector, whole: Vector, table: Vector, log: Vector, evidence: Vector
+    at: int, w: Vector, whole: Wholes, table: Vector, log: Vector, evidence: Vector
 ) -> None:
     """Write how far the run may be trusted, and keep its last state.
 
     Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, FLAGS, STEPS, REJECTED.
     Writes: drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE.
     """
-    for i in range(N_STATES):
-        w[END + i] = w[Y + i]
-    last = energy_of(int(whole[FLAGS]), w[TIME], w)
-    restore(log, 0, table, w)
-    first = energy_of(int(log[4]), log[0], w)
+    n = whole[N_STATES]
+    end = whole[END]
+    y = whole[Y]
+    for i in range(n):
+        w[end + i] = w[y + i]
+    last = energy_at(w[TIME], w, whole)
+    restore(log, 0, table, w, whole)
+    first = energy_at(log[0], w, whole)
     size = max(abs(first), abs(last), w[GROSS])
     mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
     evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
@@ -104,7 +115,7 @@ def batch_row(
     rtol: float,
     limit: int,
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     log: Vector,
     events: Vector,
     results: Vector,
@@ -147,7 +158,7 @@ def batch(
     rtol: float,
     limit: int,
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     log: Vector,
     events: Vector,
     results: Vector,
@@ -225,7 +236,7 @@ def sense_end(
     own: Vector,
     q: int,
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     log: Vector,
     events: Vector,
     gradients: Vector,
@@ -240,14 +251,14 @@ def sense_end(
     columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
     """
     size = len(starts)
-    first = columns_at(0, q, len(own))
+    first = columns_at(0, q, len(own), whole)
     for i in range(size):
         w[first + i] = starts[i]
-    steps = int(whole[STEPS])
+    steps = whole[STEPS]
     end = vector(1)
-    end[0] = log[(steps - 1) * ROW_COLUMNS + 1]
+    end[0] = log[(steps - 1) * whole[ROW_COLUMNS] + 1]
     found = vector(size)
-    sense(log, steps, events, int(whole[EVENTS]), end, table, slopes, own, q, w, found)
+    sense(log, steps, events, whole[EVENTS], end, table, slopes, own, q, w, whole, found)
     for i in range(size):
         gradients[row * size + i] = found[i]
 
@@ -255,7 +266,7 @@ def sense_end(
 def batch_sensed(
     count: int, columns: Vector, places: Vector, base: Vector, tables: Vector, bounds: Vector,
     caps: Vector, outputs: Vector, arguments: Vector, t_end: float, rtol: float, limit: int,
-    w: Vector, whole: Vector, log: Vector, events: Vector, results: Vector, statuses: Vector,
+    w: Vector, whole: Wholes, log: Vector, events: Vector, results: Vector, statuses: Vector,
     evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int, gradients: Vector,
 ) -> None:  # fmt: skip
     """Run all rows as `batch` does, and take the sensitivities at their ends.

@@ -1,11 +1,16 @@
 """A recorded run at any times: its rows hold all that is needed."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
-from stickslip.kernels.model_interface import N_CHANNELS, N_DRIVES, N_STATES, contact
+from stickslip.kernels.model_interface import contact
 from stickslip.kernels.state_layout import (
     DENSE,
+    FLAGS,
+    MODE,
+    N_CHANNELS,
+    N_DRIVES,
+    N_STATES,
     POINT,
     ROW_COLUMNS,
     ROW_DENSE,
@@ -18,7 +23,7 @@ from stickslip.kernels.taylor_series import series_fill
 __all__ = ["piece_at", "play", "restore", "row_at"]
 
 
-def row_at(log: Vector, count: int, t: float) -> int:
+def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
     """Return the last row that begins at or before a time.
 
     Parameters
@@ -29,24 +34,27 @@ def row_at(log: Vector, count: int, t: float) -> int:
         Number of rows of steps.
     t : float
         Time [s].
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         Index of the row; 0 before the first one begins.
     """
+    width = whole[ROW_COLUMNS]
     low = 0
     high = count
     while high - low > 1:
         middle = (low + high) // 2
-        if log[middle * ROW_COLUMNS] <= t:
+        if log[middle * width] <= t:
             low = middle
         else:
             high = middle
     return low
 
 
-def piece_at(table: Vector, first: int, t: float) -> int:
+def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
     """Return the piece of the drives that holds at a time, `first` or a later one.
 
     Parameters
@@ -57,23 +65,25 @@ def piece_at(table: Vector, first: int, t: float) -> int:
         Index of a piece that has begun.
     t : float
         Time [s].
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         Index of the piece.
     """
-    width = 1 + 3 * N_DRIVES
+    width = 1 + 3 * whole[N_DRIVES]
     piece = first
     while (piece + 1) * width < len(table) and table[(piece + 1) * width] <= t:
         piece += 1
     return piece
 
 
-def restore(log: Vector, row: int, table: Vector, w: Vector) -> None:
-    """Bring back the start of a row in Y, its dense output, and the piece of its drives.
+def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
 
     Parameters
     ----------
@@ -85,16 +95,23 @@ def restore(log: Vector, row: int, table: Vector, w: Vector) -> None:
         For each piece of the drives its start, then value, slope and start of each drive.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
-    at = row * ROW_COLUMNS
-    load_piece(table, int(log[at + 5]), w)
-    for i in range(N_STATES):
-        w[Y + i] = log[at + ROW_DENSE + 1 + i]
+    n = whole[N_STATES]
+    y = whole[Y]
+    dense = whole[DENSE]
+    at = row * whole[ROW_COLUMNS]
+    whole[MODE] = int(log[at + 3])
+    whole[FLAGS] = int(log[at + 4])
+    load_piece(table, int(log[at + 5]), w, whole)
+    for i in range(n):
+        w[y + i] = log[at + ROW_DENSE + 1 + i]
     if log[at + ROW_DENSE] > 0.0:
-        series_fill(int(log[at + 3]), int(log[at + 4]), log[at], log[at + 2], w, Y)
+        series_fill(log[at], log[at + 2], w, whole, y)
     else:
-        for i in range(1 + (TERMS + 1) * N_STATES):
-            w[DENSE + i] = log[at + ROW_DENSE + i]
+        for i in range(1 + (TERMS + 1) * n):
+            w[dense + i] = log[at + ROW_DENSE + i]
 
 
 def play(
@@ -103,6 +120,7 @@ def play(
     times: Vector,
     table: Vector,
     w: Vector,
+    whole: Wholes,
     states: Vector,
     forces: Vector,
     rows: Vector,
@@ -125,6 +143,8 @@ def play(
         For each piece of the drives its start, then value, slope and start of each drive.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     states : array (n N_STATES,)
         Written: states at each time.
     forces : array (n (2 + N_CHANNELS),)
@@ -132,27 +152,32 @@ def play(
     rows : array (n,)
         Written: index of the row that each time lies in.
     """
+    width = whole[ROW_COLUMNS]
+    point = whole[POINT]
+    values = whole[VALUES]
+    n = whole[N_STATES]
+    channels = whole[N_CHANNELS]
     row = -1
     piece = 0
     for i in range(len(times)):
         t = times[i]
         here = row
-        if row < 0 or t < log[row * ROW_COLUMNS] or not t < log[row * ROW_COLUMNS + 1]:
-            here = row_at(log, count, t)
-        at = here * ROW_COLUMNS
+        if row < 0 or t < log[row * width] or not t < log[row * width + 1]:
+            here = row_at(log, count, t, whole)
+        at = here * width
         if here != row or t < times[i - 1]:
             piece = int(log[at + 5])
         if here != row:
             row = here
-            restore(log, row, table, w)
-        interpolate(w, (t - log[at]) / log[at + 2], POINT)
-        piece = piece_at(table, piece, t)
-        load_piece(table, piece, w)
-        contact(int(log[at + 3]), int(log[at + 4]), t, w, POINT, VALUES)
-        for j in range(N_STATES):
-            states[i * N_STATES + j] = w[POINT + j]
-        forces[(2 + N_CHANNELS) * i] = w[VALUES]
-        forces[(2 + N_CHANNELS) * i + 1] = w[VALUES + 1]
-        for j in range(N_CHANNELS):
-            forces[(2 + N_CHANNELS) * i + 2 + j] = w[VALUES + 4 + j]
+            restore(log, row, table, w, whole)
+        interpolate(w, whole, (t - log[at]) / log[at + 2], point)
+        piece = piece_at(table, piece, t, whole)
+        load_piece(table, piece, w, whole)
+        contact(t, w, whole, point, values)
+        for j in range(n):
+            states[i * n + j] = w[point + j]
+        forces[(2 + channels) * i] = w[values]
+        forces[(2 + channels) * i + 1] = w[values + 1]
+        for j in range(channels):
+            forces[(2 + channels) * i + 2 + j] = w[values + 4 + j]
         rows[i] = row

@@ -4,14 +4,13 @@ Its first entry is the number of terms of a power series, or 0 for the nested fo
 steppers, y0 + x (F0 + (1 - x) (F1 + x (F2 + (1 - x) (F3 + x (F4 + (1 - x) (F5 + x F6)))))).
 """
 
-from stickslip.kernels.backend import Vector
-from stickslip.kernels.model_interface import N_STATES
-from stickslip.kernels.state_layout import DENSE
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.state_layout import DENSE, N_STATES
 
 __all__ = ["interpolate"]
 
 
-def interpolate(w: Vector, x: float, to: int) -> None:
+def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
     """Evaluate the step at the fraction `x` of its length.
 
     Reads: DENSE.
@@ -21,16 +20,19 @@ def interpolate(w: Vector, x: float, to: int) -> None:
     ----------
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     x : float
         Fraction of the length, 0 to 1.
     to : int
         Place in `w` of the states (N_STATES,).
     """
-    n = N_STATES
-    terms = int(w[DENSE])
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    terms = int(w[dense])
     if terms > 0:
         for i in range(n):
-            at = DENSE + 1 + i
+            at = dense + 1 + i
             value = w[at + terms * n]
             for k in range(terms - 1, -1, -1):
                 value = value * x + w[at + k * n]
@@ -38,7 +40,7 @@ def interpolate(w: Vector, x: float, to: int) -> None:
         return
     rest_of_step = 1.0 - x
     for i in range(n):
-        at = DENSE + 1 + i
+        at = dense + 1 + i
         value = w[at + 7 * n] * x + w[at + 6 * n]
         value = value * rest_of_step + w[at + 5 * n]
         value = value * x + w[at + 4 * n]

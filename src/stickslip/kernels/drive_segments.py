@@ -2,14 +2,25 @@
 
 import math
 
-from stickslip.kernels.backend import Vector
-from stickslip.kernels.model_interface import N_DRIVES, REST_IS_FINAL, rest
-from stickslip.kernels.state_layout import FLAGS, GIVEN, MODE, PIECE, TIME, VALUES, Y
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.model_interface import REST, evaluate
+from stickslip.kernels.state_layout import (
+    FLAGS,
+    GIVEN,
+    MODE,
+    N_DRIVES,
+    NUMBERS,
+    PIECE,
+    REST_IS_FINAL,
+    TIME,
+    VALUES,
+    Y,
+)
 
 __all__ = ["enter_pieces", "load_piece", "next_stop", "rests_for_good"]
 
 
-def load_piece(table: Vector, row: int, w: Vector) -> None:
+def load_piece(table: Vector, row: int, w: Vector, whole: Wholes) -> None:
     """Put one row of the drives' table where the equations read it.
 
     Writes: drives.
@@ -22,13 +33,16 @@ def load_piece(table: Vector, row: int, w: Vector) -> None:
         Index of the piece.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
-    width = 1 + 3 * N_DRIVES
-    for i in range(3 * N_DRIVES):
-        w[i] = table[row * width + 1 + i]
+    n_drives = whole[N_DRIVES]
+    width = 1 + 3 * n_drives
+    for i in range(3 * n_drives):
+        w[NUMBERS + i] = table[row * width + 1 + i]
 
 
-def next_stop(table: Vector, t_end: float, whole: Vector) -> float:
+def next_stop(table: Vector, t_end: float, whole: Wholes) -> float:
     """Return the start of the next piece of the drives, or the end.
 
     Reads: PIECE.
@@ -47,12 +61,12 @@ def next_stop(table: Vector, t_end: float, whole: Vector) -> float:
     float
         Time up to which the drives are lines [s].
     """
-    width = 1 + 3 * N_DRIVES
-    following = (int(whole[PIECE]) + 1) * width
+    width = 1 + 3 * whole[N_DRIVES]
+    following = (whole[PIECE] + 1) * width
     return min(table[following], t_end) if following < len(table) else t_end
 
 
-def enter_pieces(table: Vector, w: Vector, whole: Vector) -> None:
+def enter_pieces(table: Vector, w: Vector, whole: Wholes) -> None:
     """Load the piece of the drives that holds now.
 
     Reads: TIME, PIECE.
@@ -67,15 +81,15 @@ def enter_pieces(table: Vector, w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    width = 1 + 3 * N_DRIVES
-    while (int(whole[PIECE]) + 1) * width < len(table) and (
-        table[(int(whole[PIECE]) + 1) * width] <= w[TIME]
+    width = 1 + 3 * whole[N_DRIVES]
+    while (whole[PIECE] + 1) * width < len(table) and (
+        table[(whole[PIECE] + 1) * width] <= w[TIME]
     ):
         whole[PIECE] += 1
-    load_piece(table, int(whole[PIECE]), w)
+    load_piece(table, whole[PIECE], w, whole)
 
 
-def rests_for_good(w: Vector, whole: Vector, bounds: Vector) -> bool:
+def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
     """Whether no drive can move the held body any more, nor pull it off its stop.
 
     `bounds` has least and largest value of each drive from the start of each piece on.
@@ -97,17 +111,21 @@ def rests_for_good(w: Vector, whole: Vector, bounds: Vector) -> bool:
     bool
         Whether the body stays to the end of the run.
     """
-    if not REST_IS_FINAL or abs(whole[MODE]) == 1:
+    n_drives = whole[N_DRIVES]
+    given = whole[GIVEN]
+    y = whole[Y]
+    values = whole[VALUES]
+    if not whole[REST_IS_FINAL] or abs(whole[MODE]) == 1:
         return False
     side = 0.5 * whole[MODE]
-    for corner in range(1 << N_DRIVES):
-        for k in range(N_DRIVES):
-            at = (int(whole[PIECE]) * N_DRIVES + k) * 2 + ((corner >> k) & 1)
-            w[GIVEN + k] = bounds[at]
+    for corner in range(1 << n_drives):
+        for k in range(n_drives):
+            at = (whole[PIECE] * n_drives + k) * 2 + ((corner >> k) & 1)
+            w[given + k] = bounds[at]
             if not abs(bounds[at]) < math.inf:
                 return False
-        rest(0, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-        pull = abs(w[VALUES]) if side == 0.0 else -side * w[VALUES]
-        if pull > w[VALUES + 1] or w[VALUES + 2] < 0.0:
+        evaluate(REST, 0, whole[FLAGS], w[TIME], w, y, values)
+        pull = abs(w[values]) if side == 0.0 else -side * w[values]
+        if pull > w[values + 1] or w[values + 2] < 0.0:
             return False
     return True

@@ -2,23 +2,25 @@
 
 import math
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
-from stickslip.kernels.hard_stops import FIRST_LIMIT
 from stickslip.kernels.mode_transitions import handle_event, initial_mode, settle, turn_switches
-from stickslip.kernels.model_interface import N_GUARDS, N_STATES, N_SWITCHES
 from stickslip.kernels.state_layout import (
     BOOKS,
     DENSE,
     DENSE_SIZE,
     EVENT_COLUMNS,
     EVENTS,
+    FIRST_LIMIT,
     FRACTION,
     LENGTH,
     LOWEST,
+    MOST_EVENTS,
+    N_GUARDS,
+    N_STATES,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -35,20 +37,20 @@ from stickslip.kernels.stepper_selection import choose_stepper
 __all__ = ["run"]
 
 
-MOST_EVENTS = 4 + N_SWITCHES * N_SWITCHES
-"""Events that one step may have at most."""
-
-
-def stay(end: float, w: Vector, whole: Vector, log: Vector) -> None:
+def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
     """Record a body that stays where it is up to a time.
 
     Reads: TIME, Y, MODE, FLAGS, PIECE, STEPS.
     Writes: LENGTH, DENSE, STEPS.
     """
-    for i in range(DENSE_SIZE):
-        w[DENSE + i] = 0.0
-    for i in range(N_STATES):
-        w[DENSE + 1 + i] = w[Y + i]
+    dense_size = whole[DENSE_SIZE]
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    y = whole[Y]
+    for i in range(dense_size):
+        w[dense + i] = 0.0
+    for i in range(n):
+        w[dense + 1 + i] = w[y + i]
     w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
     record(log, end, w, whole)
 
@@ -58,7 +60,7 @@ def finish_step(
     stop: float,
     t_end: float,
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     table: Vector,
     log: Vector,
     events: Vector,
@@ -78,7 +80,7 @@ def finish_step(
         record(log, start, w, whole)
     close_step(guard, stop, w, whole)
     if w[FRACTION] > 0.0:
-        log[(int(whole[STEPS]) - 1) * ROW_COLUMNS + 1] = w[TIME]
+        log[(whole[STEPS] - 1) * whole[ROW_COLUMNS] + 1] = w[TIME]
     if guard != NO_GUARD:
         handle_event(guard, w, whole, events)
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
@@ -87,31 +89,33 @@ def finish_step(
         enter_pieces(table, w, whole)
         turn_switches(w, whole, events)
         settle(w, whole, events)
-    elif whole[STATUS] == RUNNING and SWITCH <= guard < FIRST_LIMIT:
+    elif whole[STATUS] == RUNNING and SWITCH <= guard < whole[FIRST_LIMIT]:
         settle(w, whole, events)  # what a switch stands for may jump with it
     if guard != NO_GUARD or w[TIME] >= stop:
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
-def begin(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
+def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
     Writes: drives, STEP, STRIDE, GROSS, LOST, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
     DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW.
     """
+    n_guards = whole[N_GUARDS]
+    lowest = whole[LOWEST]
     enter_pieces(table, w, whole)
     initial_mode(w, whole)
     settle(w, whole, events)
-    first_sizes(w[TIME], t_end, w)
-    for i in range(N_GUARDS):
-        w[LOWEST + i] = math.inf
+    first_sizes(w[TIME], t_end, w, whole)
+    for i in range(n_guards):
+        w[lowest + i] = math.inf
     w[STEP] = 0.0
     w[STRIDE] = math.inf
     choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
-def go_on(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector) -> None:
+def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
     Reads: TIME, STEP, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, PIECE, STEPS, EVENTS, STALLS,
@@ -128,7 +132,7 @@ def go_on(table: Vector, t_end: float, w: Vector, whole: Vector, events: Vector)
 
 def run(
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     table: Vector,
     bounds: Vector,
     t_end: float,
@@ -180,15 +184,17 @@ def run(
     (array, array)
         The rows of steps and the rows of events; STEPS and EVENTS tell how many there are.
     """
+    width = whole[ROW_COLUMNS]
+    most_events = whole[MOST_EVENTS]
     if whole[STATUS] == END_TIME:
         go_on(table, t_end, w, whole, events)
     else:
         begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
-        if (int(whole[STEPS]) + 2) * ROW_COLUMNS > len(log):  # one of the step, one of its end
+        if (whole[STEPS] + 2) * width > len(log):  # one of the step, one of its end
             log = longer(log)
         # of the step, of a jump and what it switches, and a limit after each
-        while (int(whole[EVENTS]) + MOST_EVENTS) * EVENT_COLUMNS > len(events):
+        while (whole[EVENTS] + most_events) * EVENT_COLUMNS > len(events):
             events = longer(events)
         if rests_for_good(w, whole, bounds):
             stay(t_end, w, whole, log)

@@ -1,9 +1,18 @@
 """What errors are judged against: the sizes that the states have had in the run."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.mode_transitions import set_flags
-from stickslip.kernels.model_interface import N_COORDINATES, N_STATES, SLIP, field
-from stickslip.kernels.state_layout import POINT, SCALE, VALUES, Y1, Y
+from stickslip.kernels.model_interface import FIELD, evaluate
+from stickslip.kernels.state_layout import (
+    N_COORDINATES,
+    N_STATES,
+    POINT,
+    SCALE,
+    SLIP,
+    VALUES,
+    Y1,
+    Y,
+)
 
 __all__ = ["first_sizes", "size_of"]
 
@@ -11,7 +20,7 @@ LEAST = 1e-9
 """Least speed that counts, over that which the contact's own force gives in the time of the run."""
 
 
-def first_sizes(t: float, t_end: float, w: Vector) -> None:
+def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start.
 
     A body at rest has no speed to compare with. Where friction falls steeply from rest, it leaves
@@ -29,20 +38,28 @@ def first_sizes(t: float, t_end: float, w: Vector) -> None:
         End of the run [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
-    for i in range(N_STATES):
-        w[SCALE + i] = abs(w[Y + i])
-        w[POINT + i] = w[Y + i]
-    w[POINT + SLIP] = 0.0
-    flags = set_flags(t, w, POINT, 0)
-    field(1, flags, t, w, POINT, VALUES)
-    forward = w[VALUES + SLIP]
-    field(-1, flags, t, w, POINT, VALUES)
-    floor = LEAST * 0.5 * abs(forward - w[VALUES + SLIP]) * (t_end - t)
-    w[SCALE + SLIP] = max(w[SCALE + SLIP], floor)
+    n = whole[N_STATES]
+    scale = whole[SCALE]
+    y = whole[Y]
+    point = whole[POINT]
+    slip = whole[SLIP]
+    values = whole[VALUES]
+    for i in range(n):
+        w[scale + i] = abs(w[y + i])
+        w[point + i] = w[y + i]
+    w[point + slip] = 0.0
+    flags = set_flags(t, w, whole, point, 0)
+    evaluate(FIELD, 1, flags, t, w, point, values)
+    forward = w[values + slip]
+    evaluate(FIELD, -1, flags, t, w, point, values)
+    floor = LEAST * 0.5 * abs(forward - w[values + slip]) * (t_end - t)
+    w[scale + slip] = max(w[scale + slip], floor)
 
 
-def size_of(i: int, h: float, w: Vector) -> float:
+def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return what an error of state `i` in a step is judged against.
 
     Reads: Y, Y1, SCALE.
@@ -55,13 +72,17 @@ def size_of(i: int, h: float, w: Vector) -> float:
         Length of the step [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     float
         Size, in the unit of the state; 0 if it has had none.
     """
-    size = max(w[SCALE + i], abs(w[Y + i]), abs(w[Y1 + i]))
-    if i < N_COORDINATES:
-        return max(size, abs(h) * w[SCALE + i + N_COORDINATES])
+    scale = whole[SCALE]
+    coordinates = whole[N_COORDINATES]
+    size = max(w[scale + i], abs(w[whole[Y] + i]), abs(w[whole[Y1] + i]))
+    if i < coordinates:
+        return max(size, abs(h) * w[scale + i + coordinates])
     return size

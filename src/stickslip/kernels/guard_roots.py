@@ -1,19 +1,25 @@
 """Where inside a step a guard is first violated."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import LIFT_OFF, STOP
-from stickslip.kernels.hard_stops import FIRST_LIMIT, FIRST_WALL
 from stickslip.kernels.itp import itp_limit, itp_point
-from stickslip.kernels.model_interface import CAN_LIFT, HAS_BRISTLES, N_GUARDS, SLIP, guards
+from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
+    CAN_LIFT,
+    FIRST_LIMIT,
+    FIRST_WALL,
     FRACTION,
+    HAS_BRISTLES,
     LOWEST,
+    MODE,
+    N_GUARDS,
     POINT,
     REACHED,
     SAMPLED,
     SAMPLES,
     SCALE,
+    SLIP,
     VALUES,
 )
 
@@ -32,7 +38,7 @@ EPSILON_STEP = 2.220446049250313e-16
 """Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
 
 
-def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
     Reads: `at`, SCALE.
@@ -40,45 +46,45 @@ def guard_values(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place in `w` of the results.
     """
-    guards(mode, flags, t, w, at, to)
-    if HAS_BRISTLES and mode != 0:
-        w[to + STOP] += QUIET * w[SCALE + SLIP]
+    guards(t, w, whole, at, to)
+    if whole[HAS_BRISTLES] and whole[MODE] != 0:
+        w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
 
 
-def guard_at(guard: int, x: float, mode: int, flags: int, t: float, h: float, w: Vector) -> float:
+def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
     Reads: SCALE, DENSE.
     Writes: POINT, VALUES.
     """
-    interpolate(w, x, POINT)
-    guard_values(mode, flags, t + x * h, w, POINT, VALUES)
-    return w[VALUES + guard]
+    point = whole[POINT]
+    values = whole[VALUES]
+    interpolate(w, whole, x, point)
+    guard_values(t + x * h, w, whole, point, values)
+    return w[values + guard]
 
 
 def bisect(
-    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
+    guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes
 ) -> float:
     """Return the fraction just past a sign change.
 
     Reads: SCALE, DENSE.
     Writes: POINT, VALUES.
     """
-    f_low = guard_at(guard, low, mode, flags, t, h, w)
-    f_high = guard_at(guard, high, mode, flags, t, h, w)
+    f_low = guard_at(guard, low, t, h, w, whole)
+    f_high = guard_at(guard, high, t, h, w, whole)
     epsilon = max(EPSILON_STEP, EPSILON_STEP * abs(t) / abs(h))
     width = high - low
     limit = itp_limit(width, epsilon)
@@ -86,7 +92,7 @@ def bisect(
         if high - low <= 2.0 * epsilon:
             break
         x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
-        value = guard_at(guard, x, mode, flags, t, h, w)
+        value = guard_at(guard, x, t, h, w, whole)
         if value < 0.0:
             high = x
             f_high = value
@@ -96,9 +102,7 @@ def bisect(
     return high
 
 
-def dip(
-    guard: int, low: float, high: float, mode: int, flags: int, t: float, h: float, w: Vector
-) -> float:
+def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
     Reads: SCALE, DENSE.
@@ -106,8 +110,8 @@ def dip(
     """
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
-    f_a = guard_at(guard, a, mode, flags, t, h, w)
-    f_b = guard_at(guard, b, mode, flags, t, h, w)
+    f_a = guard_at(guard, a, t, h, w, whole)
+    f_b = guard_at(guard, b, t, h, w, whole)
     # 0.618^40 is 4e-9 of the bracket; closer than the root of the rounding, 1.5e-8, values of a
     # smooth function about its minimum do not differ.
     for _ in range(40):
@@ -120,19 +124,17 @@ def dip(
             b = a
             f_b = f_a
             a = high - GOLDEN * (high - low)
-            f_a = guard_at(guard, a, mode, flags, t, h, w)
+            f_a = guard_at(guard, a, t, h, w, whole)
         else:
             low = a
             a = b
             f_a = f_b
             b = low + GOLDEN * (high - low)
-            f_b = guard_at(guard, b, mode, flags, t, h, w)
+            f_b = guard_at(guard, b, t, h, w, whole)
     return -1.0
 
 
-def first_sign(
-    guard: int, first: float, mode: int, flags: int, t: float, h: float, w: Vector
-) -> float:
+def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return the first point just past a fall of one guard among the samples.
 
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
@@ -141,32 +143,34 @@ def first_sign(
     Reads: SCALE, DENSE, SAMPLED.
     Writes: POINT, VALUES.
     """
-    at = SAMPLED + guard
+    n_guards = whole[N_GUARDS]
+    first_wall = whole[FIRST_WALL]
+    at = whole[SAMPLED] + guard
     armed = w[at] > 0.0
     for s in range(1, SAMPLES + 1):
         low = (s - 1) / SAMPLES
         if armed and low >= first:
             return first
-        value = w[at + s * N_GUARDS]
-        before = w[at + (s - 1) * N_GUARDS]
+        value = w[at + s * n_guards]
+        before = w[at + (s - 1) * n_guards]
         if armed and value < 0.0:
-            return min(first, bisect(guard, low, s / SAMPLES, mode, flags, t, h, w))
+            return min(first, bisect(guard, low, s / SAMPLES, t, h, w, whole))
         if armed and s > 1:
-            earlier = w[at + (s - 2) * N_GUARDS]
+            earlier = w[at + (s - 2) * n_guards]
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / SAMPLES
-                x = dip(guard, low, s / SAMPLES, mode, flags, t, h, w)
+                x = dip(guard, low, s / SAMPLES, t, h, w, whole)
                 if x >= 0.0:
-                    return min(first, bisect(guard, low, x, mode, flags, t, h, w))
-        if value < 0.0 and guard >= FIRST_WALL:  # a bounce too short to be seen
+                    return min(first, bisect(guard, low, x, t, h, w, whole))
+        if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
             return -1.0
         armed = armed or value > 0.0
-    return -1.0 if not armed and w[at + SAMPLES * N_GUARDS] < 0.0 else first
+    return -1.0 if not armed and w[at + SAMPLES * n_guards] < 0.0 else first
 
 
-def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int:
+def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
@@ -176,29 +180,30 @@ def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     h : float
         Length of the step [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         Index of the guard, or `NO_GUARD`.
     """
+    point = whole[POINT]
+    sampled = whole[SAMPLED]
+    n_guards = whole[N_GUARDS]
     for s in range(SAMPLES + 1):
-        interpolate(w, s / SAMPLES, POINT)
-        guard_values(mode, flags, t + s / SAMPLES * h, w, POINT, SAMPLED + s * N_GUARDS)
+        interpolate(w, whole, s / SAMPLES, point)
+        guard_values(t + s / SAMPLES * h, w, whole, point, sampled + s * n_guards)
     best = NO_GUARD
     w[FRACTION] = 2.0
-    for guard in range(N_GUARDS):
-        x = first_sign(guard, w[FRACTION], mode, flags, t, h, w)
+    for guard in range(n_guards):
+        x = first_sign(guard, w[FRACTION], t, h, w, whole)
         if x < 0.0:
             w[FRACTION] = 0.0
             return guard
@@ -209,7 +214,7 @@ def first_violation(mode: int, flags: int, t: float, h: float, w: Vector) -> int
     return best
 
 
-def rises(guard: int, w: Vector) -> bool:
+def rises(guard: int, w: Vector, whole: Wholes) -> bool:
     """Whether one guard is positive at any of the samples.
 
     Reads: SAMPLED.
@@ -220,19 +225,23 @@ def rises(guard: int, w: Vector) -> bool:
         Index of the guard.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     bool
         Whether it is.
     """
-    highest = w[SAMPLED + guard]
+    sampled = whole[SAMPLED]
+    n_guards = whole[N_GUARDS]
+    highest = w[sampled + guard]
     for s in range(1, SAMPLES + 1):
-        highest = max(highest, w[SAMPLED + s * N_GUARDS + guard])
+        highest = max(highest, w[sampled + s * n_guards + guard])
     return highest > 0.0
 
 
-def note_least(guard: int, value: float, w: Vector) -> None:
+def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
     """Note the least value of a guard that ends runs.
 
     Reads: LOWEST.
@@ -246,19 +255,25 @@ def note_least(guard: int, value: float, w: Vector) -> None:
         Value of the guard.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
-    if (CAN_LIFT and guard == LIFT_OFF) or FIRST_LIMIT <= guard < FIRST_WALL:
-        w[LOWEST + guard] = min(w[LOWEST + guard], value)
+    lowest = whole[LOWEST]
+    if (whole[CAN_LIFT] and guard == LIFT_OFF) or whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
+        w[lowest + guard] = min(w[lowest + guard], value)
 
 
-def note_sizes(w: Vector) -> None:
+def note_sizes(w: Vector, whole: Wholes) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones.
 
     Reads: SAMPLED, REACHED, LOWEST.
     Writes: REACHED, LOWEST.
     """
-    for guard in range(N_GUARDS):
+    n_guards = whole[N_GUARDS]
+    sampled = whole[SAMPLED]
+    reached = whole[REACHED]
+    for guard in range(n_guards):
         for s in range(SAMPLES + 1):
-            value = w[SAMPLED + s * N_GUARDS + guard]
-            w[REACHED + guard] = max(w[REACHED + guard], abs(value))
-            note_least(guard, value, w)
+            value = w[sampled + s * n_guards + guard]
+            w[reached + guard] = max(w[reached + guard], abs(value))
+            note_least(guard, value, w, whole)

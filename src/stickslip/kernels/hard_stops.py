@@ -2,27 +2,21 @@
 
 import math
 
-from stickslip.kernels.backend import Vector
-from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, SWITCH
-from stickslip.kernels.model_interface import (
-    N_COORDINATES,
-    N_LIMITS,
-    N_SWITCHES,
-    N_WALLS,
-    SLIP,
-    WALL_COORDINATES,
-    WALL_SIDES,
-    field,
-    guards,
-    walls,
-)
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD
+from stickslip.kernels.model_interface import FIELD, GUARDS, WALLS_OF, evaluate
 from stickslip.kernels.state_layout import (
     BOOKS,
+    FIRST_WALL,
     FLAGS,
     GROSS,
+    HEADER,
     LOST,
     MODE,
+    N_COORDINATES,
+    N_WALLS,
     SCALE,
+    SLIP,
     STEPS,
     TIME,
     VALUES,
@@ -31,12 +25,8 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["FIRST_LIMIT", "FIRST_WALL", "approach", "pressed_by", "strike", "touched"]
+__all__ = ["approach", "pressed_by", "strike", "touched", "wall_coordinate"]
 
-FIRST_LIMIT = SWITCH + N_SWITCHES
-"""Index of the guard of the first limit."""
-FIRST_WALL = FIRST_LIMIT + N_LIMITS
-"""Index of the guard of the first hard stop."""
 RESTING = 1e-9
 """Share of the largest speed so far below which a body that is pressed bounces no more."""
 INSTANT = 1e-13
@@ -47,7 +37,30 @@ ELASTIC = 1e-3
 """Least share of the energy that an impact is taken to cost in what rounding can sustain."""
 
 
-def touched(flags: int, w: Vector) -> int:
+def wall_coordinate(wall: int, whole: Wholes) -> int:
+    """Return the index of the coordinate that a stop bounds.
+
+    Parameters
+    ----------
+    wall : int
+        Index of the stop.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    int
+        Index of the coordinate.
+    """
+    return whole[HEADER + 2 * wall]
+
+
+def wall_side(wall: int, whole: Wholes) -> int:
+    """Return 1 for a stop above, -1 for one below."""
+    return whole[HEADER + 2 * wall + 1]
+
+
+def touched(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the side of the stop that the slipping body touches: 1 upper, -1 lower, 0 none.
 
     A body that has come to rest beyond its stop, by rounding, is put onto it.
@@ -61,26 +74,32 @@ def touched(flags: int, w: Vector) -> int:
         Bit j is set where the condition of switch j holds.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         1 for an upper stop, -1 for a lower one, 0 for none.
     """
-    if N_WALLS == 0:
+    n_walls = whole[N_WALLS]
+    y = whole[Y]
+    walls_at = whole[WALLS]
+    columns = whole[WALL_COLUMNS]
+    if n_walls == 0:
         return 0
-    walls(0, flags, w[TIME], w, Y, WALLS)
-    place = Y + SLIP - N_COORDINATES
-    for wall in range(N_WALLS):
-        position = w[WALLS + wall * WALL_COLUMNS]
-        side = WALL_SIDES[wall]
-        if Y + WALL_COORDINATES[wall] == place and side * (w[place] - position) >= 0.0:
+    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    place = y + whole[SLIP] - whole[N_COORDINATES]
+    for wall in range(n_walls):
+        position = w[walls_at + wall * columns]
+        side = wall_side(wall, whole)
+        if y + wall_coordinate(wall, whole) == place and side * (w[place] - position) >= 0.0:
             w[place] = position
             return side
     return 0
 
 
-def pressed_by(side: int, flags: int, w: Vector) -> float:
+def pressed_by(side: int, flags: int, w: Vector, whole: Wholes) -> float:
     """Return the force that is missing for the slipping body to leave its stop.
 
     Reads: TIME, Y.
@@ -94,17 +113,20 @@ def pressed_by(side: int, flags: int, w: Vector) -> float:
         Bit j is set where the condition of switch j holds.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     float
         Missing force [N]; below 0 the body leaves.
     """
-    guards(2 * side, flags, w[TIME], w, Y, VALUES)
-    return w[VALUES + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
+    values = whole[VALUES]
+    evaluate(GUARDS, 2 * side, flags, w[TIME], w, whole[Y], values)
+    return w[values + (BREAK_BACKWARD if side > 0 else BREAK_FORWARD)]
 
 
-def approach(guard: int, w: Vector) -> float:
+def approach(guard: int, w: Vector, whole: Wholes) -> float:
     """Return the speed with which a coordinate nears the stop that a guard belongs to.
 
     Reads: Y.
@@ -115,14 +137,18 @@ def approach(guard: int, w: Vector) -> float:
         Index of the guard of a stop, `FIRST_WALL` or above.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     float
         Speed, positive towards the stop.
     """
-    wall = guard - FIRST_WALL
-    return WALL_SIDES[wall] * w[Y + N_COORDINATES + WALL_COORDINATES[wall]]
+    wall = guard - whole[FIRST_WALL]
+    return (
+        wall_side(wall, whole) * w[whole[Y] + whole[N_COORDINATES] + wall_coordinate(wall, whole)]
+    )
 
 
 def resting_speed(t: float, size: float, push: float, place: float, restitution: float) -> float:
@@ -137,7 +163,7 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
     return max(RESTING * size, INSTANT * abs(t * push), blurred)
 
 
-def strike(wall: int, w: Vector, whole: Vector) -> bool:
+def strike(wall: int, w: Vector, whole: Wholes) -> bool:
     """Change the rates by an impact; return whether a coordinate that does not slip stays there.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
@@ -157,27 +183,32 @@ def strike(wall: int, w: Vector, whole: Vector) -> bool:
     bool
         Whether the coordinate stays at its stop, which the run cannot follow.
     """
-    flags = int(whole[FLAGS])
-    walls(0, flags, w[TIME], w, Y, WALLS)
-    at = WALLS + wall * WALL_COLUMNS
-    side = WALL_SIDES[wall]
-    rate = N_COORDINATES + WALL_COORDINATES[wall]
+    y = whole[Y]
+    walls_at = whole[WALLS]
+    coordinates = whole[N_COORDINATES]
+    values = whole[VALUES]
+    slip = whole[SLIP]
+    flags = whole[FLAGS]
+    evaluate(WALLS_OF, 0, flags, w[TIME], w, y, walls_at)
+    at = walls_at + wall * whole[WALL_COLUMNS]
+    side = wall_side(wall, whole)
+    rate = coordinates + wall_coordinate(wall, whole)
     restitution = w[at + 1]
-    w[Y + WALL_COORDINATES[wall]] = w[at]
-    field(int(whole[MODE]), flags, w[TIME], w, Y, VALUES)
-    push = side * w[VALUES + rate]
-    smallest = resting_speed(w[TIME], w[SCALE + rate], push, w[at], restitution)
-    if rate == SLIP:
-        push = pressed_by(side, flags, w)
-    speed = approach(FIRST_WALL + wall, w)
+    w[y + wall_coordinate(wall, whole)] = w[at]
+    evaluate(FIELD, whole[MODE], flags, w[TIME], w, y, values)
+    push = side * w[values + rate]
+    smallest = resting_speed(w[TIME], w[whole[SCALE] + rate], push, w[at], restitution)
+    if rate == slip:
+        push = pressed_by(side, flags, w, whole)
+    speed = approach(whole[FIRST_WALL] + wall, w, whole)
     if speed <= smallest and push > 0.0:
         restitution = 0.0
     if speed > 0.0:
-        for i in range(N_COORDINATES):
-            w[Y + N_COORDINATES + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
-        w[Y + rate] = 0.0 - side * restitution * speed
+        for i in range(coordinates):
+            w[y + coordinates + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
+        w[y + rate] = 0.0 - side * restitution * speed
         if whole[BOOKS] and whole[STEPS] > 0:  # books open after what happens as a run begins
             lost = 0.5 * w[at + 2] * (1.0 - restitution * restitution) * speed * speed
             w[LOST] += lost
             w[GROSS] += lost
-    return rate != SLIP and push > 0.0 and (speed <= 0.0 or restitution == 0.0)
+    return rate != slip and push > 0.0 and (speed <= 0.0 or restitution == 0.0)

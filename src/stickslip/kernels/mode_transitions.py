@@ -1,6 +1,6 @@
 """Modes and switches: what holds at a state, and what follows an event."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import (
     BREAK_BACKWARD,
     BREAK_FORWARD,
@@ -13,27 +13,23 @@ from stickslip.kernels.enums import (
     SWITCH,
     ZENO,
 )
-from stickslip.kernels.hard_stops import FIRST_LIMIT, FIRST_WALL, pressed_by, strike, touched
-from stickslip.kernels.model_interface import (
+from stickslip.kernels.hard_stops import pressed_by, strike, touched
+from stickslip.kernels.model_interface import CONTACT, FIELD, MARGINS, TIME_SLOPE, evaluate, guards
+from stickslip.kernels.state_layout import (
     CAN_LIFT,
     CAN_STICK,
-    HAS_BRISTLES,
-    N_LIMITS,
-    N_SWITCHES,
-    SLIP,
-    contact,
-    field,
-    guards,
-    margins,
-    time_slope,
-)
-from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     EVENTS,
+    FIRST_LIMIT,
+    FIRST_WALL,
     FLAGS,
+    HAS_BRISTLES,
     MODE,
+    N_LIMITS,
+    N_SWITCHES,
     REACHED,
     ROUNDING,
+    SLIP,
     STALLS,
     STATUS,
     TIME,
@@ -56,7 +52,7 @@ STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
 
 
-def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
+def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int) -> int:
     """Return the flags that the margins of the switches ask for, nested ones included.
 
     Reads: `at`.
@@ -68,6 +64,8 @@ def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     flags : int
@@ -78,16 +76,18 @@ def set_flags(t: float, w: Vector, at: int, flags: int) -> int:
     int
         The flags.
     """
-    for _ in range(N_SWITCHES):
-        margins(0, flags, t, w, at, VALUES)
+    switches = whole[N_SWITCHES]
+    values = whole[VALUES]
+    for _ in range(switches):
+        evaluate(MARGINS, 0, flags, t, w, at, values)
         flags = 0
-        for j in range(N_SWITCHES):
-            if w[VALUES + j] > 0.0:
+        for j in range(switches):
+            if w[values + j] > 0.0:
                 flags |= 1 << j
     return flags
 
 
-def mode_from_rest(flags: int, w: Vector) -> int:
+def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a body whose slip velocity is zero.
 
     Reads: TIME, Y.
@@ -99,37 +99,43 @@ def mode_from_rest(flags: int, w: Vector) -> int:
         Bit j is set where the condition of switch j holds.
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         0 stick, 1 or -1 slip, 2 or -2 pressed against the upper or lower stop.
     """
-    side = touched(flags, w)
+    values = whole[VALUES]
+    side = touched(flags, w, whole)
     if side != 0:
-        return 2 * side if pressed_by(side, flags, w) >= 0.0 else -side
-    if CAN_STICK:
-        contact(0, flags, w[TIME], w, Y, VALUES)
-        if abs(w[VALUES + 2]) <= w[VALUES + 3]:
+        return 2 * side if pressed_by(side, flags, w, whole) >= 0.0 else -side
+    if whole[CAN_STICK]:
+        evaluate(CONTACT, 0, flags, w[TIME], w, whole[Y], values)
+        if abs(w[values + 2]) <= w[values + 3]:
             return 0
-        if not HAS_BRISTLES:
-            return 1 if w[VALUES + 2] > 0.0 else -1
-    return direction(flags, w)
+        if not whole[HAS_BRISTLES]:
+            return 1 if w[values + 2] > 0.0 else -1
+    return direction(flags, w, whole)
 
 
-def direction(flags: int, w: Vector) -> int:
+def direction(flags: int, w: Vector, whole: Wholes) -> int:
     """Return the direction in which a bristle law's body leaves rest.
 
     Reads: TIME, Y.
     Writes: VALUES.
     """
-    field(1, flags, w[TIME], w, Y, VALUES)
-    if w[VALUES + SLIP] == 0.0:  # where a load begins to grow, its rate tells
-        time_slope(1, flags, w[TIME], w, Y, VALUES)
-    return -1 if w[VALUES + SLIP] < 0.0 else 1
+    y = whole[Y]
+    values = whole[VALUES]
+    slip = whole[SLIP]
+    evaluate(FIELD, 1, flags, w[TIME], w, y, values)
+    if w[values + slip] == 0.0:  # where a load begins to grow, its rate tells
+        evaluate(TIME_SLOPE, 1, flags, w[TIME], w, y, values)
+    return -1 if w[values + slip] < 0.0 else 1
 
 
-def initial_mode(w: Vector, whole: Vector) -> None:
+def initial_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state.
 
     Reads: TIME, Y.
@@ -145,38 +151,44 @@ def initial_mode(w: Vector, whole: Vector) -> None:
     set_mode(0, w, whole)
 
 
-def set_mode(flags: int, w: Vector, whole: Vector) -> None:
+def set_mode(flags: int, w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state, from flags that held before.
 
     Reads: TIME, Y.
     Writes: Y, VALUES, WALLS, MODE, FLAGS.
     """
-    flags = set_flags(w[TIME], w, Y, flags)
+    y = whole[Y]
+    slip = whole[SLIP]
+    flags = set_flags(w[TIME], w, whole, y, flags)
     whole[FLAGS] = flags
-    if w[Y + SLIP] > 0.0:
+    if w[y + slip] > 0.0:
         whole[MODE] = 1
-    elif w[Y + SLIP] < 0.0:
+    elif w[y + slip] < 0.0:
         whole[MODE] = -1
     else:
-        whole[MODE] = mode_from_rest(flags, w)
+        whole[MODE] = mode_from_rest(flags, w, whole)
 
 
-def transition(guard: int, w: Vector, whole: Vector) -> float:
+def transition(guard: int, w: Vector, whole: Wholes) -> float:
     """Change mode or flags for a violated guard; return the margin of the decision.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS.
     """
+    first_wall = whole[FIRST_WALL]
+    first_limit = whole[FIRST_LIMIT]
+    y = whole[Y]
+    values = whole[VALUES]
     t = w[TIME]
-    mode = int(whole[MODE])
-    flags = int(whole[FLAGS])
-    if guard >= FIRST_WALL:
-        if strike(guard - FIRST_WALL, w, whole):
+    mode = whole[MODE]
+    flags = whole[FLAGS]
+    if guard >= first_wall:
+        if strike(guard - first_wall, w, whole):
             whole[STATUS] = HELD
         set_mode(flags, w, whole)
         return 0.0
-    if guard >= FIRST_LIMIT:
-        whole[STATUS] = LIMITED + guard - FIRST_LIMIT
+    if guard >= first_limit:
+        whole[STATUS] = LIMITED + guard - first_limit
         return 0.0
     if guard >= SWITCH:
         whole[FLAGS] = flags ^ (1 << (guard - SWITCH))
@@ -184,27 +196,32 @@ def transition(guard: int, w: Vector, whole: Vector) -> float:
     if guard == LIFT_OFF:
         whole[STATUS] = LIFTED_OFF
         return 0.0
-    if guard == STOP and HAS_BRISTLES and not CAN_STICK and touched(flags, w) == 0:
+    if (
+        guard == STOP
+        and whole[HAS_BRISTLES]
+        and not whole[CAN_STICK]
+        and touched(flags, w, whole) == 0
+    ):
         whole[MODE] = -mode
     elif guard == STOP:
-        w[Y + SLIP] = 0.0
-        whole[MODE] = mode_from_rest(flags, w)
-        if whole[MODE] == mode and not HAS_BRISTLES:  # forces balance but for their rounding
+        w[y + whole[SLIP]] = 0.0
+        whole[MODE] = mode_from_rest(flags, w, whole)
+        if whole[MODE] == mode and not whole[HAS_BRISTLES]:  # forces balance but for their rounding
             whole[MODE] = 0
     elif abs(mode) == 2:
         whole[MODE] = -mode // 2
-    elif HAS_BRISTLES:
-        whole[MODE] = direction(flags, w)
+    elif whole[HAS_BRISTLES]:
+        whole[MODE] = direction(flags, w, whole)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
-    whole[FLAGS] = set_flags(t, w, Y, flags)
-    if guard == STOP and CAN_STICK and abs(whole[MODE]) != 2:
-        contact(0, int(whole[FLAGS]), t, w, Y, VALUES)
-        return w[VALUES + 3] - abs(w[VALUES + 2])
+    whole[FLAGS] = set_flags(t, w, whole, y, flags)
+    if guard == STOP and whole[CAN_STICK] and abs(whole[MODE]) != 2:
+        evaluate(CONTACT, 0, whole[FLAGS], t, w, y, values)
+        return w[values + 3] - abs(w[values + 2])
     return 0.0
 
 
-def forbidden(w: Vector, whole: Vector) -> int:
+def forbidden(w: Vector, whole: Wholes) -> int:
     """Return the guard of a limit that the mode at hand begins beyond, or 0.
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
@@ -213,17 +230,20 @@ def forbidden(w: Vector, whole: Vector) -> int:
     Reads: TIME, Y, MODE, FLAGS.
     Writes: VALUES.
     """
-    if CAN_LIFT or N_LIMITS > 0:
-        guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-        for guard in range(FIRST_LIMIT, FIRST_LIMIT + N_LIMITS):
-            if w[VALUES + guard] < 0.0:
+    limits = whole[N_LIMITS]
+    values = whole[VALUES]
+    first_limit = whole[FIRST_LIMIT]
+    if whole[CAN_LIFT] or limits > 0:
+        guards(w[TIME], w, whole, whole[Y], values)
+        for guard in range(first_limit, first_limit + limits):
+            if w[values + guard] < 0.0:
                 return guard
-        if w[VALUES + LIFT_OFF] < 0.0:
+        if w[values + LIFT_OFF] < 0.0:
             return LIFT_OFF
     return 0
 
 
-def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
+def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
     """Turn the switches whose margins jumped with the drives, nested ones included.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
@@ -238,14 +258,19 @@ def turn_switches(w: Vector, whole: Vector, events: Vector) -> None:
     events : array (rows EVENT_COLUMNS,)
         Rows of events.
     """
-    for _ in range(N_SWITCHES):
-        for guard in range(SWITCH, FIRST_LIMIT):
-            guards(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-            if w[VALUES + guard] < -UNMOVED * w[REACHED + guard]:
+    switches = whole[N_SWITCHES]
+    first_limit = whole[FIRST_LIMIT]
+    y = whole[Y]
+    values = whole[VALUES]
+    reached = whole[REACHED]
+    for _ in range(switches):
+        for guard in range(SWITCH, first_limit):
+            guards(w[TIME], w, whole, y, values)
+            if w[values + guard] < -UNMOVED * w[reached + guard]:
                 note_event(guard, w, whole, events)
 
 
-def settle(w: Vector, whole: Vector, events: Vector) -> None:
+def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transitions that follow from a jump of forces, and from the start.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
@@ -260,27 +285,29 @@ def settle(w: Vector, whole: Vector, events: Vector) -> None:
     events : array (rows EVENT_COLUMNS,)
         Rows of events.
     """
+    y = whole[Y]
+    values = whole[VALUES]
     t = w[TIME]
-    mode = int(whole[MODE])
-    flags = int(whole[FLAGS])
+    mode = whole[MODE]
+    flags = whole[FLAGS]
     beyond = forbidden(w, whole)
     if beyond > 0:
         note_event(beyond, w, whole, events)
         return
-    if HAS_BRISTLES and abs(mode) == 1 and w[Y + SLIP] == 0.0:
-        if mode_from_rest(flags, w) != mode:
+    if whole[HAS_BRISTLES] and abs(mode) == 1 and w[y + whole[SLIP]] == 0.0:
+        if mode_from_rest(flags, w, whole) != mode:
             handle_event(STOP, w, whole, events)
         return
-    guards(mode, flags, t, w, Y, VALUES)
-    if w[VALUES + LIFT_OFF] < 0.0:
+    guards(t, w, whole, y, values)
+    if w[values + LIFT_OFF] < 0.0:
         handle_event(LIFT_OFF, w, whole, events)
-    elif abs(mode) != 1 and w[VALUES + BREAK_FORWARD] < 0.0:
+    elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
         handle_event(BREAK_FORWARD, w, whole, events)
-    elif abs(mode) != 1 and w[VALUES + BREAK_BACKWARD] < 0.0:
+    elif abs(mode) != 1 and w[values + BREAK_BACKWARD] < 0.0:
         handle_event(BREAK_BACKWARD, w, whole, events)
 
 
-def handle_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
+def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard, and of a limit that lies behind it.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
@@ -304,7 +331,7 @@ def handle_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
             note_event(beyond, w, whole, events)
 
 
-def note_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
+def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
@@ -313,7 +340,7 @@ def note_event(guard: int, w: Vector, whole: Vector, events: Vector) -> None:
     t = w[TIME]
     mode = whole[MODE]
     margin = transition(guard, w, whole)
-    at = int(whole[EVENTS]) * EVENT_COLUMNS
+    at = whole[EVENTS] * EVENT_COLUMNS
     events[at] = t
     events[at + 1] = mode
     events[at + 2] = whole[MODE]

@@ -1,31 +1,32 @@
-"""Typed stand-ins for what exists only in a generated module: one mechanism with one law.
+"""The equations of a mechanism with its friction, asked by number.
 
-Kernels import these names so that they can be linted, typed and read; the generated module drops
-the import and defines them. All functions read the vector of a run: parameters from its beginning,
-the state from the place `at` on. They write to the place `to` and after it.
+They are generated functions, which the vector of a run names at ADDRESS. All read that vector: the
+numbers of drives and parameters, and the state from the place `at` on. They write to the place
+`to` and after it. Mode and flags are those of the run; `evaluate` asks in any other.
 """
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes, call_model
+from stickslip.kernels.state_layout import ADDRESS, FLAGS, MODE
 
 __all__ = [
-    "CAN_LIFT",
-    "CAN_STICK",
-    "HAS_BRISTLES",
-    "N_CHANNELS",
-    "N_COORDINATES",
-    "N_DRIVES",
-    "N_GUARDS",
-    "N_LIMITS",
-    "N_STATES",
-    "N_SWITCHES",
-    "N_WALLS",
-    "PARAMETER_ROOM",
-    "REST_IS_FINAL",
-    "SLIP",
-    "WALL_COORDINATES",
-    "WALL_SIDES",
+    "CALLED",
+    "CONTACT",
+    "ENERGY",
+    "FIELD",
+    "FIELD_SLOPES",
+    "GUARDS",
+    "GUARD_PARAMETERS",
+    "GUARD_SLOPES",
+    "JACOBIAN",
+    "LINEAR",
+    "MARGINS",
+    "POWER",
+    "REST",
+    "TIME_SLOPE",
+    "WALLS_OF",
     "contact",
     "energy",
+    "evaluate",
     "field",
     "field_slopes",
     "guard_parameters",
@@ -33,38 +34,53 @@ __all__ = [
     "guards",
     "jacobian",
     "linear",
-    "margins",
     "power",
-    "rest",
     "time_slope",
-    "walls",
 ]
 
-N_STATES: int = 0
-N_COORDINATES: int = 0
-N_GUARDS: int = 0
-N_SWITCHES: int = 0
-N_LIMITS: int = 0
-N_CHANNELS: int = 0
-N_WALLS: int = 0
-N_DRIVES: int = 0
-SLIP: int = 0
-PARAMETER_ROOM: int = 0
-CAN_STICK: bool = False
-CAN_LIFT: bool = False
-HAS_BRISTLES: bool = False
-REST_IS_FINAL: bool = False
-WALL_COORDINATES: tuple[int, ...] = ()
-"""Coordinate of each hard stop; one more entry, so that there is one."""
-WALL_SIDES: tuple[int, ...] = ()
-"""1 where a stop lies above, -1 where it lies below; one more entry here too."""
+FIELD = 0
+JACOBIAN = 1
+TIME_SLOPE = 2
+GUARDS = 3
+GUARD_SLOPES = 4
+LINEAR = 5
+CONTACT = 6
+POWER = 7
+MARGINS = 8
+REST = 9
+ENERGY = 10
+FIELD_SLOPES = 11
+GUARD_PARAMETERS = 12
+WALLS_OF = 13
+CALLED: tuple[str, ...] = (
+    "field",
+    "jacobian",
+    "time_slope",
+    "guards",
+    "guard_slopes",
+    "linear",
+    "contact",
+    "power",
+    "margins",
+    "rest",
+    "energy",
+    "field_slopes",
+    "guard_parameters",
+    "walls",
+)
+"""Names of the generated functions by these numbers."""
 
 
-def field(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Time derivatives of the states.
+def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Call one function of the equations in any mode.
+
+    Reads: ADDRESS, `at`.
+    Writes: `to`.
 
     Parameters
     ----------
+    name : int
+        Number of the function.
     mode : int
         Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
     flags : int
@@ -76,265 +92,248 @@ def field(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     at : int
         Place in `w` of the state.
     to : int
-        Place of the result (N_STATES,).
+        Place of the result; its length is the function's.
     """
+    call_model(w, ADDRESS, name, mode, flags, t, at, to)
 
 
-def jacobian(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of the field with respect to the states, row by row.
+def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Time derivatives of the states.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_STATES,).
+    """
+    evaluate(FIELD, whole[MODE], whole[FLAGS], t, w, at, to)
+
+
+def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Derivatives of the field with respect to the states, row by row.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (N_STATES N_STATES,).
     """
+    evaluate(JACOBIAN, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def time_slope(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to time.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (N_STATES,).
     """
+    evaluate(TIME_SLOPE, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def guards(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Quantities that are not negative while the mode lasts, by the indices of `codes`.
+def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Quantities that are not negative while the mode lasts, by the indices of `enums`.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (N_GUARDS,).
     """
+    evaluate(GUARDS, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def guard_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (N_GUARDS (N_STATES + 1),), row by row.
     """
+    evaluate(GUARD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def linear(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Whether field and guards are affine in state and time together: 1 or 0.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (1,).
     """
+    evaluate(LINEAR, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def contact(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def contact(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Friction force, normal force, needed friction, break-away level, then the channels.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (4 + N_CHANNELS,): forces [N], then efforts in their units.
     """
+    evaluate(CONTACT, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def field_slopes(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
-
-    Parameters
-    ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_STATES quantities,), row by row.
-    """
-
-
-def guard_parameters(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Derivatives of each guard with respect to all quantities.
-
-    Parameters
-    ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (N_GUARDS quantities,), row by row.
-    """
-
-
-def energy(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Mechanical energy; the same in all modes.
-
-    Parameters
-    ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result (1,) [J].
-    """
-
-
-def power(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Power supplied, power taken by friction.
 
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
+
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
         Place of the result (2,) [W].
     """
+    evaluate(POWER, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def margins(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Margins of the switches, positive where their condition holds; the same in all modes.
+def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Mechanical energy; the same in all modes.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
-        Place of the result (N_SWITCHES,).
+        Place of the result (1,) [J].
     """
+    evaluate(ENERGY, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def rest(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Needed friction, break-away level and normal force of a held body for given drive values.
+def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
-        Place of the result (3,) [N].
+        Place of the result (N_STATES quantities,), row by row.
     """
+    evaluate(FIELD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def walls(mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Hard stops, row by row, with the columns of `layout`; the same in all modes.
+def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Derivatives of each guard with respect to all quantities.
+
+    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Writes: `to`.
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     to : int
-        Place of the result (N_WALLS WALL_COLUMNS,).
+        Place of the result (N_GUARDS quantities,), row by row.
     """
+    evaluate(GUARD_PARAMETERS, whole[MODE], whole[FLAGS], t, w, at, to)

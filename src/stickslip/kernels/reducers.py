@@ -2,7 +2,7 @@
 
 import math
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_evaluation import restore, row_at
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import (
@@ -26,12 +26,15 @@ from stickslip.kernels.enums import (
     SWITCH,
 )
 from stickslip.kernels.gauss_legendre import NODES, WEIGHTS
-from stickslip.kernels.hard_stops import FIRST_LIMIT, FIRST_WALL
-from stickslip.kernels.model_interface import N_COORDINATES, N_LIMITS, WALL_COORDINATES
+from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.state_layout import (
     END,
     EVENT_COLUMNS,
     EVENTS,
+    FIRST_LIMIT,
+    FIRST_WALL,
+    N_COORDINATES,
+    N_LIMITS,
     POINT,
     ROW_COLUMNS,
     SAMPLES,
@@ -43,17 +46,18 @@ __all__ = ["happened", "reduced"]
 GOLD = 0.6180339887498949
 
 
-def state_in(x: float, state: int, w: Vector) -> float:
+def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
     """Return a state at a fraction of the restored row.
 
     Reads: DENSE.
     Writes: POINT.
     """
-    interpolate(w, x, POINT)
-    return w[POINT + state]
+    point = whole[POINT]
+    interpolate(w, whole, x, point)
+    return w[point + state]
 
 
-def peak_in(state: int, side: float, low: float, high: float, w: Vector) -> float:
+def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:
     """Return the largest `side` times a state within a bracket, by golden section.
 
     Reads: DENSE.
@@ -61,42 +65,50 @@ def peak_in(state: int, side: float, low: float, high: float, w: Vector) -> floa
     """
     a = high - GOLD * (high - low)
     b = low + GOLD * (high - low)
-    f_a = side * state_in(a, state, w)
-    f_b = side * state_in(b, state, w)
+    f_a = side * state_in(a, state, w, whole)
+    f_b = side * state_in(b, state, w, whole)
     for _ in range(40):
         if f_a > f_b:
             high = b
             b = a
             f_b = f_a
             a = high - GOLD * (high - low)
-            f_a = side * state_in(a, state, w)
+            f_a = side * state_in(a, state, w, whole)
         else:
             low = a
             a = b
             f_a = f_b
             b = low + GOLD * (high - low)
-            f_b = side * state_in(b, state, w)
+            f_b = side * state_in(b, state, w, whole)
     return max(f_a, f_b)
 
 
 def extremum(
-    state: int, side: float, since: float, w: Vector, count: int, log: Vector, table: Vector
+    state: int,
+    side: float,
+    since: float,
+    w: Vector,
+    whole: Wholes,
+    count: int,
+    log: Vector,
+    table: Vector,
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
 
     Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
     """
+    width_at = whole[ROW_COLUMNS]
     best = -math.inf
-    for row in range(row_at(log, count, since), count):
-        at = row * ROW_COLUMNS
-        restore(log, row, table, w)
+    for row in range(row_at(log, count, since, whole), count):
+        at = row * width_at
+        restore(log, row, table, w, whole)
         first = max((since - log[at]) / log[at + 2], 0.0)
         width = ((log[at + 1] - log[at]) / log[at + 2] - first) / SAMPLES
-        top = side * state_in(first, state, w)
+        top = side * state_in(first, state, w, whole)
         lowest = top
         place = first
         for s in range(1, SAMPLES + 1):
-            here = side * state_in(first + s * width, state, w)
+            here = side * state_in(first + s * width, state, w, whole)
             lowest = min(lowest, here)
             if here > top:
                 top = here
@@ -106,7 +118,7 @@ def extremum(
         if top + (top - lowest) > best:
             low = max(place - width, first)
             high = min(place + width, first + SAMPLES * width)
-            best = max(best, peak_in(state, side, low, high, w))
+            best = max(best, peak_in(state, side, low, high, w, whole))
     return side * best
 
 
@@ -115,6 +127,7 @@ def mean(
     since: float,
     until: float,
     w: Vector,
+    whole: Wholes,
     count: int,
     log: Vector,
     table: Vector,
@@ -123,20 +136,21 @@ def mean(
 
     Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
     """
+    width = whole[ROW_COLUMNS]
     total = 0.0
-    for row in range(row_at(log, count, since), count):
-        at = row * ROW_COLUMNS
+    for row in range(row_at(log, count, since, whole), count):
+        at = row * width
         begin = max(since, log[at])
         span = min(until, log[at + 1]) - begin
         if span > 0.0:
-            restore(log, row, table, w)
+            restore(log, row, table, w, whole)
             for node in range(len(NODES)):
                 x = (begin - log[at] + NODES[node] * span) / log[at + 2]
-                total += WEIGHTS[node] * span * state_in(x, state, w)
+                total += WEIGHTS[node] * span * state_in(x, state, w, whole)
     return total / (until - since)
 
 
-def happened(events: Vector, k: int) -> int:
+def happened(events: Vector, k: int, whole: Wholes) -> int:
     """Return what event `k` was, as a code.
 
     Parameters
@@ -145,12 +159,17 @@ def happened(events: Vector, k: int) -> int:
         Rows of events.
     k : int
         Index of the event.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         A code of `enums`: `STOPPED` to `HIT` and above.
     """
+    first_wall = whole[FIRST_WALL]
+    first_limit = whole[FIRST_LIMIT]
+    coordinates = whole[N_COORDINATES]
     at = k * EVENT_COLUMNS
     guard = int(events[at + 3])
     if guard == STOP:
@@ -159,38 +178,38 @@ def happened(events: Vector, k: int) -> int:
         return LEFT_STOP if abs(events[at + 1]) == 2.0 else BROKE_AWAY
     if guard == LIFT_OFF:
         return LEFT_GROUND
-    if guard >= FIRST_WALL:
-        return HIT + WALL_COORDINATES[guard - FIRST_WALL]
-    if guard >= FIRST_LIMIT:
-        return HIT + N_COORDINATES + guard - FIRST_LIMIT
+    if guard >= first_wall:
+        return HIT + wall_coordinate(guard - first_wall, whole)
+    if guard >= first_limit:
+        return HIT + coordinates + guard - first_limit
     ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
-    return HIT + N_COORDINATES + N_LIMITS + 2 * (guard - SWITCH) + ceased
+    return HIT + coordinates + whole[N_LIMITS] + 2 * (guard - SWITCH) + ceased
 
 
-def event_time(what: int, which: int, whole: Vector, events: Vector) -> float:
+def event_time(what: int, which: int, whole: Wholes, events: Vector) -> float:
     """Return when something happened for the n-th time from 0, from the end if negative; or NaN.
 
     Reads: EVENTS.
     """
     found = 0
-    number = int(whole[EVENTS])
+    number = whole[EVENTS]
     for i in range(number):
         k = i if which >= 0 else number - 1 - i
-        if happened(events, k) == what:
+        if happened(events, k, whole) == what:
             if found == (which if which >= 0 else -1 - which):
                 return events[k * EVENT_COLUMNS]
             found += 1
     return math.nan
 
 
-def event_count(what: int, whole: Vector, events: Vector) -> float:
+def event_count(what: int, whole: Wholes, events: Vector) -> float:
     """Return how often something happened.
 
     Reads: EVENTS.
     """
     found = 0.0
-    for k in range(int(whole[EVENTS])):
-        if happened(events, k) == what:
+    for k in range(whole[EVENTS]):
+        if happened(events, k, whole) == what:
             found += 1.0
     return found
 
@@ -201,7 +220,7 @@ def reduced(
     first: float,
     last: float,
     w: Vector,
-    whole: Vector,
+    whole: Wholes,
     table: Vector,
     log: Vector,
     events: Vector,
@@ -240,21 +259,22 @@ def reduced(
     float
         The output, NaN where there is none.
     """
-    count = int(whole[STEPS])
+    width = whole[ROW_COLUMNS]
+    count = whole[STEPS]
     if kind == FINAL:
-        return w[END + what]
+        return w[whole[END] + what]
     if kind == EVENT_TIME:
         return event_time(what, int(first), whole, events)
     if kind == EVENT_COUNT:
         return event_count(what, whole, events)
-    end = log[(count - 1) * ROW_COLUMNS + 1]
+    end = log[(count - 1) * width + 1]
     if not first <= end:
         return math.nan
     if kind in (GREATEST, SMALLEST):
-        return extremum(what, 1.0 if kind == GREATEST else -1.0, first, w, count, log, table)
+        return extremum(what, 1.0 if kind == GREATEST else -1.0, first, w, whole, count, log, table)
     if kind == MEAN:
-        return mean(what, first, last, w, count, log, table) if last <= end else math.nan
-    row = row_at(log, count, first)
-    restore(log, row, table, w)
-    at = row * ROW_COLUMNS
-    return state_in((first - log[at]) / log[at + 2], what, w) if kind == AT else math.nan
+        return mean(what, first, last, w, whole, count, log, table) if last <= end else math.nan
+    row = row_at(log, count, first, whole)
+    restore(log, row, table, w, whole)
+    at = row * width
+    return state_in((first - log[at]) / log[at + 2], what, w, whole) if kind == AT else math.nan

@@ -15,19 +15,13 @@ those of the functions of these names.
 
 import math
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import STOP
-from stickslip.kernels.hard_stops import FIRST_WALL
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import (
-    CAN_STICK,
-    N_DRIVES,
-    N_GUARDS,
-    N_STATES,
-    SLIP,
     field,
     field_slopes,
     guard_parameters,
@@ -36,15 +30,23 @@ from stickslip.kernels.model_interface import (
 )
 from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
 from stickslip.kernels.state_layout import (
+    CAN_STICK,
     DENSE,
     DRIFT,
     EVENT_COLUMNS,
+    FIRST_WALL,
+    FLAGS,
     MATRIX,
+    MODE,
+    N_DRIVES,
+    N_GUARDS,
+    N_STATES,
     POINT,
     ROW_COLUMNS,
     ROW_DENSE,
     SERIES,
     SIZE,
+    SLIP,
     SLOPES,
     VALUES,
     Y1,
@@ -58,22 +60,22 @@ MORE_TERMS = 5
 """Terms that the derivative of a series needs beyond the series."""
 
 
-def guards_at(q: int) -> int:
+def guards_at(q: int, whole: Wholes) -> int:
     """Place of the guards' slopes."""
-    return SIZE + N_STATES * q
+    return whole[SIZE] + whole[N_STATES] * q
 
 
-def directions_at(q: int) -> int:
+def directions_at(q: int, whole: Wholes) -> int:
     """Place of the directions of the drives' numbers."""
-    return guards_at(q) + N_GUARDS * q
+    return guards_at(q, whole) + whole[N_GUARDS] * q
 
 
-def columns_at(which: int, q: int, m: int) -> int:
+def columns_at(which: int, q: int, m: int, whole: Wholes) -> int:
     """Place of sensitivities: 0 present, 1 result, 2 and 3 for terms; 4 moments; 5 what follows."""
-    return directions_at(q) + 3 * N_DRIVES * m + which * N_STATES * m
+    return directions_at(q, whole) + 3 * whole[N_DRIVES] * m + which * whole[N_STATES] * m
 
 
-def sense_size(q: int, m: int) -> int:
+def sense_size(q: int, m: int, whole: Wholes) -> int:
     """Return how long the vector of a run must be.
 
     Parameters
@@ -82,18 +84,20 @@ def sense_size(q: int, m: int) -> int:
         Number of quantities: numbers of the drives, then parameters.
     m : int
         Number of directions.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
 
     Returns
     -------
     int
         Length of the vector.
     """
-    stages = RADAU_STAGES * N_STATES
-    return columns_at(5, q, m) + stages * (stages + 1 + m)
+    stages = RADAU_STAGES * whole[N_STATES]
+    return columns_at(5, q, m, whole) + stages * (stages + 1 + m)
 
 
 def forcing(
-    mode: int, flags: int, t: float, at: int, w: Vector, own: Vector, q: int, m: int, to: int
+    t: float, at: int, w: Vector, whole: Wholes, own: Vector, q: int, m: int, to: int
 ) -> None:
     """Write the slopes of the field along each direction.
 
@@ -102,25 +106,28 @@ def forcing(
     Reads: `at`, directions.
     Writes: `to`, SIZE.
     """
-    field_slopes(mode, flags, t, w, at, SIZE)
-    directions = directions_at(q)
+    size = whole[SIZE]
+    n = whole[N_STATES]
+    n_drives = whole[N_DRIVES]
+    field_slopes(t, w, whole, at, size)
+    directions = directions_at(q, whole)
     for c in range(m):
-        for i in range(N_STATES):
-            row = SIZE + i * q
+        for i in range(n):
+            row = size + i * q
             total = w[row + int(own[c])] if own[c] >= 0.0 else 0.0
-            for k in range(3 * N_DRIVES):
+            for k in range(3 * n_drives):
                 if w[directions + k * m + c] != 0.0:
                     total += w[row + k] * w[directions + k * m + c]
             w[to + i * m + c] = total
 
 
-def add_product(w: Vector, matrix: int, columns: int, m: int, to: int) -> None:
+def add_product(w: Vector, whole: Wholes, matrix: int, columns: int, m: int, to: int) -> None:
     """Add the product of an n x n matrix with columns.
 
     Reads: `matrix`, `columns`, `to`.
     Writes: `to`.
     """
-    n = N_STATES
+    n = whole[N_STATES]
     for i in range(n):
         for j in range(n):
             factor = w[matrix + i * n + j]
@@ -130,100 +137,97 @@ def add_product(w: Vector, matrix: int, columns: int, m: int, to: int) -> None:
 
 
 def series_sensed(
-    mode: int, flags: int, t: float, h: float, w: Vector, own: Vector, q: int, m: int
+    t: float, h: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
     Reads: Y, columns 0, directions.
     Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4.
     """
-    n = N_STATES
-    now, result = columns_at(0, q, m), columns_at(1, q, m)
-    term, new = columns_at(2, q, m), columns_at(3, q, m)
-    series_fill(mode, flags, t, h, w, Y)
-    terms = int(w[DENSE])
-    forcing(mode, flags, t, Y, w, own, q, m, term)
-    add_product(w, MATRIX, now, m, term)
+    y = whole[Y]
+    dense = whole[DENSE]
+    matrix = whole[MATRIX]
+    drift = whole[DRIFT]
+    n = whole[N_STATES]
+    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
+    term, new = columns_at(2, q, m, whole), columns_at(3, q, m, whole)
+    series_fill(t, h, w, whole, y)
+    terms = int(w[dense])
+    forcing(t, y, w, whole, own, q, m, term)
+    add_product(w, whole, matrix, now, m, term)
     for i in range(n * m):
         w[term + i] *= h
         w[result + i] = w[now + i] + w[term + i]
     for i in range(n):
-        w[DRIFT + i] = 0.0
+        w[drift + i] = 0.0
     for k in range(1, SERIES + MORE_TERMS):
         for i in range(n * m):
             w[new + i] = 0.0
         if k <= terms:
             # affine in time and state together: the difference to the value at zero is linear
-            rest = columns_at(4, q, m)
-            forcing(mode, flags, 0.0, DRIFT, w, own, q, m, rest)
-            forcing(mode, flags, h if k == 1 else 0.0, DENSE + 1 + k * n, w, own, q, m, new)
+            rest = columns_at(4, q, m, whole)
+            forcing(0.0, drift, w, whole, own, q, m, rest)
+            forcing(h if k == 1 else 0.0, dense + 1 + k * n, w, whole, own, q, m, new)
             for i in range(n * m):
                 w[new + i] -= w[rest + i]
-        add_product(w, MATRIX, term, m, new)
+        add_product(w, whole, matrix, term, m, new)
         for i in range(n * m):
             w[term + i] = h / (k + 1) * w[new + i]
             w[result + i] += w[term + i]
 
 
 def radau_stage(
-    s: int,
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    length: float,
-    w: Vector,
-    own: Vector,
-    q: int,
-    m: int,
+    s: int, t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Write the rows of one stage: of the matrix, and of all right-hand sides.
 
     Reads: DENSE, columns 0, directions.
     Writes: POINT, MATRIX, SIZE, columns 2, columns 5.
     """
-    n = N_STATES
+    point = whole[POINT]
+    matrix_at = whole[MATRIX]
+    n = whole[N_STATES]
     stages = RADAU_STAGES * n
-    now, slopes, matrix = columns_at(0, q, m), columns_at(2, q, m), columns_at(5, q, m)
+    now, slopes, matrix = (
+        columns_at(0, q, m, whole),
+        columns_at(2, q, m, whole),
+        columns_at(5, q, m, whole),
+    )
     right = matrix + stages * (stages + 1)
     share = RADAU_NODES[s] * length / h
-    interpolate(w, share, POINT)
-    jacobian(mode, flags, t + share * h, w, POINT, MATRIX)
-    forcing(mode, flags, t + share * h, POINT, w, own, q, m, slopes)
-    add_product(w, MATRIX, now, m, slopes)
+    interpolate(w, whole, share, point)
+    jacobian(t + share * h, w, whole, point, matrix_at)
+    forcing(t + share * h, point, w, whole, own, q, m, slopes)
+    add_product(w, whole, matrix_at, now, m, slopes)
     for i in range(n):
         row = matrix + (s * n + i) * stages
         for other in range(RADAU_STAGES):
             factor = length * RADAU[s * RADAU_STAGES + other]
             for j in range(n):
-                w[row + other * n + j] = -factor * w[MATRIX + i * n + j]
+                w[row + other * n + j] = -factor * w[matrix_at + i * n + j]
         w[row + s * n + i] += 1.0
         for c in range(m):
             w[right + c * stages + s * n + i] = w[slopes + i * m + c]
 
 
 def radau_sensed(
-    mode: int,
-    flags: int,
-    t: float,
-    h: float,
-    length: float,
-    w: Vector,
-    own: Vector,
-    q: int,
-    m: int,
+    t: float, h: float, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1.
 
     Reads: DENSE, columns 0, directions.
     Writes: POINT, MATRIX, SIZE, columns 1, columns 2, columns 5.
     """
-    n = N_STATES
+    n = whole[N_STATES]
     stages = RADAU_STAGES * n
-    now, result, matrix = columns_at(0, q, m), columns_at(1, q, m), columns_at(5, q, m)
+    now, result, matrix = (
+        columns_at(0, q, m, whole),
+        columns_at(1, q, m, whole),
+        columns_at(5, q, m, whole),
+    )
     pivots = matrix + stages * stages
     for s in range(RADAU_STAGES):
-        radau_stage(s, mode, flags, t, h, length, w, own, q, m)
+        radau_stage(s, t, h, length, w, whole, own, q, m)
     lu_factor(w, matrix, stages, pivots)
     for c in range(m):
         right = pivots + stages + c * stages
@@ -236,7 +240,7 @@ def radau_sensed(
 
 
 def advance_sensed(
-    log: Vector, row: int, length: float, w: Vector, own: Vector, q: int, m: int
+    log: Vector, row: int, length: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
 ) -> None:
     """Advance the sensitivities from the start of a restored row; result in columns 1.
 
@@ -244,34 +248,35 @@ def advance_sensed(
     Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4, columns
     5.
     """
-    at = row * ROW_COLUMNS
-    mode, flags = int(log[at + 3]), int(log[at + 4])
+    at = row * whole[ROW_COLUMNS]
     if log[at + ROW_DENSE] > 0.0:
-        series_sensed(mode, flags, log[at], length, w, own, q, m)
+        series_sensed(log[at], length, w, whole, own, q, m)
     else:
-        radau_sensed(mode, flags, log[at], log[at + 2], length, w, own, q, m)
+        radau_sensed(log[at], log[at + 2], length, w, whole, own, q, m)
 
 
-def moments(
-    guard: int, mode: int, flags: int, t: float, w: Vector, own: Vector, q: int, m: int
-) -> None:
+def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
     """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
 
     Reads: Y, Y1, columns 0, directions.
     Writes: SLOPES, columns 4, guard slopes.
     """
-    n = N_STATES
-    now, to = columns_at(0, q, m), columns_at(4, q, m)
-    guard_slopes(mode, flags, t, w, Y, SLOPES)
-    guard_parameters(mode, flags, t, w, Y, guards_at(q))
-    row = SLOPES + guard * (n + 1)
+    y = whole[Y]
+    slopes = whole[SLOPES]
+    y1 = whole[Y1]
+    n_drives = whole[N_DRIVES]
+    n = whole[N_STATES]
+    now, to = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
+    guard_slopes(t, w, whole, y, slopes)
+    guard_parameters(t, w, whole, y, guards_at(q, whole))
+    row = slopes + guard * (n + 1)
     rate = w[row + n]
     for i in range(n):
-        rate += w[row + i] * w[Y1 + i]
-    parameters, directions = guards_at(q) + guard * q, directions_at(q)
+        rate += w[row + i] * w[y1 + i]
+    parameters, directions = guards_at(q, whole) + guard * q, directions_at(q, whole)
     for c in range(m):
         total = w[parameters + int(own[c])] if own[c] >= 0.0 else 0.0
-        for k in range(3 * N_DRIVES):
+        for k in range(3 * n_drives):
             total += w[parameters + k] * w[directions + k * m + c]
         for i in range(n):
             total += w[row + i] * w[now + i * m + c]
@@ -279,80 +284,80 @@ def moments(
         w[to + c] = -total / rate if rate != 0.0 else 0.0
 
 
-def jump(w: Vector, q: int, m: int) -> None:
+def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Let the sensitivities jump: slope before in Y1, after in VALUES, moments in columns 4.
 
     Reads: Y1, VALUES, columns 0, columns 4.
     Writes: columns 0.
     """
-    now, moment = columns_at(0, q, m), columns_at(4, q, m)
+    n = whole[N_STATES]
+    y1 = whole[Y1]
+    values = whole[VALUES]
+    now, moment = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
     # Saltation: a run that meets the event dt later follows the slope before it for that long, and
     # misses as much of the slope after it.
-    for i in range(N_STATES):
-        change = w[Y1 + i] - w[VALUES + i]
+    for i in range(n):
+        change = w[y1 + i] - w[values + i]
         for c in range(m):
             w[now + i * m + c] += change * w[moment + c]
 
 
-def lose(w: Vector, q: int, m: int) -> None:
+def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Give the sensitivities up: an impact changes the rates in a way that is not followed.
 
     Writes: columns 0.
     """
-    now = columns_at(0, q, m)
-    for i in range(N_STATES * m):
+    n = whole[N_STATES]
+    now = columns_at(0, q, m, whole)
+    for i in range(n * m):
         w[now + i] = math.nan
 
 
-def load_directions(piece: int, dtable: Vector, w: Vector, q: int, m: int) -> None:
+def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Put the directions of one piece of the drives in their place.
 
     Writes: directions.
     """
-    directions = directions_at(q)
-    at = piece * (1 + 3 * N_DRIVES) * m + m
-    for k in range(3 * N_DRIVES * m):
+    n_drives = whole[N_DRIVES]
+    directions = directions_at(q, whole)
+    at = piece * (1 + 3 * n_drives) * m + m
+    for k in range(3 * n_drives * m):
         w[directions + k] = dtable[at + k]
 
 
 def pass_piece(
-    mode: int,
-    flags: int,
-    t: float,
-    piece: int,
-    table: Vector,
-    dtable: Vector,
-    w: Vector,
-    q: int,
-    m: int,
+    t: float, piece: int, table: Vector, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int
 ) -> None:
     """Go over to another piece of the drives, at a moment that its start gives.
 
     Reads: Y, columns 0.
     Writes: drives, Y1, VALUES, columns 0, columns 4, directions.
     """
-    moment = columns_at(4, q, m)
-    field(mode, flags, t, w, Y, Y1)
-    load_piece(table, piece, w)
-    load_directions(piece, dtable, w, q, m)
-    field(mode, flags, t, w, Y, VALUES)
+    y = whole[Y]
+    n_drives = whole[N_DRIVES]
+    moment = columns_at(4, q, m, whole)
+    field(t, w, whole, y, whole[Y1])
+    load_piece(table, piece, w, whole)
+    load_directions(piece, dtable, w, whole, q, m)
+    field(t, w, whole, y, whole[VALUES])
     for c in range(m):
-        w[moment + c] = dtable[piece * (1 + 3 * N_DRIVES) * m + c]
-    jump(w, q, m)
+        w[moment + c] = dtable[piece * (1 + 3 * n_drives) * m + c]
+    jump(w, whole, q, m)
 
 
-def pass_event(guard: int, mode: int, flags: int, t: float, w: Vector, q: int, m: int) -> None:
+def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Go over to the mode and the flags that follow an event.
 
     Reads: Y, Y1, columns 0, columns 4.
     Writes: Y, VALUES, columns 0.
     """
-    if guard >= FIRST_WALL:
-        lose(w, q, m)
-    if guard == STOP and CAN_STICK:
-        w[Y + SLIP] = 0.0
-    field(mode, flags, t, w, Y, VALUES)
-    jump(w, q, m)
+    y = whole[Y]
+    if guard >= whole[FIRST_WALL]:
+        lose(w, whole, q, m)
+    if guard == STOP and whole[CAN_STICK]:
+        w[y + whole[SLIP]] = 0.0
+    field(t, w, whole, y, whole[VALUES])
+    jump(w, whole, q, m)
 
 
 def pass_instant(
@@ -364,6 +369,7 @@ def pass_instant(
     table: Vector,
     dtable: Vector,
     w: Vector,
+    whole: Wholes,
     own: Vector,
     q: int,
     m: int,
@@ -375,42 +381,47 @@ def pass_instant(
     Reads: DENSE, columns 0, directions.
     Writes: drives, Y, Y1, POINT, VALUES, SLOPES, columns 0, columns 4, directions, guard slopes.
     """
-    at = row * ROW_COLUMNS
+    width = whole[ROW_COLUMNS]
+    point = whole[POINT]
+    n = whole[N_STATES]
+    y = whole[Y]
+    y1 = whole[Y1]
+    at = row * width
     t = log[at + 1]
-    mode, flags = int(log[at + 3]), int(log[at + 4])
     whole_row = log[at + ROW_DENSE] > 0.0  # the series at hand is that up to the end of the row
-    interpolate(w, 1.0 if whole_row else (t - log[at]) / log[at + 2], POINT)
-    for i in range(N_STATES):
-        w[Y + i] = w[POINT + i]
-    following = int(log[at + ROW_COLUMNS + 5])
+    interpolate(w, whole, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
+    for i in range(n):
+        w[y + i] = w[point + i]
+    following = int(log[at + width + 5])
     known = following != int(log[at + 5])
     if known:
-        pass_piece(mode, flags, t, following, table, dtable, w, q, m)
+        pass_piece(t, following, table, dtable, w, whole, q, m)
     k = first
     while k < number and events[k * EVENT_COLUMNS] <= t:
         event = k * EVENT_COLUMNS
         guard = int(events[event + 3])
-        field(mode, flags, t, w, Y, Y1)
+        field(t, w, whole, y, y1)
         if not known:
-            moments(guard, mode, flags, t, w, own, q, m)
+            moments(guard, t, w, whole, own, q, m)
             known = True
-        mode, flags = int(events[event + 2]), int(events[event + 4])
-        pass_event(guard, mode, flags, t, w, q, m)
+        whole[MODE], whole[FLAGS] = int(events[event + 2]), int(events[event + 4])
+        pass_event(guard, t, w, whole, q, m)
         k += 1
     return k
 
 
-def hold(mode: int, w: Vector, q: int, m: int) -> None:
+def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away what a body that is held at the start does not do.
 
     Writes: columns 0.
     """
+    slip = whole[SLIP]
     if mode == 0:  # it loses a small velocity at once
-        now = columns_at(0, q, m)
+        now = columns_at(0, q, m, whole)
         for c in range(m):
-            w[now + SLIP * m + c] = 0.0
+            w[now + slip * m + c] = 0.0
     if abs(mode) == 2:  # what follows depends on what an impact at the start would do
-        lose(w, q, m)
+        lose(w, whole, q, m)
 
 
 def sense(
@@ -424,6 +435,7 @@ def sense(
     own: Vector,
     q: int,
     w: Vector,
+    whole: Wholes,
     out: Vector,
 ) -> None:
     """Write the sensitivities at increasing times; those at the start stand in columns 0.
@@ -456,31 +468,34 @@ def sense(
         Number of quantities: numbers of the drives, then parameters.
     w : array (sense_size,)
         Vector of the run, with room for sensitivities.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     out : array (k N_STATES m,)
         Written: sensitivities at each time, rows by states.
     """
+    width = whole[ROW_COLUMNS]
     m = len(own)
-    n = N_STATES
-    now, result = columns_at(0, q, m), columns_at(1, q, m)
+    n = whole[N_STATES]
+    now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     asked = 0
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         k += 1
-    hold(int(log[3]), w, q, m)
+    hold(int(log[3]), w, whole, q, m)
     for row in range(count):
-        at = row * ROW_COLUMNS
+        at = row * width
         last = row == count - 1
-        load_directions(int(log[at + 5]), dtable, w, q, m)
+        load_directions(int(log[at + 5]), dtable, w, whole, q, m)
         while asked < len(times) and (last or times[asked] < log[at + 1]):
-            restore(log, row, table, w)
-            advance_sensed(log, row, times[asked] - log[at], w, own, q, m)
+            restore(log, row, table, w, whole)
+            advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
             for i in range(n * m):
                 out[asked * n * m + i] = w[result + i]
             asked += 1
         if last:
             return
-        restore(log, row, table, w)
-        advance_sensed(log, row, log[at + 1] - log[at], w, own, q, m)
+        restore(log, row, table, w, whole)
+        advance_sensed(log, row, log[at + 1] - log[at], w, whole, own, q, m)
         for i in range(n * m):
             w[now + i] = w[result + i]
-        k = pass_instant(log, row, events, number, k, table, dtable, w, own, q, m)
+        k = pass_instant(log, row, events, number, k, table, dtable, w, whole, own, q, m)

@@ -2,20 +2,20 @@
 
 import math
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF, STOP
 from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, rises
-from stickslip.kernels.hard_stops import FIRST_WALL, approach
+from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
-from stickslip.kernels.model_interface import HAS_BRISTLES, jacobian
+from stickslip.kernels.model_interface import jacobian
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
-    FLAGS,
+    FIRST_WALL,
     FRACTION,
+    HAS_BRISTLES,
     LENGTH,
     MATRIX,
-    MODE,
     POLYNOMIAL,
     REJECTED,
     SERIES,
@@ -42,26 +42,25 @@ BOUNCE = 1e-3
 """Fraction of a series below which an impact is looked for in a shorter one."""
 
 
-def attempt(h: float, w: Vector, whole: Vector, rtol: float) -> float:
+def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
     Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER.
     Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE.
     """
-    mode = int(whole[MODE])
-    flags = int(whole[FLAGS])
+    y = whole[Y]
     t = w[TIME]
     if whole[STEPPER] == EXACT:
-        return series_step(mode, flags, t, h, w, Y)
+        return series_step(t, h, w, whole, y)
     if whole[STEPPER] == STIFF:
-        error = rodas_step(mode, flags, t, h, w, rtol)
+        error = rodas_step(t, h, w, whole, rtol)
         if error <= 1.0:
-            rodas_dense(w)
+            rodas_dense(w, whole)
         return error
-    error = dop853_step(mode, flags, t, h, w, rtol)
+    error = dop853_step(t, h, w, whole, rtol)
     if error <= 1.0:
-        dop853_dense(mode, flags, t, h, w)
-        jacobian(mode, flags, t, w, Y, MATRIX)
+        dop853_dense(t, h, w, whole)
+        jacobian(t, w, whole, y, whole[MATRIX])
     return error
 
 
@@ -82,7 +81,7 @@ def resized(h: float, error: float, stepper: int) -> float:
 
 
 def accepted_step(
-    stop: float, w: Vector, whole: Vector, rtol: float, cap: float, slot: int
+    stop: float, w: Vector, whole: Wholes, rtol: float, cap: float, slot: int
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
@@ -90,7 +89,7 @@ def accepted_step(
     Writes: `slot`, STEP, Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW.
     """
-    stepper = int(whole[STEPPER])
+    stepper = whole[STEPPER]
     t = w[TIME]
     h = min(w[slot], cap)
     left = stop - t
@@ -115,23 +114,23 @@ def accepted_step(
         h = proposed
 
 
-def retry_length(guard: int, h: float, w: Vector) -> float:
+def retry_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a step should be taken again, 0 if it stands.
 
     Reads: TIME, FRACTION, Y.
     """
     t = w[TIME]
     fraction = w[FRACTION]
-    if guard >= FIRST_WALL and fraction == 0.0 and approach(guard, w) > 0.0:
+    if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
         return 0.0  # it is at its stop
-    if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and HAS_BRISTLES):
+    if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and whole[HAS_BRISTLES]):
         return h / 8.0 if t + h / 64.0 > t else 0.0
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h
     return 0.0
 
 
-def bounce_length(guard: int, h: float, w: Vector) -> float:
+def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a series should be taken again, 0 if it stands.
 
     Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
@@ -140,7 +139,7 @@ def bounce_length(guard: int, h: float, w: Vector) -> float:
     Reads: TIME, FRACTION, POLYNOMIAL.
     """
     fraction = w[FRACTION]
-    if guard < FIRST_WALL or fraction >= BOUNCE:
+    if guard < whole[FIRST_WALL] or fraction >= BOUNCE:
         return 0.0
     shorter = 2.0 * fraction * h
     if fraction == 0.0:
@@ -153,7 +152,7 @@ def bounce_length(guard: int, h: float, w: Vector) -> float:
     return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
 
 
-def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> int:
+def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> int:
     """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
 
     On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
@@ -193,26 +192,24 @@ def advance(stop: float, w: Vector, whole: Vector, rtol: float, cap: float) -> i
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
             return NO_GUARD
-        mode = int(whole[MODE])
-        flags = int(whole[FLAGS])
         if exact:
-            guard = first_crossing(mode, flags, w[TIME], h, w)
-            shorter = bounce_length(guard, h, w)
+            guard = first_crossing(w[TIME], h, w, whole)
+            shorter = bounce_length(guard, h, w, whole)
         else:
-            guard = first_violation(mode, flags, w[TIME], h, w)
+            guard = first_violation(w[TIME], h, w, whole)
             shorter = 0.0
-            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w):
+            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
                 guard = doubted
                 w[FRACTION] = 0.0
             else:
-                shorter = retry_length(guard, h, w)
+                shorter = retry_length(guard, h, w, whole)
             if shorter > 0.0:
                 doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
             continue
         if w[FRACTION] > 0.0 and not exact:
-            note_sizes(w)
+            note_sizes(w, whole)
         w[LENGTH] = h
         if guard != NO_GUARD and w[FRACTION] == 0.0:
             w[slot] = before  # the step was tried in a mode that does not hold

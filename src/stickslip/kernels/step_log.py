@@ -1,11 +1,11 @@
 """The books of a run: rows of steps, work done, violations found."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import STOP
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.guard_roots import NO_GUARD, guard_values
-from stickslip.kernels.model_interface import N_GUARDS, N_STATES, SLIP, power
+from stickslip.kernels.model_interface import power
 from stickslip.kernels.state_layout import (
     DENSE,
     FLAGS,
@@ -13,6 +13,8 @@ from stickslip.kernels.state_layout import (
     GROSS,
     LENGTH,
     MODE,
+    N_GUARDS,
+    N_STATES,
     PIECE,
     POINT,
     REACHED,
@@ -21,6 +23,7 @@ from stickslip.kernels.state_layout import (
     ROW_COLUMNS,
     ROW_DENSE,
     SCALE,
+    SLIP,
     STEPS,
     SUPPLIED,
     TAKEN,
@@ -38,7 +41,7 @@ FEW_TERMS = 6
 """A series that ends so early is that of a very short step, over which few nodes do."""
 
 
-def add_work(w: Vector, whole: Vector) -> None:
+def add_work(w: Vector, whole: Wholes) -> None:
     """Add the work done in the part of the step that holds.
 
     Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, DENSE, MODE, FLAGS.
@@ -51,20 +54,22 @@ def add_work(w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
+    point = whole[POINT]
+    values = whole[VALUES]
     share = w[FRACTION]
     h = w[LENGTH]
-    few = 0.0 < w[DENSE] <= FEW_TERMS
+    few = 0.0 < w[whole[DENSE]] <= FEW_TERMS
     for node in range(len(FEW_NODES) if few else len(NODES)):
         x = share * (FEW_NODES[node] if few else NODES[node])
-        interpolate(w, x, POINT)
-        power(int(whole[MODE]), int(whole[FLAGS]), w[TIME] + x * h, w, POINT, VALUES)
+        interpolate(w, whole, x, point)
+        power(w[TIME] + x * h, w, whole, point, values)
         weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
-        w[SUPPLIED] += weight * w[VALUES]
-        w[TAKEN] += weight * w[VALUES + 1]
-        w[GROSS] += weight * (abs(w[VALUES]) + abs(w[VALUES + 1]))
+        w[SUPPLIED] += weight * w[values]
+        w[TAKEN] += weight * w[values + 1]
+        w[GROSS] += weight * (abs(w[values]) + abs(w[values + 1]))
 
 
-def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:
+def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
     """Write one row of the log.
 
     Reads: TIME, LENGTH, DENSE, MODE, FLAGS, PIECE, STEPS.
@@ -81,36 +86,43 @@ def record(log: Vector, end: float, w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    at = int(whole[STEPS]) * ROW_COLUMNS
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    at = whole[STEPS] * whole[ROW_COLUMNS]
     log[at] = w[TIME]
     log[at + 1] = end
     log[at + 2] = w[LENGTH]
     log[at + 3] = whole[MODE]
     log[at + 4] = whole[FLAGS]
     log[at + 5] = whole[PIECE]
-    terms = 0 if w[DENSE] > 0.0 else TERMS
-    for i in range(1 + (terms + 1) * N_STATES):
-        log[at + ROW_DENSE + i] = w[DENSE + i]
+    terms = 0 if w[dense] > 0.0 else TERMS
+    for i in range(1 + (terms + 1) * n):
+        log[at + ROW_DENSE + i] = w[dense + i]
     whole[STEPS] += 1
 
 
-def audit(guard: int, w: Vector, whole: Vector) -> None:
+def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
     Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS.
     Writes: VIOLATION, RESIDUAL, VALUES.
     """
-    guard_values(int(whole[MODE]), int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-    for i in range(N_GUARDS):
-        value = w[VALUES + i]
+    values = whole[VALUES]
+    n_guards = whole[N_GUARDS]
+    reached = whole[REACHED]
+    scale = whole[SCALE]
+    slip = whole[SLIP]
+    guard_values(w[TIME], w, whole, whole[Y], values)
+    for i in range(n_guards):
+        value = w[values + i]
         if value < 0.0:
-            size = max(w[REACHED + i], w[SCALE + SLIP]) if i == STOP else w[REACHED + i]
+            size = max(w[reached + i], w[scale + slip]) if i == STOP else w[reached + i]
             at = RESIDUAL if i == guard else VIOLATION
             if size > 0.0:
                 w[at] = max(w[at], -value / size)
 
 
-def close_step(guard: int, stop: float, w: Vector, whole: Vector) -> None:
+def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     """Move time and state to the end of the step.
 
     Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS.
@@ -127,18 +139,22 @@ def close_step(guard: int, stop: float, w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
+    n = whole[N_STATES]
+    y = whole[Y]
+    y1 = whole[Y1]
+    scale = whole[SCALE]
     share = w[FRACTION]
     h = w[LENGTH]
     end = w[TIME] + share * h
     if guard == NO_GUARD:
-        for i in range(N_STATES):
-            w[Y + i] = w[Y1 + i]
+        for i in range(n):
+            w[y + i] = w[y1 + i]
         if abs(stop - end) <= ROUNDING * max(abs(stop), abs(h)):
             end = stop
     else:
-        interpolate(w, share, Y)
-    for i in range(N_STATES):
-        w[SCALE + i] = max(w[SCALE + i], abs(w[Y + i]))
+        interpolate(w, whole, share, y)
+    for i in range(n):
+        w[scale + i] = max(w[scale + i], abs(w[y + i]))
     w[TIME] = end
     if share > 0.0:
         audit(guard, w, whole)

@@ -1,15 +1,17 @@
 """Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff."""
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import EXACT, SMOOTH, STIFF
 from stickslip.kernels.error_scale import size_of
-from stickslip.kernels.model_interface import HAS_BRISTLES, N_STATES, SLIP, linear
+from stickslip.kernels.model_interface import linear
 from stickslip.kernels.rodas5p import rodas_step
 from stickslip.kernels.state_layout import (
-    FLAGS,
+    HAS_BRISTLES,
     MATRIX,
     MODE,
+    N_STATES,
     SCALE,
+    SLIP,
     SLOW,
     STEP,
     STEPPER,
@@ -41,7 +43,7 @@ SLOW_STEPS = 15
 many as in the test of stiffness in Hairer's DOP853."""
 
 
-def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
+def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins.
 
     Reads: TIME, STEP, Y, SCALE, MODE, FLAGS.
@@ -56,20 +58,20 @@ def choose_stepper(stop: float, w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    mode = int(whole[MODE])
+    values = whole[VALUES]
     whole[SLOW] = 0
-    if HAS_BRISTLES and abs(mode) == 1:
+    if whole[HAS_BRISTLES] and abs(whole[MODE]) == 1:
         whole[STEPPER] = STIFF
     else:
-        linear(mode, int(whole[FLAGS]), w[TIME], w, Y, VALUES)
-        whole[STEPPER] = EXACT if w[VALUES] > 0.0 else SMOOTH
+        linear(w[TIME], w, whole, whole[Y], values)
+        whole[STEPPER] = EXACT if w[values] > 0.0 else SMOOTH
     if whole[STEPPER] != EXACT:
         probe_sizes(stop, w, whole)
         if not stop + w[STEP] > stop:  # none yet, or one left over from an event soon after 0
             w[STEP] = FIRST_SHARE * (stop - w[TIME])
 
 
-def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
+def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     """Give a size to states that have none yet: a small part of what a first stretch brings.
 
     What is at rest begins as a power of time, which no relative error control gets started.
@@ -77,29 +79,35 @@ def probe_sizes(stop: float, w: Vector, whole: Vector) -> None:
     Reads: TIME, Y, SCALE, MODE, FLAGS.
     Writes: Y1, SCALE, STAGES, MATRIX, PIVOTS, DRIFT.
     """
-    mode = int(whole[MODE])
+    n = whole[N_STATES]
+    scale = whole[SCALE]
+    y1 = whole[Y1]
+    slip = whole[SLIP]
+    y = whole[Y]
+    mode = whole[MODE]
     missing = False
-    for i in range(N_STATES):
-        missing = missing or w[SCALE + i] == 0.0
+    for i in range(n):
+        missing = missing or w[scale + i] == 0.0
     h = PROBE * (stop - w[TIME])
-    for _ in range(PROBES):
-        if not missing or not w[TIME] + h > w[TIME]:
-            return
-        error = rodas_step(mode, int(whole[FLAGS]), w[TIME], h, w, 1.0)
-        if error <= 1.0 and w[Y1 + SLIP] * mode >= 0.0:
+    trials = 0
+    while missing and trials < PROBES and w[TIME] + h > w[TIME]:
+        trials += 1
+        error = rodas_step(w[TIME], h, w, whole, 1.0)
+        if error <= 1.0 and w[y1 + slip] * whole[MODE] >= 0.0:
             blurred = abs(w[TIME]) / (BLURRED * h)
             share = max(PROBED, min(1.0, blurred * blurred))
-            for i in range(N_STATES):
-                w[SCALE + i] = max(w[SCALE + i], share * abs(w[Y1 + i] - w[Y + i]))
-            return
-        if HAS_BRISTLES and error <= 1.0 and w[Y + SLIP] == 0.0 and mode == int(whole[MODE]):
-            mode = -mode  # what leads to the body tells only later which way it will be drawn
+            for i in range(n):
+                w[scale + i] = max(w[scale + i], share * abs(w[y1 + i] - w[y + i]))
+            missing = False
+        elif whole[HAS_BRISTLES] and error <= 1.0 and w[y + slip] == 0.0 and whole[MODE] == mode:
+            whole[MODE] = -mode  # what leads to the body tells only later which way it is drawn
         else:
             h *= PROBE
-            mode = int(whole[MODE])
+            whole[MODE] = mode
+    whole[MODE] = mode
 
 
-def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:
+def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     """Go over to Rodas5P where steps stay short for the sake of a motion that has died away.
 
     The Jacobian at the start of the step stands at MATRIX; less its trace is the sum of all
@@ -117,14 +125,17 @@ def watch_stiffness(h: float, w: Vector, whole: Vector) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    n = N_STATES
+    matrix = whole[MATRIX]
+    y1 = whole[Y1]
+    y = whole[Y]
+    n = whole[N_STATES]
     damping = 0.0
     for i in range(n):
-        damping -= w[MATRIX + i * n + i]
+        damping -= w[matrix + i * n + i]
     slow = h * damping > 1.0
     for i in range(n):
-        change = abs(w[Y1 + i] - w[Y + i])
-        slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w)
+        change = abs(w[y1 + i] - w[y + i])
+        slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w, whole)
     whole[SLOW] = whole[SLOW] + 1 if slow else 0
     if whole[SLOW] > SLOW_STEPS:
         whole[STEPPER] = STIFF

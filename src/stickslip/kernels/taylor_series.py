@@ -7,11 +7,11 @@ series stands in the dense output, so that guards become polynomials in the frac
 
 import math
 
-from stickslip.kernels.backend import Vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.error_scale import size_of
-from stickslip.kernels.model_interface import N_STATES, field, jacobian, time_slope
-from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, POINT, SERIES, Y1
+from stickslip.kernels.model_interface import field, jacobian, time_slope
+from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, N_STATES, POINT, SERIES, Y1
 
 __all__ = ["series_fill", "series_step"]
 
@@ -21,7 +21,7 @@ NOTHING = 1e-18
 """Size of a term, over the largest of its state, below which the series has ended."""
 
 
-def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> None:
+def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output with the series of a step from the state at `at`.
 
     Reads: `at`.
@@ -29,28 +29,30 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     h : float
         Length of the step [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
     """
-    n = N_STATES
-    last = DENSE + 1
-    field(mode, flags, t, w, at, last + n)
-    time_slope(mode, flags, t, w, at, DRIFT)
-    jacobian(mode, flags, t, w, at, MATRIX)
+    dense = whole[DENSE]
+    drift = whole[DRIFT]
+    matrix = whole[MATRIX]
+    point = whole[POINT]
+    n = whole[N_STATES]
+    last = dense + 1
+    field(t, w, whole, at, last + n)
+    time_slope(t, w, whole, at, drift)
+    jacobian(t, w, whole, at, matrix)
     for i in range(n):
         w[last + i] = w[at + i]
         w[last + n + i] *= h
-        w[POINT + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
+        w[point + i] = max(abs(w[last + i]), abs(w[last + n + i]))  # largest term yet
     # Two small terms in a row end the series: one alone may be zero by chance, as each second term
     # of an oscillation from rest is.
     small = 0
@@ -62,18 +64,18 @@ def series_fill(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
         ended = True
         for i in range(n):
             # df/dt is constant, so that time enters the second derivative of the state and no other
-            total = h * w[DRIFT + i] if terms == 2 else 0.0
+            total = h * w[drift + i] if terms == 2 else 0.0
             for j in range(n):
-                total += w[MATRIX + i * n + j] * w[last + j]
+                total += w[matrix + i * n + j] * w[last + j]
             total *= factor
             w[last + n + i] = total
-            w[POINT + i] = max(w[POINT + i], abs(total))
-            ended = ended and abs(total) <= NOTHING * w[POINT + i]
+            w[point + i] = max(w[point + i], abs(total))
+            ended = ended and abs(total) <= NOTHING * w[point + i]
         small = small + 1 if ended else 0
-    w[DENSE] = terms - small
+    w[dense] = terms - small
 
 
-def series_step(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -> float:
+def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
     Reads: `at`, Y, SCALE.
@@ -81,16 +83,14 @@ def series_step(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
 
     Parameters
     ----------
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
     t : float
         Time [s].
     h : float
         Length of the step [s].
     w : array (SIZE,)
         Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     at : int
         Place in `w` of the state.
 
@@ -99,17 +99,18 @@ def series_step(mode: int, flags: int, t: float, h: float, w: Vector, at: int) -
     float
         Size of the last terms over what is allowed: the step is good up to 1.
     """
-    n = N_STATES
-    series_fill(mode, flags, t, h, w, at)
-    interpolate(w, 1.0, Y1)
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    series_fill(t, h, w, whole, at)
+    interpolate(w, whole, 1.0, whole[Y1])
     error = 0.0
-    if w[DENSE] >= SERIES:
-        last = DENSE + 1 + SERIES * n
+    if w[dense] >= SERIES:
+        last = dense + 1 + SERIES * n
         for i in range(n):
             tail = abs(w[last + i]) + abs(w[last - n + i])
             if not tail < math.inf:
                 return math.inf
-            size = TAIL * size_of(i, h, w)
+            size = TAIL * size_of(i, h, w, whole)
             if tail > 0.0:
                 error = max(error, tail / size if size > 0.0 else math.inf)
     return error

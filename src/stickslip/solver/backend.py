@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.formulation import Model
+from stickslip.kernels.header import Sizes
+from stickslip.kernels.state_layout import ADDRESS, BOOKS, SIZE
 from stickslip.solver.compile.modules import load, load_compiled
 
 __all__ = ["Runner", "runner_of"]
@@ -18,50 +20,60 @@ __all__ = ["Runner", "runner_of"]
 class Runner:
     """Calls the kernels of one tier for one model."""
 
-    module: ModuleType
-    """The generated module whose kernels are called."""
-    address: int
-    """Where the compiled equations are; 0 in the plain tier, whose module holds them."""
+    kernels: ModuleType
+    """The kernels that are called."""
+    equations: Any
+    """Address of the compiled equations, or their functions."""
+    compiled: bool
+    """Whether kernels and equations are machine code."""
+    sizes: Sizes
+    """How much of everything the model has."""
+
+    @property
+    def header(self) -> tuple[int, ...]:
+        """Whole numbers of a run that begins: sizes, and places in its vector."""
+        return self.sizes.header
 
     def vector(self, numbers: Iterable[float]) -> Any:
         """Return numbers as the tier takes them: a list, or an array."""
         values = [float(number) for number in numbers]
-        return np.array(values) if self.address else values
+        return np.array(values) if self.compiled else values
 
     def flat(self, numbers: ArrayLike) -> Any:
         """Return an array's numbers one after the other, as the tier takes them."""
         values = np.array(numbers, dtype=np.float64, order="C").ravel()  # one that can be written
-        return values if self.address else values.tolist()
+        return values if self.compiled else values.tolist()
 
     def zeros(self, size: int) -> Any:
         """Return a vector of zeros."""
-        return np.zeros(size) if self.address else [0.0] * size
+        return np.zeros(size) if self.compiled else [0.0] * size
 
-    def whole(self) -> Any:
-        """Return the whole-numbered state of a run that begins."""
-        size = self.module.WHOLES
-        return np.zeros(size, dtype=np.int64) if self.address else [0] * size
+    def whole(self, *, books: bool = True) -> Any:
+        """Return the whole numbers of a run that begins, which books its work or does not."""
+        whole = list(self.header)
+        whole[BOOKS] = int(books)
+        return np.array(whole, dtype=np.int64) if self.compiled else whole
 
-    def working(self, numbers: Sequence[float], first: int) -> Any:
-        """Return the vector of a run, with the parameters in it from a place on.
+    def working(self, numbers: Sequence[float]) -> Any:
+        """Return the vector of a run, with the parameters in it.
 
         Parameters
         ----------
         numbers : sequence of float
             Parameters in the order of the model [SI].
-        first : int
-            Place of the first one.
 
         Returns
         -------
         array or list (SIZE,)
             The vector, laid out as in `kernels.state_layout`; all else is 0.
         """
-        w = self.zeros(self.module.SIZE)
-        for i, number in enumerate(numbers, first):
-            w[i] = number
-        if self.address:
-            w[self.module.ADDRESS :].view(np.int64)[0] = self.address
+        w = self.zeros(self.header[SIZE])
+        first = self.sizes.first_parameter
+        w[first : first + len(numbers)] = numbers
+        if self.compiled:
+            w[ADDRESS:].view(np.int64)[0] = self.equations
+        else:
+            w[ADDRESS] = self.equations
         return w
 
 
@@ -84,7 +96,5 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
     Runner
         What calls the kernels.
     """
-    if not compiled:
-        return Runner(load(model), 0)
-    machine = load_compiled(model, ensembles=ensembles)
-    return Runner(machine.kernels, machine.address)
+    tier = load_compiled(model, ensembles=ensembles) if compiled else load(model)
+    return Runner(tier.kernels, tier.equations, compiled, model.sizes)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
 from typing import NamedTuple, Self
 
 from stickslip.drives import Profile
@@ -92,12 +91,7 @@ class Diagram:
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)
-        return cls(equations, law, bristles, equations.module.SLIP, _leads(mechanism, y0))
-
-    @property
-    def module(self) -> ModuleType:
-        """The module of the mechanism's own equations."""
-        return self.equations.module
+        return cls(equations, law, bristles, model.sizes.slip, _leads(mechanism, y0))
 
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
         """Return accelerations, normal force, needed friction and power for a friction force."""
@@ -106,7 +100,7 @@ class Diagram:
         return self.equations("diagram", 0, flags, t, y, given=[friction])
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
-        return y[self.slip], tuple(y[self.module.N_STATES :][: len(self.bristles)])
+        return y[self.slip], tuple(y[self.equations.sizes.states :][: len(self.bristles)])
 
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
@@ -201,7 +195,7 @@ class Diagram:
             Rates of coordinates, of rates and of bristles.
         """
         friction, normal = self.friction(t, y, held)
-        n = self.module.N_COORDINATES
+        n = self.equations.sizes.coordinates
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
         if held:

@@ -9,6 +9,24 @@ from numpy.typing import NDArray
 from stickslip.formatting import number, percent
 from stickslip.formulation import PAINLEVE
 from stickslip.kernels import enums
+from stickslip.kernels.state_layout import (
+    CAN_LIFT,
+    FIRST_LIMIT,
+    GROSS,
+    LOST,
+    LOWEST,
+    N_COORDINATES,
+    REACHED,
+    REJECTED,
+    RESIDUAL,
+    ROW_DENSE,
+    SLIP,
+    STATUS,
+    STEPS,
+    SUPPLIED,
+    TAKEN,
+    VIOLATION,
+)
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
 from stickslip.trajectory import Certificate
@@ -69,10 +87,9 @@ def certify(
     Certificate
         Evidence, margins of the limits, and what is wrong in words.
     """
-    module = playback.module
     books = _books(playback, w)
     energy_error = books["energy_error"]
-    violation, residual = float(w[module.VIOLATION]), float(w[module.RESIDUAL])
+    violation, residual = float(w[VIOLATION]), float(w[RESIDUAL])
     drift = _stick_drift(playback)
     energy_limit = energy_limit_at(tolerance)
     problems = []
@@ -89,7 +106,7 @@ def certify(
         )
     if drift != 0:
         problems.append(f"a sticking body moved by {number(drift, 2)} m")
-    margins = _margins(playback, w, whole[module.STATUS])
+    margins = _margins(playback, w, whole[STATUS])
     return Certificate(
         **books,
         margins=margins,
@@ -99,22 +116,22 @@ def certify(
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
-        steps=whole[module.STEPS],
-        rejected=whole[module.REJECTED],
+        steps=whole[STEPS],
+        rejected=whole[REJECTED],
         problems=tuple(problems),
     )
 
 
 def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, float]:
     """Return the least margin of each limit over its largest, and that of the normal force."""
-    module, limits = playback.module, playback.model.limits
-    guards = {"lift-off": enums.LIFT_OFF} if module.CAN_LIFT else {}
-    guards |= {name: module.FIRST_LIMIT + i for i, name in enumerate(limits)}
+    header, limits = playback.runner.header, playback.model.limits
+    guards = {"lift-off": enums.LIFT_OFF} if header[CAN_LIFT] else {}
+    guards |= {name: header[FIRST_LIMIT] + i for i, name in enumerate(limits)}
     ends = {"lift-off": enums.LIFTED_OFF}
     ends |= {name: enums.LIMITED + i for i, name in enumerate(limits)}
     found = {}
     for name, guard in guards.items():
-        least, size = float(w[module.LOWEST + guard]), float(w[module.REACHED + guard])
+        least, size = float(w[header[LOWEST] + guard]), float(w[header[REACHED] + guard])
         if status == ends[name]:
             found[name] = 0.0
         elif math.isfinite(least) and size > 0.0:
@@ -133,9 +150,9 @@ def _warning(name: str, share: float) -> str:
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the energies and all work done."""
     start, end = (_energy(playback, at) for at in (0, -1))
-    supplied, taken = float(w[playback.module.SUPPLIED]), float(w[playback.module.TAKEN])
-    lost = float(w[playback.module.LOST])
-    size = max(abs(start), abs(end), float(w[playback.module.GROSS]))
+    supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
+    lost = float(w[LOST])
+    size = max(abs(start), abs(end), float(w[GROSS]))
     mismatch = abs(end - start - supplied + taken + lost)
     return {
         "energy_error": mismatch / size if mismatch != 0 else 0.0,  # what is no number stays none
@@ -160,9 +177,9 @@ def _energy(playback: Playback, at: int) -> float:
 
 def _stick_drift(playback: Playback) -> float:
     """Return the largest change of the slip coordinate within a row of rest, at a stop or not."""
-    rows, module = playback.rows, playback.module
+    rows, header = playback.rows, playback.runner.header
     end, _, _ = playback.played(rows[-1:, 1])
-    coordinate = module.SLIP - module.N_COORDINATES
-    places = np.append(rows[:, module.ROW_DENSE + 1 + coordinate], end[0, coordinate])
+    coordinate = header[SLIP] - header[N_COORDINATES]
+    places = np.append(rows[:, ROW_DENSE + 1 + coordinate], end[0, coordinate])
     moved = np.abs(np.diff(places))[np.abs(rows[:, 3]) != 1]
     return float(moved.max(initial=0.0))

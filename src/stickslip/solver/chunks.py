@@ -4,7 +4,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,9 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels.batch import EVIDENCE
+from stickslip.kernels.sensitivities import sense_size
+from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import schedule, values_of
@@ -95,7 +97,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     """
     model = job.model()
     runner = _runner(job)
-    module, vector = runner.module, runner.flat
+    kernels, vector = runner.kernels, runner.flat
     rows = len(next(iter(columns.values())))
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
@@ -105,12 +107,12 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         job.mechanism, job.law, job.gradients(), columns, plan.table, job.t_end, job.told
     )
     width = len(kinds) // 2
-    results, evidence = runner.zeros(rows * width), runner.zeros(rows * module.EVIDENCE)
+    results, evidence = runner.zeros(rows * width), runner.zeros(rows * EVIDENCE)
     statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
     call: list[Any] = [
         rows,
         vector(np.column_stack(list(columns.values()))),
-        vector(_places(model, module, columns)),
+        vector(_places(model, columns)),
         _base(job, runner),
         vector(plan.table),
         vector(plan.bounds if plan.bounds.size else np.zeros((len(plan.table), 1))),
@@ -121,9 +123,9 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     ]
     if job.gradients():
         sensed = [vector(along.start), vector(along.table), vector(along.own), along.quantities]
-        module.enter_batch_sensed(*call, results, statuses, evidence, *sensed, gradients)
+        kernels.enter_batch_sensed(*call, results, statuses, evidence, *sensed, gradients)
     else:
-        module.enter_batch(*call, results, statuses, evidence)
+        kernels.enter_batch(*call, results, statuses, evidence)
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
@@ -135,18 +137,16 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
 
 def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
     """Return what the runs of a chunk are made with: end, limits, and room to work in."""
-    module = runner.module
-    whole = runner.whole()
-    whole[module.BOOKS] = 1
-    size = max(module.SIZE, module.sense_size(along.quantities, len(along.own)))
+    header, whole = runner.header, runner.whole()
+    size = max(header[SIZE], sense_size(along.quantities, len(along.own), whole))
     return [
         job.t_end,
         job.solver.tolerance_for(job.law),
         int(job.solver.max_steps),
         runner.zeros(size),
         whole,
-        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
-        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+        runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
+        runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
     ]
 
 
@@ -154,10 +154,11 @@ def _runner(job: Job) -> Runner:
     return runner_of(job.model(), compiled=job.solver.tier != "python", ensembles=True)
 
 
-def _places(model: Model, module: ModuleType, columns: Mapping[str, Array]) -> list[float]:
+def _places(model: Model, columns: Mapping[str, Array]) -> list[float]:
     """Return where in the vector of a run each column goes."""
-    paths = {path: model.first_parameter + i for i, path in enumerate(model.parameter_paths)}
-    paths |= {f"initial.{state}": module.Y + i for i, state in enumerate(model.states)}
+    first, y = model.sizes.first_parameter, model.sizes.header[Y]
+    paths = {path: first + i for i, path in enumerate(model.parameter_paths)}
+    paths |= {f"initial.{state}": y + i for i, state in enumerate(model.states)}
     return [float(paths[path]) for path in columns]
 
 
@@ -166,8 +167,8 @@ def _base(job: Job, runner: Runner) -> Any:
     model = job.model()
     values = values_of(job.mechanism, job.law)
     numbers = [float(values[path]) for path in model.parameter_paths]
-    base = runner.working(numbers, model.first_parameter)
-    for i, value in enumerate(job.y0, runner.module.Y):
+    base = runner.working(numbers)
+    for i, value in enumerate(job.y0, runner.header[Y]):
         base[i] = value
     return base
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formulation import Model
+from stickslip.kernels.state_layout import ROW_COLUMNS
 from stickslip.solver.backend import Runner
 from stickslip.solver.drive_schedule import Inputs
 
@@ -56,16 +56,11 @@ class Playback:
         type of the class
             The playback.
         """
-        width = runner.module.ROW_COLUMNS
+        width = runner.header[ROW_COLUMNS]
         log = log[: count * width]
         return cls(
             model, runner, inputs, log, np.array(log, dtype=np.float64).reshape(count, width)
         )
-
-    @property
-    def module(self) -> ModuleType:
-        """The kernels that recorded the run."""
-        return self.runner.module
 
     def span(self) -> tuple[float, float]:
         """Return the first and the last time."""
@@ -77,14 +72,15 @@ class Playback:
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
-        n, size, wide = self.module.N_STATES, len(t), 2 + len(self.model.channels)
+        n, size, wide = len(self.model.states), len(t), 2 + len(self.model.channels)
         states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
-        self.module.enter_play(
+        self.runner.kernels.enter_play(
             self.log,
             len(self.rows),
             self.runner.flat(t),
             self.runner.flat(self.inputs.table),
-            self.runner.working(self.inputs.p, self.inputs.first),
+            self.runner.working(self.inputs.p),
+            self.runner.whole(),
             states,
             forces,
             rows,

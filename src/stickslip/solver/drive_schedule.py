@@ -54,8 +54,6 @@ class Inputs:
 
     p: list[float]
     """Parameters."""
-    first: int
-    """Place of the first parameter in the vector of a run."""
     table: Array
     """What drives do (n,), not to be written to: runs share it."""
     bounds: Array
@@ -106,7 +104,6 @@ def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -
     plan = _alone(tuple(mechanism.drives().values()), t_end)
     return Inputs(
         p=[float(values[path]) for path in model.parameter_paths],
-        first=model.first_parameter,
         table=plan.table[0],
         bounds=plan.bounds[0],
         time_scale=float(plan.time_scale[0]),

@@ -1,10 +1,15 @@
-"""The functions of a generated module, called with plain numbers."""
+"""The equations of a model, called with plain numbers."""
 
 from collections.abc import Sequence
 from typing import Any
 
 from stickslip.formulation import Model
+from stickslip.kernels.dense_evaluation import piece_at
+from stickslip.kernels.drive_segments import load_piece
+from stickslip.kernels.mode_transitions import set_flags
+from stickslip.kernels.state_layout import GIVEN, SIZE, Y
 from stickslip.solver.backend import runner_of
+from stickslip.solver.compile.modules import plain_equations
 from stickslip.solver.drive_schedule import Inputs
 
 __all__ = ["Equations"]
@@ -24,37 +29,37 @@ class Equations:
             Parameters and drives.
         """
         runner = runner_of(model, compiled=False)
-        self.module = module = runner.module
+        self.sizes = sizes = model.sizes
+        self.functions = plain_equations(model)
         self.table = inputs.table.tolist()
-        n = module.N_STATES
-        self.sizes = {
-            "contact": 4 + module.N_CHANNELS,
-            "diagram": module.N_COORDINATES + 3,
+        n = sizes.states
+        self.lengths = {
+            "contact": 4 + sizes.channels,
+            "diagram": sizes.coordinates + 3,
             "energy": 1,
-            "guard_slopes": module.N_GUARDS * (n + 1),
-            "guards": module.N_GUARDS,
+            "guard_slopes": sizes.guards * (n + 1),
+            "guards": sizes.guards,
             "jacobian": n * n,
             "linear": 1,
-            "margins": module.N_SWITCHES,
+            "margins": sizes.switches,
             "power": 2,
             "rest": 3,
         }
-        self.w: list[Any] = [
-            *runner.working(inputs.p, inputs.first),
-            *[0.0] * max(self.sizes.values()),
-        ]
+        self.whole: list[int] = runner.whole()
+        self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
         self.load(0)
 
     def load(self, piece: int) -> None:
         """Load a piece of the drives."""
-        self.module.load_piece(self.table, piece, self.w)
+        load_piece(self.table, piece, self.w, self.whole)
 
     def load_at(self, t: float) -> None:
         """Load the piece of the drives that holds at a time."""
-        self.load(max(self.module.piece_at(self.table, 0, t), 0))
+        self.load(max(piece_at(self.table, 0, t, self.whole), 0))
 
     def _put(self, y: Sequence[Any]) -> None:
-        self.w[self.module.Y : self.module.Y + self.module.N_STATES] = y[: self.module.N_STATES]
+        first, n = self.whole[Y], self.sizes.states
+        self.w[first : first + n] = y[:n]
 
     def flags(self, t: float, y: Sequence[Any]) -> int:
         """Return the flags of the switches that a state asks for.
@@ -72,7 +77,7 @@ class Equations:
             Bit j is set where the condition of switch j holds.
         """
         self._put(y)
-        return int(self.module.set_flags(t, self.w, self.module.Y, 0))
+        return set_flags(t, self.w, self.whole, self.whole[Y], 0)
 
     def __call__(
         self,
@@ -85,7 +90,8 @@ class Equations:
     ) -> list[Any]:
         """Return what a function of the module gives, `given` in place of its drives."""
         self._put(y)
-        module, size = self.module, self.sizes.get(name, self.module.N_STATES)
-        self.w[module.GIVEN : module.GIVEN + len(given)] = given
-        getattr(module, name)(mode, flags, t, self.w, module.Y, module.SIZE)
-        return self.w[module.SIZE : module.SIZE + size]
+        to, length = self.whole[SIZE], self.lengths.get(name, self.sizes.states)
+        place = self.whole[GIVEN]
+        self.w[place : place + len(given)] = given
+        self.functions[name](mode, flags, t, self.w, self.whole[Y], to)
+        return self.w[to : to + length]

@@ -1,6 +1,6 @@
 """The event-driven solver: exact switching between stick and slip."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, final
 
@@ -12,6 +12,8 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import PAINLEVE, Model, formulate
 from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm, bristles_of
 from stickslip.kernels import enums
+from stickslip.kernels.reducers import happened
+from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
@@ -162,13 +164,11 @@ class EventDriven(Solver):
         """
         model = formulate(mechanism, law)
         inputs, record = self._executed(mechanism, law, model, y0, t_end)
-        whole, module = record.whole, record.runner.module
+        whole = record.whole
         return BareRun(
             states=model.states,
-            status=status_of(whole[module.STATUS], model),
-            playback=Playback.from_log(
-                model, record.runner, inputs, record.log, whole[module.STEPS]
-            ),
+            status=status_of(whole[STATUS], model),
+            playback=Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS]),
             differentiate=Sensing(mechanism, law, inputs, record, t_end, ()),
         )
 
@@ -262,15 +262,15 @@ def trajectory_of(
     Trajectory
         The run, certified.
     """
-    module, whole = record.runner.module, record.whole
-    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[module.STEPS])
+    whole = record.whole
+    playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
     bristles = bristles_of(law)
     return Trajectory(
         t=playback.times(),
         names=(*model.states, "friction", "normal_force", *model.channels, "mode"),
         units=column_units(mechanism, bristles),
-        events=_events(mechanism, model, record.events, whole[module.EVENTS], module.happened),
-        status=status_of(whole[module.STATUS], model),
+        events=_events(mechanism, model, record),
+        status=status_of(whole[STATUS], model),
         certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
         evaluate=playback,
@@ -282,17 +282,17 @@ def trajectory_of(
 def _events(
     mechanism: Mechanism,
     model: Model,
-    rows: Sequence[float],
-    count: int,
-    happened: Callable[[Sequence[float], int], int],
+    record: Record,
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
     (contact,) = mechanism.contacts()
     names = reasons(model)
     events = []
-    for i in range(count):
-        t, before, after, _, _, margin = rows[6 * i : 6 * i + 6]
-        reason = names[happened(rows, i)]
+    whole = record.whole
+    rows = [float(x) for x in record.events[: EVENT_COLUMNS * whole[EVENTS]]]
+    for i in range(whole[EVENTS]):
+        t, before, after, _, _, margin = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
+        reason = names[happened(rows, i, whole)]
         if reason is not None:
             event = Event(
                 t=float(t),

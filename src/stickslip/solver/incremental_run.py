@@ -7,6 +7,14 @@ from typing import Any, final
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels.state_layout import (
+    EVENT_COLUMNS,
+    EVENTS,
+    MOST_EVENTS,
+    ROW_COLUMNS,
+    TIME,
+    Y,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of
 from stickslip.solver.compile.modules import is_loaded
@@ -61,7 +69,6 @@ class IncrementalRun:
         self.model = model = formulate(mechanism, law)
         compiled = solver.tier == "compiled" or (solver.tier == "auto" and is_loaded(model))
         self.runner = runner = runner_of(model, compiled=compiled)
-        self.module = module = runner.module
         inputs = gather(mechanism, law, model, t_end)
         self._width = 1 + 3 * len(model.drives)
         self._column = 1 + 3 * model.drives.index(drive)
@@ -71,22 +78,21 @@ class IncrementalRun:
         # what is not told yet may do anything, so no rest is for good
         self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
         self._cap = inputs.time_scale / 6.0
-        self._w, self._whole = runner.working(inputs.p, inputs.first), runner.whole()
-        self._log = runner.zeros(FIRST_ROWS * module.ROW_COLUMNS)
-        self._events = runner.zeros(2 * module.MOST_EVENTS * module.EVENT_COLUMNS)
-        self._whole[module.BOOKS] = 1
-        for i, value in enumerate(within_stops(mechanism, y0), module.Y):
+        self._w, self._whole = runner.working(inputs.p), runner.whole()
+        self._log = runner.zeros(FIRST_ROWS * runner.header[ROW_COLUMNS])
+        self._events = runner.zeros(2 * runner.header[MOST_EVENTS] * EVENT_COLUMNS)
+        for i, value in enumerate(within_stops(mechanism, y0), runner.header[Y]):
             self._w[i] = float(value)
 
     @property
     def t(self) -> float:
         """Time that is reached [s]."""
-        return float(self._w[self.module.TIME])
+        return float(self._w[TIME])
 
     def state(self) -> list[float]:
         """Return the states at that time."""
-        first = self.module.Y
-        return [float(x) for x in self._w[first : first + self.module.N_STATES]]
+        first = self.runner.header[Y]
+        return [float(x) for x in self._w[first : first + len(self.model.states)]]
 
     def advance(self, until: float, value: float, slope: float = 0.0) -> bool:
         """Run on to a time, the drive beginning with a value; return whether it was reached.
@@ -111,9 +117,8 @@ class IncrementalRun:
             self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
             self._table[at + 1] += slope
         self._row = last
-        module = self.module
         self._make_room()
-        self._log, self._events = module.enter_run(
+        self._log, self._events = self.runner.kernels.enter_run(
             self._w,
             self._whole,
             self._table,
@@ -129,8 +134,8 @@ class IncrementalRun:
 
     def _make_room(self) -> None:
         """See to room for what a stretch begins with; the kernels see to more."""
-        needed = int(self._whole[self.module.EVENTS]) + self.module.MOST_EVENTS
-        needed *= self.module.EVENT_COLUMNS
+        needed = int(self._whole[EVENTS]) + self.runner.header[MOST_EVENTS]
+        needed *= EVENT_COLUMNS
         if needed > len(self._events):
             longer: Any = self.runner.zeros(2 * needed)
             longer[: len(self._events)] = self._events

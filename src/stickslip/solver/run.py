@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.compile.modules import is_loaded, load_compiled
@@ -31,7 +32,7 @@ class Record:
     """Rows of events one after the other."""
     w: Sequence[float]
     """The vector of the run at its end."""
-    whole: Sequence[int]
+    whole: list[int]
     """(WHOLES,): the whole numbers of the run at its end."""
 
 
@@ -70,12 +71,11 @@ def execute(
         Steps, events and the vectors of the run at its end.
     """
     runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
-    module = runner.module
-    w, whole = runner.working(inputs.p, inputs.first), runner.whole()
-    for i, value in enumerate(y0, module.Y):
+    header = runner.header
+    w, whole = runner.working(inputs.p), runner.whole()
+    for i, value in enumerate(y0, header[Y]):
         w[i] = float(value)
-    whole[module.BOOKS] = 1
-    log, events = module.enter_run(
+    log, events = runner.kernels.enter_run(
         w,
         whole,
         runner.flat(inputs.table),
@@ -84,8 +84,8 @@ def execute(
         tolerance,
         inputs.time_scale / 6.0,
         limit,
-        runner.zeros(FIRST_ROWS * module.ROW_COLUMNS),
-        runner.zeros(FIRST_ROWS * module.EVENT_COLUMNS),
+        runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
+        runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
     )
     return Record(runner, log, events, w, [int(x) for x in whole])
 

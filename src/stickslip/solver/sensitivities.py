@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw
+from stickslip.kernels.sensitivities import columns_at, sense_size
+from stickslip.kernels.state_layout import EVENTS, STEPS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import full_path
 from stickslip.solver.backend import Runner, runner_of
@@ -109,23 +111,24 @@ class Sensing:
         model = formulate(self.mechanism, self.law, slopes=True)
         known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
         full = [full_path(path, known) for path in paths]
-        runner = runner_of(model, compiled=bool(self.record.runner.address))
+        runner = runner_of(model, compiled=self.record.runner.compiled)
         table = self.inputs.table[None, :]
-        module, record = runner.module, self.record
+        record = self.record
         along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, self.told)
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
-        module.enter_sense(
+        runner.kernels.enter_sense(
             record.log,
-            record.whole[module.STEPS],
+            record.whole[STEPS],
             record.events,
-            record.whole[module.EVENTS],
+            record.whole[EVENTS],
             runner.flat(t[order]),
             runner.flat(self.inputs.table),
             runner.flat(along.table),
             runner.flat(along.own),
             along.quantities,
-            working(runner, runner.working(self.inputs.p, self.inputs.first), along),
+            working(runner, runner.working(self.inputs.p), along),
+            runner.whole(),
             out,
         )
         found = np.empty((len(t), len(model.states), len(full)))
@@ -150,10 +153,10 @@ def working(runner: Runner, w: Any, along: Directions) -> Any:
     array or list (sense_size,)
         A longer copy of the vector.
     """
-    module = runner.module
-    longer = runner.zeros(module.sense_size(along.quantities, len(along.own)))
+    whole = runner.whole()
+    longer = runner.zeros(sense_size(along.quantities, len(along.own), whole))
     longer[: len(w)] = w
-    first = module.columns_at(0, along.quantities, len(along.own))
+    first = columns_at(0, along.quantities, len(along.own), whole)
     for i, value in enumerate(along.start.ravel().tolist(), first):
         longer[i] = value
     return longer

@@ -1,4 +1,4 @@
-"""What is compiled at once: the kernels of a shape, or the equations of a pair."""
+"""What is compiled at once: the kernels, or the equations of a pair."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,9 +19,9 @@ SENSED_ENSEMBLES = ("enter_batch_sensed",)
 """Entries of the kernels; one entry calls no other, and each has files of its own."""
 TAKES = {
     "enter_run": "VWVVfffiVV",
-    "enter_play": "ViVVVVVV",
+    "enter_play": "ViVVVWVVV",
     "enter_batch": "iVVVVVVVVffiVWVVVVV",
-    "enter_sense": "ViViVVVViVV",
+    "enter_sense": "ViViVVVViVWV",
     "enter_batch_sensed": "iVVVVVVVVffiVWVVVVVVVViV",
 }
 """Arguments of the entries: (V)ectors of reals, of (W)holes, and single re(f)als and whole (i)."""
@@ -46,7 +46,7 @@ class CompileUnit:
 
     @property
     def is_shared(self) -> bool:
-        """Whether it serves all equations of a shape."""
+        """Whether it serves all equations."""
         return self.entries != (EQUATIONS,)
 
     def is_ready(self) -> bool:
@@ -120,11 +120,11 @@ def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Compil
     Returns
     -------
     list of Part
-        Kernels of the model's shape, then its equations.
+        The kernels, then the model's equations.
     """
     if model.has_slopes:
         entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())
     else:
         entries = (RUNS if runs else ()) + (ENSEMBLES if ensembles else ())
-    kernels = CompileUnit(model.title, kernels_text(model.shape), entries)
+    kernels = CompileUnit(model.title, kernels_text(), entries)
     return [kernels, CompileUnit(model.title, equations_text(model), (EQUATIONS,))]

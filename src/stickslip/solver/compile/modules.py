@@ -1,44 +1,106 @@
-"""Loads the two tiers of a model: its plain module, or machine code for its equations."""
+"""Loads the two tiers of a model: its plain equations, or machine code for them."""
 
 import functools
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
+from typing import Any, TypeAlias
 
 from stickslip.formulation import Model
-from stickslip.solver.compile.codegen import equations_text, kernels_text, module_text
+from stickslip.kernels import entries
+from stickslip.kernels.model_interface import CALLED
+from stickslip.solver.compile.codegen import equations_text, kernels_text, plain_text
 from stickslip.solver.compile.compile_units import CompileUnit, parts_of
 from stickslip.solver.compile.messages import notice
 from stickslip.solver.compile.module_cache import cache_directory, module_of
 
-__all__ = ["Compiled", "cache_directory", "is_loaded", "load", "load_compiled", "waiting"]
+__all__ = [
+    "Tier",
+    "cache_directory",
+    "is_loaded",
+    "load",
+    "load_compiled",
+    "plain_equations",
+    "waiting",
+]
 
 SHORT = 2.0
 """Compiling that takes less is not worth a message [s]."""
 
 
+Equation: TypeAlias = Callable[[int, int, float, Any, int, int], None]
+
+
 @dataclass(frozen=True)
-class Compiled:
-    """The compiled tier of a model."""
+class Tier:
+    """One tier of a model."""
 
     kernels: ModuleType
-    """The kernels of its shape."""
-    address: int
-    """Where its equations are in memory."""
+    """The kernels: `stickslip.kernels.entries`, or the compiled module of the same functions."""
+    equations: Any
+    """The equations: functions by their number, or the address of the compiled ones."""
 
 
 @functools.lru_cache(maxsize=256)
-def load(model: Model) -> ModuleType:
-    """Return the plain module of a model, from memory, from its file, or new."""
-    return module_of(module_text(model))
+def plain_equations(model: Model) -> Mapping[str, Equation]:
+    """Return the equations of a model by name, as functions in plain Python.
+
+    Arithmetic errors give NaN, as they do in compiled code.
+    """
+    n, guards = model.sizes.states, model.sizes.guards
+    quantities = 3 * model.sizes.drives + model.sizes.parameters
+    lengths = {
+        "field": n,
+        "jacobian": n * n,
+        "time_slope": n,
+        "guards": guards,
+        "guard_slopes": guards * (n + 1),
+        "linear": 1,
+        "contact": 4 + model.sizes.channels,
+        "power": 2,
+        "energy": 1,
+        "margins": model.sizes.switches,
+        "diagram": model.sizes.coordinates + 3,
+        "rest": 3,
+        "walls": len(model.sizes.walls) * (3 + model.sizes.coordinates),
+        "field_slopes": n * quantities,
+        "guard_parameters": guards * quantities,
+    }
+    module = module_of(plain_text(model))
+    return {
+        name: _fenced(getattr(module, name), length)
+        for name, length in lengths.items()
+        if hasattr(module, name)
+    }
+
+
+def _fenced(function: Equation, length: int) -> Equation:
+    """Turn arithmetic errors into NaN, as compiled code does."""
+
+    def guarded(mode: int, flags: int, t: float, w: Any, at: int, to: int) -> None:
+        try:
+            function(mode, flags, t, w, at, to)
+        except (ArithmeticError, ValueError):
+            for i in range(to, to + length):
+                w[i] = math.nan
+
+    return guarded
 
 
 @functools.lru_cache(maxsize=256)
-def load_compiled(model: Model, *, ensembles: bool = False) -> Compiled:
+def load(model: Model) -> Tier:
+    """Return the plain tier of a model."""
+    functions = plain_equations(model)
+    return Tier(entries, tuple(functions.get(name) for name in CALLED))
+
+
+@functools.lru_cache(maxsize=256)
+def load_compiled(model: Model, *, ensembles: bool = False) -> Tier:
     """Return the compiled tier of a model, with what single runs or what ensembles need.
 
-    Only the first process that runs a model waits for its equations, and only the first that runs
-    any of its shape for the kernels.
+    Only the first process that runs a model waits for its equations, and only the first of all for
+    the kernels.
 
     Parameters
     ----------
@@ -49,7 +111,7 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Compiled:
 
     Returns
     -------
-    Compiled
+    Tier
         The module of the kernels and the address of the equations.
     """
     parts = parts_of(model, runs=not ensembles, ensembles=ensembles)
@@ -57,8 +119,7 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Compiled:
     for part in parts:
         part.load()
     equations = module_of(equations_text(model), compiled=True)
-    kernels = module_of(kernels_text(model.shape), compiled=True)
-    return Compiled(kernels, int(equations.equations.address))
+    return Tier(module_of(kernels_text(), compiled=True), int(equations.equations.address))
 
 
 def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
