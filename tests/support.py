@@ -5,7 +5,6 @@ A law or a mechanism that is added to a registry is met by every test that draws
 
 import dataclasses
 from collections.abc import Mapping
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -275,7 +274,7 @@ class Generated:
     def __init__(self, mechanism: Mechanism, law: FrictionLaw, model: Model | None = None) -> None:
         model = formulate(mechanism, law) if model is None else model
         self.equations = Equations(model, gather(mechanism, law, model, 0.0))
-        self.module: ModuleType = self.equations.module
+        self.sizes = model.sizes
 
     def flags(self, y: list[float], t: float = 0.0) -> int:
         """Return the switches that the state asks for."""

@@ -198,7 +198,7 @@ def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str
     for name, function, arguments in structure.public_functions(tree):
         needed = name in public if kernel else not is_command(function)
         found = [*of_function(function, arguments, needed=needed)]
-        if kernel and name not in slots.equations():
+        if kernel and name in slots.kernels():
             found += of_kernel(name, function)
         for fault in found:
             yield function.lineno, name, fault

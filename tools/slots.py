@@ -1,10 +1,11 @@
 """Find which slots of a run's vectors each kernel reads and writes: python -m tools.slots.
 
-A slot is a place with a name in `kernels.state_layout`. A function reads a slot if what is there
-when it begins matters, and writes it if something else may be there when it ends: one that is
-written and not read is a result, or scratch. What a function calls is followed, so that the lists
-are what a caller may rely on. What the equations read in every run, parameters and values of the
-drives, is left out. Docstrings of the kernels state the lists; `tools/docstrings.py` compares.
+A slot is a place with a name in `kernels.state_layout`; where those lie whose size depends on the
+model, `whole` tells under the same name. A function reads a slot if what is there when it begins
+matters, and writes it if something else may be there when it ends: one that is written and not read
+is a result, or scratch. What a function calls is followed, so that the lists are what a caller may
+rely on. What the equations read in every run, parameters and values of the drives, is left out.
+Docstrings of the kernels state the lists; `tools/docstrings.py` compares.
 
 Followed are statements in their order. A loop is taken to run once or more, and to fill the slot
 that it writes to; a single number stands for its slot where the slot has no more.
@@ -22,9 +23,12 @@ DRIVES = "drives"
 """Name for the first places, which hold value, slope and start of each drive."""
 BEHIND = {"guards_at": "guard slopes", "directions_at": "directions", "columns_at": "columns"}
 """Functions that return places behind SIZE, and the names of what is there."""
-EQUATIONS = f"{KERNELS}.model_interface"
-READ_BESIDE = {"rest": {"GIVEN"}}
-"""What functions of the equations read beside a state, parameters and drives."""
+CALLS = "call_model"
+"""Calls the equations, which read a state."""
+CALLED_WITH = ["w", "place", "name", "mode", "flags", "t", "at", "to"]
+"""Its arguments."""
+PYTHON = {"backend", "entries", "header"}
+"""Modules that only Python runs, or that differ between the tiers."""
 
 PLACES = {"at", "to", "slot", "a", "b", "pivots", "matrix", "columns"}
 """Names of parameters that are places; others are numbers that are added to one."""
@@ -61,9 +65,10 @@ def layout() -> dict[str, list[str]]:
         for node in tree.body
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
     ]
+    first = names[names.index("TIME") : names.index("NUMBERS")]
     places = names[names.index("GIVEN") : names.index("SIZE") + 1]
     wholes = names[names.index("MODE") : names.index("WHOLES")]
-    return {"w": [DRIVES, *(p for p in places if p != "DENSE_SIZE")], "whole": wholes}
+    return {"w": [*first, DRIVES, *places], "whole": wholes}
 
 
 class Kernel:
@@ -103,12 +108,11 @@ class Kernel:
     def _ranged(self, node: ast.expr) -> Slots:
         """Return where the places of a loop lie: from one slot up to another, or beside one."""
         order = self.slots["w"]
-        ends = [ast.unparse(one) for one in node.args] if isinstance(node, ast.Call) else []
-        if len(ends) == 1 and ends[0] in order:
-            return set(order[: order.index(ends[0])])
-        if len(ends) == 2 and set(ends) <= set(order):
-            return set(order[order.index(ends[0]) : order.index(ends[1])])
-        return self.places(node.args[0]) if len(ends) > 1 else set()
+        ends = [self.places(one) for one in getattr(node, "args", ())]
+        if ends and all(len(end) == 1 and end <= {*order} for end in ends):
+            first, last = (order.index(*end) for end in (ends[0], ends[-1]))
+            return set(order[:last] if len(ends) == 1 else order[first:last])
+        return ends[0] if len(ends) > 1 else set()
 
     def places(self, node: ast.expr) -> Slots:
         """Return the slots that an expression for a place may mean, `<name>` for a parameter."""
@@ -119,10 +123,14 @@ class Kernel:
             which = f" {ast.unparse(node.args[0])}" if name == "columns_at" else ""
             return {BEHIND[name] + which}
         if isinstance(node, ast.Subscript):
-            return set()
+            name = ast.unparse(node.slice)
+            held = ast.unparse(node.value) == "whole" and name in self.slots["w"]
+            return {name} if held else set()
         if isinstance(node, ast.Name):
             if node.id in self.slots["w"]:
                 return {node.id}
+            if node.id == "NUMBERS":
+                return {DRIVES}
             return self.known.get(node.id, set())
         inner = [one for one in ast.iter_child_nodes(node) if isinstance(one, ast.expr)]
         if isinstance(node, ast.IfExp):
@@ -132,24 +140,13 @@ class Kernel:
 
 @cache
 def kernels() -> dict[str, Kernel]:
-    """Return the functions of the kernels by name, but for those of the equations."""
+    """Return the functions of the kernels by name."""
     slots = layout()
     return {
         node.name: Kernel(node, slots)
         for module, path in structure.sources().items()
-        if module.startswith(f"{KERNELS}.") and module != EQUATIONS
+        if module.startswith(f"{KERNELS}.") and module.rpartition(".")[2] not in PYTHON
         for node in ast.parse(path.read_text("utf-8")).body
-        if isinstance(node, ast.FunctionDef)
-    }
-
-
-@cache
-def equations() -> dict[str, list[str]]:
-    """Return the functions of the equations, which differ by model, with their parameters."""
-    tree = ast.parse(structure.sources()[EQUATIONS].read_text("utf-8"))
-    return {
-        node.name: [one.arg for one in node.args.args]
-        for node in tree.body
         if isinstance(node, ast.FunctionDef)
     }
 
@@ -157,8 +154,8 @@ def equations() -> dict[str, list[str]]:
 @cache
 def effects(name: str) -> Effects:
     """Return what a kernel reads and writes, with what it calls."""
-    if name in equations():
-        return Effects({"<at>"} | READ_BESIDE.get(name, set()), {"<to>"}, {"<to>"})
+    if name == CALLS:
+        return Effects({"<at>"}, {"<to>"}, {"<to>"})
     found = Walk(kernels()[name]).effects
     found.reads -= MADE_BEFORE.get(name, set())
     return found
@@ -232,8 +229,8 @@ class Walk:
             return set()
         if ast.unparse(node.value) == "w":
             return self.kernel.places(node.slice) or {DRIVES}
-        wholes = {*self.kernel.slots["whole"]}
-        return {ast.unparse(node.slice)} & wholes or wholes
+        name, wholes = ast.unparse(node.slice), {*self.kernel.slots["whole"]}
+        return wholes if name.islower() else {name} & wholes  # sizes and places are no slots
 
     def _store(self, target: ast.expr, written: Slots, adds: bool) -> Slots:
         slots = self._slots(target)
@@ -251,7 +248,7 @@ class Walk:
         self.effects.reads |= self._slots(node) - written
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             name = node.func.id
-            if name in kernels() or name in equations():
+            if name in kernels() or name == CALLS:
                 theirs = effects(name)
                 self.effects.reads |= self._passed(theirs.reads, name, node.args) - written
                 self.effects.writes |= self._passed(theirs.writes, name, node.args)
@@ -260,8 +257,7 @@ class Walk:
 
     def _passed(self, slots: Slots, name: str, arguments: list[ast.expr]) -> Slots:
         """Return what slots and parameters of a called function are here."""
-        own = equations()
-        names = own[name] if name in own else kernels()[name].parameters
+        names = CALLED_WITH if name == CALLS else kernels()[name].parameters
         found: Slots = set()
         for one in slots:
             if one.startswith("<"):
@@ -275,7 +271,7 @@ class Walk:
 def single() -> Slots:
     """Return the slots of one number."""
     order = layout()
-    return {*order["whole"], *order["w"][order["w"].index("TIME") : order["w"].index("Y")]}
+    return {*order["whole"], *order["w"][: order["w"].index("POLYNOMIAL")]}
 
 
 def shown(slots: Slots, kernel: Kernel) -> str:

@@ -77,7 +77,7 @@ def states(rig, bristles):
 @each_law
 def test_energy_changes_by_the_power_supplied_less_the_power_taken(rig, kind):
     generated = Generated(rig, example_of(kind))
-    bristles = generated.module.N_STATES - 2 * len(rig.coordinates)
+    bristles = generated.sizes.states - 2 * len(rig.coordinates)
     for y, mode in states(rig, bristles):
         t = 0.7
         flags = generated.flags(y, t)

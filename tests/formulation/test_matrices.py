@@ -92,7 +92,7 @@ def test_matrices_and_energies_give_the_same_equations(matrix_cart, kind):
     one = Generated(matrix_cart(**SIZES, torque=PUSH), law)
     other = Generated(BY_ENERGIES, law)
     dice = random.Random(5)
-    bristles = [1e-5] * (one.module.N_STATES - 4)
+    bristles = [1e-5] * (one.sizes.states - 4)
     for _ in range(20):
         y = [dice.uniform(-2.0, 2.0) for _ in range(4)] + bristles
         t = dice.uniform(0.0, 2.0)

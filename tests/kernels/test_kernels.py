@@ -10,8 +10,10 @@ from tests.support import Generated
 
 from stickslip import Axis, LuGre
 from stickslip.kernels import dop853_tableau, rodas5p_tableau
+from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.lu import lu_factor, lu_solve
-from stickslip.kernels.state_layout import longer
+from stickslip.kernels.rodas5p import rodas_dense, rodas_step
+from stickslip.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y, longer
 
 
 def solved(a, b):
@@ -79,17 +81,18 @@ def stiff():
 
 def rodas(stiff, h, count):
     """Return the state after equal steps, and the middle of the first from its dense output."""
-    m, w, middle = stiff.module, stiff.equations.w, None
-    flags = stiff.flags([0.5, 0.8, 0.01])
-    w[m.Y : m.Y + 3], w[m.SCALE : m.SCALE + 3] = [0.5, 0.8, 0.01], [1.0] * 3
+    w, whole, middle = stiff.equations.w, stiff.equations.whole, None
+    y, y1, scale, point = (whole[slot] for slot in (Y, Y1, SCALE, POINT))
+    whole[MODE], whole[FLAGS] = 1, stiff.flags([0.5, 0.8, 0.01])
+    w[y : y + 3], w[scale : scale + 3] = [0.5, 0.8, 0.01], [1.0] * 3
     for i in range(count):
-        m.rodas_step(1, flags, i * h, h, w, 1.0)
+        rodas_step(i * h, h, w, whole, 1.0)
         if middle is None:
-            m.rodas_dense(w)
-            m.interpolate(w, 0.5, m.POINT)
-            middle = w[m.POINT : m.POINT + 3]
-        w[m.Y : m.Y + 3] = w[m.Y1 : m.Y1 + 3]
-    return np.array(w[m.Y : m.Y + 3]), np.array(middle)
+            rodas_dense(w, whole)
+            interpolate(w, whole, 0.5, point)
+            middle = w[point : point + 3]
+        w[y : y + 3] = w[y1 : y1 + 3]
+    return np.array(w[y : y + 3]), np.array(middle)
 
 
 def test_rodas5p_converges_with_order_five(stiff):

@@ -13,7 +13,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
-from stickslip.kernels.state_layout import POLYNOMIAL, SERIES, SIZE
+from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SERIES
 
 EPSILON = 2.0**-52
 MANY = settings(max_examples=200)
@@ -21,7 +21,7 @@ MANY = settings(max_examples=200)
 
 def found(coefficients):
     """Return what the kernel finds."""
-    w = [0.0] * SIZE
+    w = [0.0] * NUMBERS
     w[POLYNOMIAL : POLYNOMIAL + len(coefficients)] = [float(c) for c in coefficients]
     return first_fall(w, len(coefficients) - 1)
 

@@ -20,9 +20,10 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Sampled, Sine
+from stickslip.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
+from stickslip.kernels.taylor_series import series_step
 
 MANY = settings(max_examples=100)
-SERIES = 20
 ROUNDING = 3e-15
 """Each of twenty terms adds a few roundings, and the exponential it is compared with some more."""
 
@@ -102,18 +103,18 @@ class Stepper:
 
     def __init__(self, rig, law, sign, x, v):
         generated = Generated(rig, law)
-        self.module, self.w = generated.module, generated.equations.w
-        self.sign, self.flags = sign, generated.flags([x, v])
+        self.w, self.whole = generated.equations.w, generated.equations.whole
+        self.whole[MODE], self.whole[FLAGS] = sign, generated.flags([x, v])
         generated.equations.load_at(0.0)
         self.y = [x, v]
 
     def step(self, t, h):
         """Return the tail over what is allowed, and the new state."""
-        m, w = self.module, self.w
-        w[m.Y : m.Y + 2] = self.y
-        w[m.SCALE : m.SCALE + 2] = [0.0, 0.0]
-        tail = m.series_step(self.sign, self.flags, t, h, w, m.Y)
-        return tail, w[m.Y1 : m.Y1 + 2]
+        w, whole = self.w, self.whole
+        w[whole[Y] : whole[Y] + 2] = self.y
+        w[whole[SCALE] : whole[SCALE] + 2] = [0.0, 0.0]
+        tail = series_step(t, h, w, whole, whole[Y])
+        return tail, w[whole[Y1] : whole[Y1] + 2]
 
     def accepted(self, t, h):
         """Return the first length that is accepted, and the new state."""
@@ -190,7 +191,7 @@ def test_uniform_acceleration_is_one_step_however_long(length):
     stepper = Stepper(axis, Coulomb(kinetic_coefficient=1.0), 1, 0.25, 0.5)
     tail, (x, v) = stepper.step(0.0, length)
     assert tail == 0.0
-    assert stepper.w[stepper.module.DENSE] == 2.0  # terms after the first
+    assert stepper.w[stepper.whole[DENSE]] == 2.0  # terms after the first
     # three terms, each with a rounding or two
     assert math.isclose(x, 0.25 + 0.5 * length + length**2, rel_tol=5e-16)
     assert math.isclose(v, 0.5 + 2.0 * length, rel_tol=5e-16)

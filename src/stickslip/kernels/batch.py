@@ -44,9 +44,9 @@ def prepare_row(
     """Set the vectors of a run back, with the numbers of one row in their places.
 
     Reads: BOOKS.
-    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
-    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, REACHED, LOWEST, MODE,
-    FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, REACHED, LOWEST, MODE, FLAGS, PIECE,
+    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
     """
     stages = whole[STAGES]
     reached = whole[REACHED]
@@ -68,7 +68,7 @@ def prepare_row(
 def energy_at(t: float, w: Vector, whole: Wholes) -> float:
     """Return the energy of the state in Y.
 
-    Reads: Y.
+    Reads: Y, MODE, FLAGS.
     Writes: VALUES.
     """
     values = whole[VALUES]
@@ -81,8 +81,8 @@ def keep_evidence(
 ) -> None:
     """Write how far the run may be trusted, and keep its last state.
 
-    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, FLAGS, STEPS, REJECTED.
-    Writes: drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE.
+    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, MODE, FLAGS, STEPS, REJECTED.
+    Writes: drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS.
     """
     n = whole[N_STATES]
     end = whole[END]
@@ -125,10 +125,10 @@ def batch_row(
     """Make one run and keep its outputs; return the rows of its steps and of its events.
 
     Reads: BOOKS.
-    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
-    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
-    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, MODE, FLAGS, PIECE,
-    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
     """
     n = len(outputs) // 2
     prepare_row(row, columns, places, base, w, whole)
@@ -172,10 +172,10 @@ def batch(
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
 
     Reads: BOOKS.
-    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
-    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
-    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, MODE, FLAGS, PIECE,
-    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
 
     Parameters
     ----------
@@ -247,8 +247,8 @@ def sense_end(
     `sense`; `gradients` gets states by directions.
 
     Reads: STEPS, EVENTS.
-    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, columns 0, columns 1,
-    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS, columns
+    0, columns 1, columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)
@@ -272,11 +272,11 @@ def batch_sensed(
     """Run all rows as `batch` does, and take the sensitivities at their ends.
 
     Reads: BOOKS.
-    Writes: drives, GIVEN, ADDRESS, TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL,
-    FRACTION, LENGTH, GROSS, LOST, Y, Y1, SLOPE, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS,
-    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, WALLS, SIZE, MODE, FLAGS,
-    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, columns 0, columns 1,
-    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, SIZE, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, columns 0, columns 1, columns 2, columns
+    3, columns 4, columns 5, directions, guard slopes.
 
     Parameters
     ----------

@@ -129,7 +129,8 @@ def play(
 
     A body at rest for good is one row, during which its drives go on.
 
-    Writes: drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE.
+    Reads: MODE, FLAGS.
+    Writes: drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ __all__ = ["dop853_dense", "dop853_step"]
 def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Evaluate stage `s` from the ones before it, at a state that is written to `at`.
 
-    Reads: Y, STAGES.
+    Reads: Y, STAGES, MODE, FLAGS.
     Writes: `at`, STAGES.
     """
     stages = whole[STAGES]
@@ -38,7 +38,7 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 
     Stage 12 is the slope at the solution, which is left in Y1.
 
-    Reads: Y, SCALE.
+    Reads: Y, SCALE, MODE, FLAGS.
     Writes: Y1, STAGES.
 
     Parameters
@@ -89,7 +89,7 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
     """Fill the dense output of the step just taken.
 
-    Reads: Y, Y1, STAGES.
+    Reads: Y, Y1, STAGES, MODE, FLAGS.
     Writes: POINT, STAGES, DENSE.
 
     Parameters

@@ -41,7 +41,7 @@ EPSILON_STEP = 2.220446049250313e-16
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
-    Reads: `at`, SCALE.
+    Reads: `at`, SCALE, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -65,7 +65,7 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
-    Reads: SCALE, DENSE.
+    Reads: SCALE, DENSE, MODE, FLAGS.
     Writes: POINT, VALUES.
     """
     point = whole[POINT]
@@ -80,7 +80,7 @@ def bisect(
 ) -> float:
     """Return the fraction just past a sign change.
 
-    Reads: SCALE, DENSE.
+    Reads: SCALE, DENSE, MODE, FLAGS.
     Writes: POINT, VALUES.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
@@ -105,7 +105,7 @@ def bisect(
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
-    Reads: SCALE, DENSE.
+    Reads: SCALE, DENSE, MODE, FLAGS.
     Writes: POINT, VALUES.
     """
     a = high - GOLDEN * (high - low)
@@ -140,7 +140,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
 
-    Reads: SCALE, DENSE, SAMPLED.
+    Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS.
     Writes: POINT, VALUES.
     """
     n_guards = whole[N_GUARDS]
@@ -175,7 +175,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE.
+    Reads: SCALE, DENSE, MODE, FLAGS.
     Writes: FRACTION, POINT, VALUES, SAMPLED.
 
     Parameters
@@ -268,6 +268,13 @@ def note_sizes(w: Vector, whole: Wholes) -> None:
 
     Reads: SAMPLED, REACHED, LOWEST.
     Writes: REACHED, LOWEST.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     n_guards = whole[N_GUARDS]
     sampled = whole[SAMPLED]

@@ -35,7 +35,7 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     """Write the coefficients of one guard in the fraction of the step; return the degree.
 
     Reads: VALUES, DENSE, REACHED, LOWEST, SLOPES.
-    Writes: REACHED, LOWEST, POLYNOMIAL.
+    Writes: POLYNOMIAL, REACHED, LOWEST.
     """
     values = whole[VALUES]
     dense = whole[DENSE]
@@ -61,8 +61,8 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
 def quiet_start(t: float, h: float, w: Vector, whole: Wholes) -> None:
     """Drop the first slope of a body at rest where forces balance but for their rounding.
 
-    Reads: Y, MATRIX, DRIFT, POLYNOMIAL.
-    Writes: POINT, POLYNOMIAL.
+    Reads: POLYNOMIAL, Y, MATRIX, DRIFT, FLAGS.
+    Writes: POLYNOMIAL, POINT.
     """
     y = whole[Y]
     point = whole[POINT]
@@ -88,8 +88,8 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard that starts at zero falls below it at once.
 
-    Reads: Y, MATRIX, DRIFT, DENSE, REACHED, LOWEST.
-    Writes: FRACTION, POINT, VALUES, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM.
+    Reads: Y, MATRIX, DRIFT, DENSE, REACHED, LOWEST, MODE, FLAGS.
+    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, REACHED, LOWEST, SLOPES.
 
     Parameters
     ----------

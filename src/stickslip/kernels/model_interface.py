@@ -74,7 +74,7 @@ CALLED: tuple[str, ...] = (
 def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
     """Call one function of the equations in any mode.
 
-    Reads: ADDRESS, `at`.
+    Reads: `at`.
     Writes: `to`.
 
     Parameters
@@ -100,7 +100,7 @@ def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to:
 def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Time derivatives of the states.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -122,7 +122,7 @@ def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -144,7 +144,7 @@ def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to time.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -166,7 +166,7 @@ def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `enums`.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -188,7 +188,7 @@ def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -210,7 +210,7 @@ def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Whether field and guards are affine in state and time together: 1 or 0.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -232,7 +232,7 @@ def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def contact(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Friction force, normal force, needed friction, break-away level, then the channels.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -254,7 +254,7 @@ def contact(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Power supplied, power taken by friction.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -276,7 +276,7 @@ def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Mechanical energy; the same in all modes.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -298,7 +298,7 @@ def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters
@@ -320,7 +320,7 @@ def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to all quantities.
 
-    Reads: ADDRESS, `at`, MODE, FLAGS.
+    Reads: `at`, MODE, FLAGS.
     Writes: `to`.
 
     Parameters

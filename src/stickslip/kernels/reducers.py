@@ -95,7 +95,7 @@ def extremum(
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
     """
     width_at = whole[ROW_COLUMNS]
     best = -math.inf
@@ -134,7 +134,7 @@ def mean(
 ) -> float:
     """Return the mean of a state over a stretch of time.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
     """
     width = whole[ROW_COLUMNS]
     total = 0.0
@@ -231,7 +231,7 @@ def reduced(
     event. Asked for beyond the end of a run that ended early, the output is NaN.
 
     Reads: END, STEPS, EVENTS.
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE.
+    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ RODAS_STAGES = 8
 def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
     """Factorise 1 / (gamma h) - J.
 
-    Reads: Y.
+    Reads: Y, MODE, FLAGS.
     Writes: MATRIX, PIVOTS.
     """
     matrix = whole[MATRIX]
@@ -52,7 +52,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
-    Reads: Y, SCALE.
+    Reads: Y, SCALE, MODE, FLAGS.
     Writes: Y1, STAGES, MATRIX, PIVOTS, DRIFT.
 
     Parameters
@@ -132,6 +132,13 @@ def rodas_dense(w: Vector, whole: Wholes) -> None:
 
     Reads: Y, Y1, STAGES.
     Writes: DENSE.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     dense = whole[DENSE]
     stages = whole[STAGES]

@@ -103,7 +103,7 @@ def forcing(
 
     `own` has the quantity of each direction, -1 for an initial state.
 
-    Reads: `at`, directions.
+    Reads: `at`, MODE, FLAGS, directions.
     Writes: `to`, SIZE.
     """
     size = whole[SIZE]
@@ -141,7 +141,7 @@ def series_sensed(
 ) -> None:
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
-    Reads: Y, columns 0, directions.
+    Reads: Y, MODE, FLAGS, columns 0, directions.
     Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4.
     """
     y = whole[Y]
@@ -181,7 +181,7 @@ def radau_stage(
 ) -> None:
     """Write the rows of one stage: of the matrix, and of all right-hand sides.
 
-    Reads: DENSE, columns 0, directions.
+    Reads: DENSE, MODE, FLAGS, columns 0, directions.
     Writes: POINT, MATRIX, SIZE, columns 2, columns 5.
     """
     point = whole[POINT]
@@ -215,7 +215,7 @@ def radau_sensed(
 ) -> None:
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1.
 
-    Reads: DENSE, columns 0, directions.
+    Reads: DENSE, MODE, FLAGS, columns 0, directions.
     Writes: POINT, MATRIX, SIZE, columns 1, columns 2, columns 5.
     """
     n = whole[N_STATES]
@@ -244,7 +244,7 @@ def advance_sensed(
 ) -> None:
     """Advance the sensitivities from the start of a restored row; result in columns 1.
 
-    Reads: Y, DENSE, columns 0, directions.
+    Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
     Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4, columns
     5.
     """
@@ -258,7 +258,7 @@ def advance_sensed(
 def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
     """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
 
-    Reads: Y, Y1, columns 0, directions.
+    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
     Writes: SLOPES, columns 4, guard slopes.
     """
     y = whole[Y]
@@ -330,7 +330,7 @@ def pass_piece(
 ) -> None:
     """Go over to another piece of the drives, at a moment that its start gives.
 
-    Reads: Y, columns 0.
+    Reads: Y, MODE, FLAGS, columns 0.
     Writes: drives, Y1, VALUES, columns 0, columns 4, directions.
     """
     y = whole[Y]
@@ -348,7 +348,7 @@ def pass_piece(
 def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Go over to the mode and the flags that follow an event.
 
-    Reads: Y, Y1, columns 0, columns 4.
+    Reads: Y, Y1, MODE, FLAGS, columns 0, columns 4.
     Writes: Y, VALUES, columns 0.
     """
     y = whole[Y]
@@ -378,8 +378,9 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: DENSE, columns 0, directions.
-    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, columns 0, columns 4, directions, guard slopes.
+    Reads: DENSE, MODE, FLAGS, columns 0, directions.
+    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, columns 0, columns 4, directions,
+    guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -404,7 +405,8 @@ def pass_instant(
         if not known:
             moments(guard, t, w, whole, own, q, m)
             known = True
-        whole[MODE], whole[FLAGS] = int(events[event + 2]), int(events[event + 4])
+        whole[MODE] = int(events[event + 2])
+        whole[FLAGS] = int(events[event + 4])
         pass_event(guard, t, w, whole, q, m)
         k += 1
     return k
@@ -443,8 +445,8 @@ def sense(
     `dtable` has the derivatives of the drives' table, a column a direction.
 
     Reads: columns 0.
-    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, columns 0, columns 1,
-    columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS, columns
+    0, columns 1, columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
 
     Parameters
     ----------

@@ -10,9 +10,9 @@ which `header` writes, and tables.
 
 Docstrings of kernels list the slots that a function reads and writes, with all that it calls. It
 reads what must be there when it begins; what it writes and does not read is its result, or scratch
-that nothing may rely on. `drives` are the places before GIVEN. Parameters and drives, which the
-equations read whenever they are asked, are not listed, nor are sizes and places. A name in back
-quotes is an argument that gives a place.
+that nothing may rely on. `drives` are the places before GIVEN. What the equations read whenever
+they are asked, drives, parameters and where they are themselves, is not listed, nor are sizes and
+places. A name in back quotes is an argument that gives a place.
 """
 
 from stickslip.kernels.backend import Vector, vector

@@ -163,8 +163,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
     Reads: TIME, STEP, STRIDE, Y, SCALE, REACHED, LOWEST, MODE, FLAGS, REJECTED, STEPPER, SLOW.
-    Writes: STEP, STRIDE, FRACTION, LENGTH, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE,
-    SAMPLED, REACHED, LOWEST, SLOPES, POLYNOMIAL, ROOM, STATUS, REJECTED, STEPPER, SLOW.
+    Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins.
 
     Reads: TIME, STEP, Y, SCALE, MODE, FLAGS.
-    Writes: STEP, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, STEPPER, SLOW.
+    Writes: STEP, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER, SLOW.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     What is at rest begins as a power of time, which no relative error control gets started.
 
     Reads: TIME, Y, SCALE, MODE, FLAGS.
-    Writes: Y1, SCALE, STAGES, MATRIX, PIVOTS, DRIFT.
+    Writes: Y1, SCALE, STAGES, MATRIX, PIVOTS, DRIFT, MODE.
     """
     n = whole[N_STATES]
     scale = whole[SCALE]
