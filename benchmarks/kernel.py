@@ -106,7 +106,7 @@ class Kernel:
 
     def change(self, path: str, value: float) -> None:
         """Set a parameter of the mechanism or the law, not of a drive, for the next runs."""
-        self._base[self.model.sizes.first_parameter + self.model.parameter_paths.index(path)] = (
+        self._base[self.model.places[self.model.parameter_paths.index(path)]] = (
             value
         )
 

@@ -19,6 +19,7 @@ from stickslip.errors import ParameterError, StickslipError, UnknownNameError, n
 __all__ = [
     "SCALES",
     "Converted",
+    "Group",
     "Numbers",
     "Parametrised",
     "Quantity",
@@ -343,6 +344,18 @@ class Parametrised:
             )
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Group(Parametrised):
+    """Several objects by name: paths of their parameters have the name after that of the group."""
+
+    members: tuple[tuple[str, Any], ...]
+    """Names and objects, in order."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the object of a name."""
+        return dict(self.members)[name]
+
+
 _DECLARED: dict[type, Mapping[str, Quantity]] = {}
 """Declared quantities by class; type hints are slow to resolve."""
 
@@ -411,6 +424,10 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
     ... ]
     [('friction.kinetic_coefficient', 0.2)]
     """
+    if isinstance(root, Group):
+        for name, member in root.members:
+            yield from parameters(member, f"{prefix}.{name}")
+        return
     quantities = fields_of(type(root))
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
@@ -466,6 +483,9 @@ def shadow(root: T, prefix: str, symbol: Callable[[str], Any]) -> T:
     same type as root
         The copy.
     """
+    if isinstance(root, Group):
+        members = tuple((n, shadow(one, f"{prefix}.{n}", symbol)) for n, one in root.members)
+        return unchecked(type(root), members=members)
     values = {}
     quantities = fields_of(type(root))
     for field in dataclasses.fields(root):
@@ -497,6 +517,8 @@ def structure(root: Parametrised) -> tuple[Hashable, ...]:
     >>> structure(one) == structure(other)
     True
     """
+    if isinstance(root, Group):
+        return (type(root), *((name, structure(member)) for name, member in root.members))
     quantities = fields_of(type(root))
     parts: list[Any] = [type(root)]
     for field in dataclasses.fields(root):
@@ -542,15 +564,20 @@ def vary(root: T, prefix: str, changes: Mapping[str, float | None]) -> T:
     grouped: dict[str, dict[str, float | None]] = {}
     own: dict[str, Any] = {}
     quantities = fields_of(type(root))
+    members = dict(root.members) if isinstance(root, Group) else {}
     for path, value in changes.items():
         name, _, rest = path.removeprefix(prefix + ".").partition(".")
         if not rest and name in quantities:
             own[name] = value
-        elif rest and hasattr(root, name):
+        elif rest and (name in members if isinstance(root, Group) else hasattr(root, name)):
             grouped.setdefault(name, {})[path] = value
         else:
             known = [known for known, _, _ in parameters(root, prefix)]
             raise UnknownNameError("parameter", path, known)
+    if isinstance(root, Group):
+        for name, inner in grouped.items():
+            members[name] = vary(members[name], f"{prefix}.{name}", inner)
+        return dataclasses.replace(root, members=tuple(members.items()))
     for name, inner in grouped.items():
         own[name] = _vary_member(getattr(root, name), f"{prefix}.{name}", inner)
     return dataclasses.replace(root, **own)

@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING
 
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import quantity
-from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm
+from stickslip.friction import (
+    Friction,
+    FrictionLaw,
+    Laws,
+    PrintedForm,
+    assigned,
+    bristle_names,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
@@ -25,7 +32,7 @@ END = Quantity("T", "s", above=0)
 
 def simulate(
     mechanism: Mechanism,
-    law: FrictionLaw | PrintedForm,
+    law: Friction | PrintedForm,
     *,
     t_end: float,
     y0: Mapping[str, float] | Sequence[float] | None = None,
@@ -38,8 +45,10 @@ def simulate(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw or PrintedForm
-        What holds it back; printed forms need ``solver=FixedStep(...)``.
+    law : FrictionLaw, mapping of str to FrictionLaw, or PrintedForm
+        What holds it back. Where several contacts rub, the law of each by the contact's name, None
+        where there is none, or one law that all share. Printed forms need
+        ``solver=FixedStep(...)``.
     t_end : float
         Last time [s].
     y0 : mapping or sequence, optional
@@ -72,14 +81,14 @@ def simulate(
     >>> round(float(run["x"][-1]), 7)
     0.1538736
     """
-    check_pair(mechanism, law)
+    laws = check_pair(mechanism, law)
     last = END.check("simulate", "t_end", t_end)
-    start = initial_state("simulate", mechanism, law, y0)
+    start = initial_state("simulate", mechanism, laws, y0)
     solver = EventDriven() if solver is None else solver
     if not isinstance(solver, Solver):
         raise InputError(f"solver must be an EventDriven(...) or FixedStep(...), got {solver!r}.")
     told = _told(mechanism, y0)
-    run = solver.run(mechanism, law, y0=start, t_end=last, told=told)
+    run = solver.run(mechanism, laws, y0=start, t_end=last, told=told)
     if throw:
         refuse(run, certified=isinstance(solver, EventDriven))
     return run
@@ -117,7 +126,7 @@ def refuse(run: Trajectory, *, certified: bool = True) -> None:
 
 def ensemble(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     parameters: Mapping[str, "ArrayLike"],
     *,
     t_end: float,
@@ -136,8 +145,8 @@ def ensemble(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        What holds it back.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back, as in `simulate`.
     parameters : mapping
         What varies: arrays (n,), or numbers for all runs, by path, such as
         ``"friction.kinetic_coefficient"``, ``"mechanism.drive.level"`` or ``"initial.x"``; the last
@@ -186,8 +195,8 @@ def ensemble(
     >>> runs["fastest"].round(3), runs["rest"][:, 0].round(3)
     (array([0.255, 0.505, 0.755]), array([0.204, 0.306, 0.408]))
     """
-    check_pair(mechanism, law)
-    if not isinstance(law, FrictionLaw):
+    laws = check_pair(mechanism, law)
+    if isinstance(laws, PrintedForm):
         raise InputError(
             f"ensembles run with EventDriven only, which cannot solve {law!r}: give"
             " another law, or run it alone with FixedStep(...)."
@@ -198,10 +207,10 @@ def ensemble(
     if solver.estimate_error:
         raise InputError("ensembles make no error estimate: use simulate for single runs.")
     last = END.check("ensemble", "t_end", t_end)
-    start = initial_state("ensemble", mechanism, law, y0)
+    start = initial_state("ensemble", mechanism, laws, y0)
     return run_ensemble(
         mechanism,
-        law,
+        laws,
         parameters,
         y0=start,
         told=_told(mechanism, y0),
@@ -224,8 +233,8 @@ def _numbers(run: Trajectory) -> str:
     return f" Limit: {run.events[-1].reason} ({', '.join(values)})."
 
 
-def check_pair(mechanism: object, law: object) -> None:
-    """Refuse what is no mechanism or no law.
+def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":
+    """Return the law, or the laws by contact; refuse what is no mechanism or no law.
 
     Parameters
     ----------
@@ -234,6 +243,11 @@ def check_pair(mechanism: object, law: object) -> None:
     law : object
         What was given as law.
 
+    Returns
+    -------
+    FrictionLaw, Laws or PrintedForm
+        The law; laws by contact, in the order of the contacts.
+
     Raises
     ------
     InputError
@@ -241,8 +255,17 @@ def check_pair(mechanism: object, law: object) -> None:
     """
     if not isinstance(mechanism, Mechanism):
         raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
-    if not isinstance(law, (FrictionLaw, PrintedForm)):
+    if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+    names = tuple(contact.name for contact in mechanism.contacts())
+    if len(names) > 1 and (len(set(names)) < len(names) or "" in names):
+        raise InputError(
+            f"{type(mechanism).__name__} has {len(names)} contacts, which need different names, got"
+            f" {', '.join(map(repr, names))}."
+        )
+    if isinstance(law, PrintedForm):
+        return law
+    return assigned(names, law)
 
 
 def _told(
@@ -257,7 +280,7 @@ def _told(
 def initial_state(
     owner: str,
     mechanism: Mechanism,
-    law: FrictionLaw | PrintedForm,
+    law: FrictionLaw | Laws | PrintedForm,
     y0: Mapping[str, float] | Sequence[float] | None,
 ) -> list[float]:
     """Return the initial state in order, checked.
@@ -268,8 +291,8 @@ def initial_state(
         Function that asks, for the error.
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw or PrintedForm
-        Friction of its contact.
+    law : FrictionLaw, Laws or PrintedForm
+        Friction of its contacts.
     y0 : mapping of str to float, sequence of float or None
         Values [SI] of some states by name, or of all in order; where the mechanism begins if None.
 
@@ -285,7 +308,10 @@ def initial_state(
     InputError
         If `y0` is no mapping or sequence, or has the wrong length.
     """
-    bristles = law.bristles if isinstance(law, (BristleLaw, PrintedForm)) else ()
+    if isinstance(law, PrintedForm):
+        bristles = law.bristles
+    else:
+        bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)
     if y0 is None:
         y0 = {}

@@ -97,6 +97,12 @@ class Certificate:
     """Rejected steps."""
     error_estimate: float | None = None
     """Largest difference of a state to a run with half the tolerance, if that was asked for."""
+    work: Mapping[str, float] = field(default_factory=dict)
+    """Work taken by friction at each contact [J], where there are several."""
+    decisions: int = 0
+    """Instants at which several contacts were decided to hold or to slip together."""
+    ambiguous: int = 0
+    """Those of them at which the rigid model allows another answer."""
     margins: Mapping[str, float] = field(default_factory=dict)
     """How near the run came to what would have ended it, by the name of the event: the least margin
     over the largest, 0 where it ended so. Empty where nothing of the kind can happen."""

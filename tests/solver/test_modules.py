@@ -12,7 +12,7 @@ import pytest
 
 from stickslip import Coulomb, SpringBlock, simulate
 from stickslip.formulation import formulate
-from stickslip.kernels.model_interface import FIELD
+from stickslip.kernels.equations import FIELD
 from stickslip.solver.compile import module_cache
 from stickslip.solver.compile.codegen import plain_text
 from stickslip.solver.compile.modules import cache_directory, load, plain_equations

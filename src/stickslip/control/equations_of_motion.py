@@ -102,6 +102,7 @@ class Evaluator:
             If the mechanism has a prescribed motion.
         """
         from stickslip.formulation import formulate
+        from stickslip.kernels.state_layout import NUMBERS
         from stickslip.solver import Equations, gather
 
         if mechanism.guided():
@@ -116,7 +117,7 @@ class Evaluator:
         self.mechanism = mechanism
         self.slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
         self._equations = Equations(model, gather(mechanism, law, model, 0.0))
-        self._place = 3 * model.drives.index(name)
+        self._place = NUMBERS + 3 * model.drives.index(name)
 
     def __call__(self, t: float, state: Sequence[float]) -> Any:
         """Return accelerations and normal force (3, n + 1): free, by friction, by command.

@@ -7,6 +7,7 @@ branch not taken is evaluated.
 """
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import symengine as se
 
@@ -30,7 +31,7 @@ NAMED = {
 }
 
 
-def function(name: str, cases: Mapping[int | None, Case]) -> str:
+def function(name: str, cases: Mapping[Any, Case]) -> str:
     """Return the text of a function that reads the vector ``w`` and writes expressions to it.
 
     Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after

@@ -14,7 +14,7 @@ from stickslip.formulation.prescribed_motion import guides_of, held_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism
 
-__all__ = ["Mechanics", "Motion", "derive_mechanics"]
+__all__ = ["Mechanics", "Motion", "Rows", "derive_mechanics", "lagrange_rows"]
 
 
 @dataclass(frozen=True)
@@ -254,6 +254,76 @@ def _lagrange(
     return [p.diff(speeds[j]) for p in momentum.values() for j in moving], forces
 
 
+@dataclass(frozen=True)
+class Rows:
+    """Equations of motion ``M q'' = h``, friction left out, of moving and of held coordinates."""
+
+    mass: list[list[se.Expr]]
+    """Rows of the mass matrix, those of held coordinates last; a column a moving coordinate."""
+    forces: list[se.Expr]
+    """Forces h."""
+    energy: se.Expr
+    """Kinetic and potential energy [J]."""
+    supplied: se.Expr
+    """Power that drives, dampers and moved supports put in [W]."""
+
+
+def lagrange_rows(
+    mechanism: Mechanism,
+    t: se.Symbol,
+    q: Mapping[str, se.Symbol],
+    q_dot: Mapping[str, se.Symbol],
+    drives: Mapping[str, se.Symbol],
+    held: Sequence[str],
+    board: Switchboard,
+) -> Rows:
+    """Trace the energies and forces of a mechanism whose parameters are symbols.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism whose parameters are symbols.
+    t : Symbol
+        Time [s].
+    q : mapping of str to Symbol
+        Symbols of the coordinates by name, in their order.
+    q_dot : mapping of str to Symbol
+        Symbols of the rates by name of the coordinate.
+    drives : mapping of str to Symbol
+        Symbols of the drives' values by name.
+    held : sequence of str
+        Names of the coordinates held at 0.
+    board : Switchboard
+        Collects the switches met in the energies and forces.
+
+    Returns
+    -------
+    Rows
+        Mass matrix, forces, energy and power.
+    """
+    places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
+    speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
+    traced = functools.partial(_traced, board=board)
+    kinetic = expression(mechanism.kinetic_energy(traced(places), traced(speeds)))
+    potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
+    now = Traced(t, board), traced(places), traced(speeds), traced(drives)
+    other = _checked(mechanism, mechanism.forces(*now), places)
+    at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
+    supplied = _work_rate(other, speeds)
+    if isinstance(mechanism, MatrixMechanism):
+        mass, forces = matrix_rows(mechanism, now[1], held), [other[name] for name in places]
+        supplied = matrix_supply(mechanism.power(*now), kinetic + potential, other, places, speeds)
+    else:
+        mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
+    n = len(q)
+    return Rows(
+        mass=[[e.subs(at_rest) for e in mass[n * i : n * (i + 1)]] for i in range(len(places))],
+        forces=[collapsed(e.subs(at_rest)) for e in forces],
+        energy=(kinetic + potential).subs(at_rest),
+        supplied=collapsed((potential.diff(t) + supplied).subs(at_rest)),
+    )
+
+
 def derive_mechanics(
     mechanism: Mechanism,
     t: se.Symbol,
@@ -286,32 +356,19 @@ def derive_mechanics(
     """
     contact = _only_contact(mechanism)
     held = held_of(mechanism, contact)
-    places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
-    speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
-    traced = functools.partial(_traced, board=board)
-    kinetic = expression(mechanism.kinetic_energy(traced(places), traced(speeds)))
-    potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
-    now = Traced(t, board), traced(places), traced(speeds), traced(drives)
-    other = _checked(mechanism, mechanism.forces(*now), places)
-    at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
-    supplied = _work_rate(other, speeds)
-    if isinstance(mechanism, MatrixMechanism):
-        mass, forces = matrix_rows(mechanism, now[1], held), [other[name] for name in places]
-        supplied = matrix_supply(mechanism.power(*now), kinetic + potential, other, places, speeds)
-    else:
-        mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
+    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
         slip=list(q).index(contact.slip),
-        mass=se.DenseMatrix(len(places), len(q), [e.subs(at_rest) for e in mass]),
-        forces=[collapsed(e.subs(at_rest)) for e in forces],
+        mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
+        forces=rows.forces,
         guides=guides_of(mechanism, contact, drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
         load=None if contact.normal is not None else expression(contact.load),
-        energy=(kinetic + potential).subs(at_rest),
-        supplied=collapsed((potential.diff(t) + supplied).subs(at_rest)),
+        energy=rows.energy,
+        supplied=rows.supplied,
         walls=derive_walls(mechanism, q),
         mechanism=mechanism,
     )

@@ -2,75 +2,25 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 import symengine as se
 
 from stickslip.formulation.code_printer import Case, function
+from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
+from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
-from stickslip.formulation.trace import Switch, Switchboard, Traced, expression
-from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.formulation.symbols import Symbols, symbols_of
+from stickslip.formulation.trace import Switch, Switchboard, Traced
+from stickslip.friction import FrictionLaw, Laws, bristles_of
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
-from stickslip.kernels.header import Sizes
+from stickslip.kernels.header import ModeSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Model:
-    """The equations of a mechanism with a law, ready to be run, and the meaning of each number."""
-
-    title: str
-    """Mechanism and law in words."""
-    sizes: Sizes
-    """How much of everything it has, for the vectors of a run."""
-    text: str
-    """Program text: the functions that the kernels call."""
-    states: tuple[str, ...]
-    """Names of the states, coordinates before rates before bristles."""
-    parameter_paths: tuple[str, ...]
-    """Paths of the parameters in their order."""
-    drives: tuple[str, ...]
-    """Names of the drives; each owns three places at the beginning: value, slope, start."""
-    has_slopes: bool
-    """Whether the text has the derivatives with respect to parameters."""
-    switch_events: tuple[tuple[str, str] | None, ...]
-    """What each switch is called in events, when it comes true and when it ceases to hold."""
-    impact_events: tuple[str | None, ...]
-    """What an impact of each coordinate is called in events; None where it has no hard stop."""
-    limits: tuple[str, ...]
-    """What the limits are called that end a run."""
-    channels: tuple[str, ...]
-    """What the efforts of guided coordinates are called."""
-
-
-@dataclass(frozen=True)
-class _Symbols:
-    """The symbols of one formulation."""
-
-    t: se.Symbol
-    coordinates: list[se.Symbol]
-    rates: list[se.Symbol]
-    bristles: list[se.Symbol]
-    drives: dict[str, se.Symbol]
-    inputs: dict[se.Symbol, se.Expr]
-    """Expression of each drive."""
-    given: dict[se.Symbol, se.Symbol]
-    """Place of each drive where its value is given from outside."""
-    constants: frozenset[str]
-
-    def closed(self, e: se.Expr) -> se.Expr:
-        """Put the drives' expressions in."""
-        return e.subs(self.inputs)
-
-    @property
-    def states(self) -> list[se.Symbol]:
-        return [*self.coordinates, *self.rates, *self.bristles]
 
 
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
@@ -78,7 +28,7 @@ _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
 MOST_MODELS = 256
 
 
-def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -> Model:
+def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
     """Trace a law and a mechanism and derive what the solver needs.
 
     Equations of the same structure are traced once in a process. With `slopes` the text has the
@@ -88,8 +38,8 @@ def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        Friction of its contact.
+    law : FrictionLaw or Laws
+        Friction of its contact; one law that all its contacts share, or the law of each.
     slopes : bool, default False
         Whether to derive the equations with respect to parameters, as sensitivities need.
 
@@ -120,17 +70,21 @@ def formulate(mechanism: Mechanism, law: FrictionLaw, *, slopes: bool = False) -
     return model
 
 
-def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
+def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
+    if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
+        return contact_model(mechanism, law)
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
     quantities = _quantities(symbols, index.values()) if slopes else []
+    sizes = _sizes(symbols, mechanics, modes, len(board.switches), len(index))
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
-        sizes=_sizes(symbols, mechanics, modes, len(board.switches), len(index)),
+        sizes=sizes,
         text=_text(symbols, mechanics, modes, list(board.switches.values()), quantities),
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
+        places=tuple(sizes.first_parameter + i for i in range(len(index))),
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(switch.events for switch in board.switches.values()),
@@ -142,14 +96,15 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw, slopes: bool) -> Model:
 
 def _derived(
     mechanism: Mechanism, law: FrictionLaw, index: Mapping[str, int], board: Switchboard
-) -> tuple[_Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
+) -> tuple[Symbols, Mechanics, Mapping[Mode, ModeEquations]]:
     """Return symbols, equations of motion, and what holds in each mode."""
 
     def symbol(path: str) -> Traced:
         return Traced(se.Symbol(f"p{index[path]}"), board)
 
     twin = shadow(mechanism, "mechanism", symbol)
-    symbols = _symbols(twin, law, frozenset(f"p{i}" for i in index.values()), board)
+    constants = frozenset(f"p{i}" for i in index.values())
+    symbols = symbols_of(twin, len(bristles_of(law)), constants, board)
     mechanics = derive_mechanics(
         twin,
         symbols.t,
@@ -180,25 +135,8 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
     return {path: first + i for i, path in enumerate(paths)}
 
 
-def _symbols(
-    twin: Mechanism, law: FrictionLaw, constants: frozenset[str], board: Switchboard
-) -> _Symbols:
-    n = len(twin.coordinates)
-    m = len(bristles_of(law))
-    y = [se.Symbol(f"y{i}") for i in range(2 * n + m)]
-    t = se.Symbol("t")
-    drives, inputs = {}, {}
-    for k, (name, drive) in enumerate(twin.drives().items()):
-        value, slope, start = (se.Symbol(f"p{3 * k + i}") for i in range(3))
-        drives[name] = se.Symbol(f"d{k}")
-        linear = value + slope * (t - start)
-        inputs[drives[name]] = linear + expression(drive.smooth(Traced(t, board)))
-    given = {d: se.Symbol(f"p{3 * len(drives) + k}") for k, d in enumerate(drives.values())}
-    return _Symbols(t, y[:n], y[n : 2 * n], y[2 * n :], drives, inputs, given, constants)
-
-
 def _text(
-    symbols: _Symbols,
+    symbols: Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
     switches: list[Switch],
@@ -265,7 +203,7 @@ def _contact(equations: ModeEquations) -> list[se.Expr]:
     return [*equations.contact, *equations.channels.values()]
 
 
-def _quantities(symbols: _Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
+def _quantities(symbols: Symbols, parameters: Iterable[int]) -> list[se.Symbol]:
     """Return all numbers that equations read: those of the drives, then the parameters."""
     return [se.Symbol(f"p{place}") for place in (*range(3 * len(symbols.drives)), *parameters)]
 
@@ -276,13 +214,13 @@ def _slopes(expressions: Sequence[se.Expr], symbols: Sequence[se.Symbol]) -> Cas
 
 
 def _sizes(
-    symbols: _Symbols,
+    symbols: Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
     switches: int,
     parameters: int,
-) -> Sizes:
-    return Sizes(
+) -> ModeSizes:
+    return ModeSizes(
         coordinates=len(symbols.coordinates),
         bristles=len(symbols.bristles),
         slip=len(symbols.coordinates) + mechanics.slip,
@@ -299,7 +237,7 @@ def _sizes(
 
 
 def _diagram(
-    symbols: _Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
+    symbols: Symbols, mechanics: Mechanics, closed: Callable[[se.Expr], se.Expr]
 ) -> list[se.Expr]:
     """Return accelerations, normal force, needed friction and power for a given friction force."""
     friction = se.Symbol(f"p{3 * len(symbols.drives)}")
@@ -309,7 +247,7 @@ def _diagram(
     return [closed(e) for e in (*motion.accelerations, motion.normal, needed, supplied)]
 
 
-def _rest(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
+def _rest(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Expr]:
     """Return needed friction, break-away level and normal force for given drive values."""
     if Mode.STICK not in modes:
         return [se.Integer(0)] * 3
@@ -317,7 +255,7 @@ def _rest(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> list[se.Exp
     return [e.subs(symbols.given) for e in (needed, level, normal)]
 
 
-def _rest_is_final(symbols: _Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:
+def _rest_is_final(symbols: Symbols, modes: Mapping[Mode, ModeEquations]) -> bool:
     """Whether a held body can only be moved by its drives: nothing else changes in time."""
     if Mode.STICK not in modes:
         return False

@@ -22,7 +22,9 @@ HOMES = {
     "CandidateSpec": "registry",
     "Containment": "base",
     "DirectionalLaw": "base",
+    "Friction": "laws",
     "FrictionLaw": "base",
+    "Laws": "laws",
     "LAWS": "registry",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
@@ -45,6 +47,9 @@ HOMES = {
 }
 
 INSIDE = {
+    "assigned": "laws",
+    "bristle_names": "laws",
+    "law_of": "laws",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
 }

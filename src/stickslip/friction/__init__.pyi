@@ -12,6 +12,11 @@ from stickslip.friction.coulomb_viscous import CoulombViscous as CoulombViscous
 from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as CoulombViscousStatic
 from stickslip.friction.dahl import Dahl as Dahl
 from stickslip.friction.direction_dependent import DirectionDependent as DirectionDependent
+from stickslip.friction.laws import Friction as Friction
+from stickslip.friction.laws import Laws as Laws
+from stickslip.friction.laws import assigned as assigned
+from stickslip.friction.laws import bristle_names as bristle_names
+from stickslip.friction.laws import law_of as law_of
 from stickslip.friction.lugre import LuGre as LuGre
 from stickslip.friction.power_viscous import PowerViscous as PowerViscous
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
@@ -49,8 +54,10 @@ __all__ = [
     "DirectionDependent",
     "DirectionalLaw",
     "Evolution",
+    "Friction",
     "FrictionLaw",
     "LAWS",
+    "Laws",
     "LuGre",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",

@@ -1,16 +1,26 @@
 """A recorded run at any times: its rows hold all that is needed."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contact_series import contact_series
+from stickslip.kernels.contacts.assembly import prepare
+from stickslip.kernels.contacts.factors import factorise
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
-from stickslip.kernels.model_interface import contact
+from stickslip.kernels.model_interface import recorded
 from stickslip.kernels.state_layout import (
+    CONSTANT_MASS,
     DENSE,
+    DIAGONAL,
     FLAGS,
+    LAW_FLAGS,
     MODE,
-    N_CHANNELS,
+    MODES,
+    N_COLUMNS,
+    N_CONTACTS,
+    N_COORDINATES,
     N_DRIVES,
     N_STATES,
+    OPEN,
     POINT,
     ROW_COLUMNS,
     ROW_DENSE,
@@ -80,6 +90,19 @@ def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
     return piece
 
 
+def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the modes, flags and openings of a row that ends before a place."""
+    n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
+    at = end - n - 2 * contacts
+    for i in range(n):
+        whole[whole[MODES] + i] = int(log[at + i])
+    for c in range(contacts):
+        whole[whole[LAW_FLAGS] + c] = int(log[at + n + c])
+        whole[whole[OPEN] + c] = int(log[at + n + contacts + c])
+    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
+        factorise(w, whole)
+
+
 def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
@@ -107,7 +130,11 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     load_piece(table, int(log[at + 5]), w, whole)
     for i in range(n):
         w[y + i] = log[at + ROW_DENSE + 1 + i]
-    if log[at + ROW_DENSE] > 0.0:
+    if whole[N_CONTACTS] > 0:
+        restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+    if log[at + ROW_DENSE] > 0.0 and whole[N_CONTACTS] > 0:
+        contact_series(log[at], log[at + 2], w, whole, y)
+    elif log[at + ROW_DENSE] > 0.0:
         series_fill(log[at], log[at + 2], w, whole, y)
     else:
         for i in range(1 + (TERMS + 1) * n):
@@ -125,7 +152,7 @@ def play(
     forces: Vector,
     rows: Vector,
 ) -> None:
-    """Write states, friction, normal force and channels, and the row, of each of the times.
+    """Write states, friction, loads and what else is recorded, and the row, of each of the times.
 
     A body at rest for good is one row, during which its drives go on.
 
@@ -148,8 +175,8 @@ def play(
         Whole numbers of the run.
     states : array (n N_STATES,)
         Written: states at each time.
-    forces : array (n (2 + N_CHANNELS),)
-        Written: friction and normal force [N] at each time, then the channels.
+    forces : array (n N_COLUMNS,)
+        Written: what is recorded beside the states, as `model_interface.recorded` gives it.
     rows : array (n,)
         Written: index of the row that each time lies in.
     """
@@ -157,9 +184,11 @@ def play(
     point = whole[POINT]
     values = whole[VALUES]
     n = whole[N_STATES]
-    channels = whole[N_CHANNELS]
+    columns = whole[N_COLUMNS]
     row = -1
     piece = 0
+    if whole[N_CONTACTS] > 0:
+        prepare(log[0], w, whole)
     for i in range(len(times)):
         t = times[i]
         here = row
@@ -174,11 +203,9 @@ def play(
         interpolate(w, whole, (t - log[at]) / log[at + 2], point)
         piece = piece_at(table, piece, t, whole)
         load_piece(table, piece, w, whole)
-        contact(t, w, whole, point, values)
+        recorded(t, w, whole, point, values)
         for j in range(n):
             states[i * n + j] = w[point + j]
-        forces[(2 + channels) * i] = w[values]
-        forces[(2 + channels) * i + 1] = w[values + 1]
-        for j in range(channels):
-            forces[(2 + channels) * i + 2 + j] = w[values + 4 + j]
+        for j in range(columns):
+            forces[columns * i + j] = w[values + j]
         rows[i] = row

@@ -3,11 +3,13 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.model_interface import REST, evaluate
+from stickslip.kernels.contacts.motion import contacts_rest
+from stickslip.kernels.equations import REST, evaluate
 from stickslip.kernels.state_layout import (
     FLAGS,
     GIVEN,
     MODE,
+    N_CONTACTS,
     N_DRIVES,
     NUMBERS,
     PIECE,
@@ -115,6 +117,8 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
     given = whole[GIVEN]
     y = whole[Y]
     values = whole[VALUES]
+    if whole[N_CONTACTS] > 0:
+        return contacts_rest(w, whole, bounds)
     if not whole[REST_IS_FINAL] or abs(whole[MODE]) == 1:
         return False
     side = 0.5 * whole[MODE]

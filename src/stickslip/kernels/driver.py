@@ -3,6 +3,8 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.motion import first_contact_sizes
+from stickslip.kernels.contacts.transitions import begin_contacts, change_contacts, settle_contacts
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
 from stickslip.kernels.error_scale import first_sizes
@@ -19,8 +21,10 @@ from stickslip.kernels.state_layout import (
     LENGTH,
     LOWEST,
     MOST_EVENTS,
+    N_CONTACTS,
     N_GUARDS,
     N_STATES,
+    RHYTHM,
     ROW_COLUMNS,
     STATUS,
     STEP,
@@ -55,6 +59,11 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
     record(log, end, w, whole)
 
 
+def turns_switch(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is that of a switch of the equations of one contact."""
+    return whole[N_CONTACTS] == 0 and SWITCH <= guard < whole[FIRST_LIMIT]
+
+
 def finish_step(
     guard: int,
     stop: float,
@@ -82,17 +91,33 @@ def finish_step(
     if w[FRACTION] > 0.0:
         log[(whole[STEPS] - 1) * whole[ROW_COLUMNS] + 1] = w[TIME]
     if guard != NO_GUARD:
-        handle_event(guard, w, whole, events)
+        change(guard, w, whole, events)
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
         whole[STATUS] = END_TIME
     elif whole[STATUS] == RUNNING and w[TIME] >= stop:
         enter_pieces(table, w, whole)
-        turn_switches(w, whole, events)
-        settle(w, whole, events)
-    elif whole[STATUS] == RUNNING and SWITCH <= guard < whole[FIRST_LIMIT]:
+        settle_all(w, whole, events)
+    elif whole[STATUS] == RUNNING and turns_switch(guard, whole):
         settle(w, whole, events)  # what a switch stands for may jump with it
     if guard != NO_GUARD or w[TIME] >= stop:
         choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make what follows from a guard that has fallen."""
+    if whole[N_CONTACTS] > 0:
+        change_contacts(guard, w, whole, events)
+    else:
+        handle_event(guard, w, whole, events)
+
+
+def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Make what follows from a jump of forces."""
+    if whole[N_CONTACTS] > 0:
+        settle_contacts(w, whole, events)
+    else:
+        turn_switches(w, whole, events)
+        settle(w, whole, events)
 
 
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
@@ -105,9 +130,14 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     n_guards = whole[N_GUARDS]
     lowest = whole[LOWEST]
     enter_pieces(table, w, whole)
-    initial_mode(w, whole)
-    settle(w, whole, events)
-    first_sizes(w[TIME], t_end, w, whole)
+    if whole[N_CONTACTS] > 0:
+        begin_contacts(w, whole)
+        first_contact_sizes(t_end, w, whole)
+        w[RHYTHM] = math.inf
+    else:
+        initial_mode(w, whole)
+        settle(w, whole, events)
+        first_sizes(w[TIME], t_end, w, whole)
     for i in range(n_guards):
         w[lowest + i] = math.inf
     w[STEP] = 0.0
@@ -125,8 +155,7 @@ def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     """
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)
-    turn_switches(w, whole, events)
-    settle(w, whole, events)
+    settle_all(w, whole, events)
     choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 

@@ -3,17 +3,22 @@
 __all__ = [
     "AT",
     "AT_REST",
+    "BACKWARD",
     "BREAK_BACKWARD",
     "BREAK_FORWARD",
     "BROKE_AWAY",
+    "CLOSED_AGAIN",
     "END_TIME",
     "EVENT_COUNT",
     "EVENT_TIME",
     "EXACT",
     "FINAL",
+    "FORWARD",
+    "FREE",
     "GRADIENT",
     "GREATEST",
     "HELD",
+    "HELD_FAST",
     "HIT",
     "LEFT_GROUND",
     "LEFT_STOP",
@@ -21,6 +26,8 @@ __all__ = [
     "LIFT_OFF",
     "LIMITED",
     "MEAN",
+    "OPENED",
+    "PUSHED",
     "REVERSED",
     "RUNNING",
     "SMALLEST",
@@ -52,6 +59,14 @@ EVENT_TIME = 5
 EVENT_COUNT = 6
 GRADIENT = 7
 
+# Modes of a coordinate where several contacts rub: held, slipping, without friction; pushed to its
+# static level, in decisions, is PUSHED times the direction.
+HELD_FAST = 0
+FORWARD = 1
+BACKWARD = -1
+FREE = 2
+PUSHED = 3
+
 # What happened, in the records of events. An impact of coordinate i gives HIT + i; limits
 # follow them, and then switch j has two codes, the second where it ceases to hold.
 STOPPED = 0
@@ -60,6 +75,8 @@ BROKE_AWAY = 2
 LEFT_GROUND = 3
 LEFT_STOP = 4
 HIT = 5
+OPENED = 5  # with several contacts, which have no hard stops
+CLOSED_AGAIN = 6
 
 # How a mode is stepped: DOP853, Rodas5P, series.
 SMOOTH = 0

@@ -1,8 +1,8 @@
 """What errors are judged against: the sizes that the states have had in the run."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.equations import FIELD, evaluate
 from stickslip.kernels.mode_transitions import set_flags
-from stickslip.kernels.model_interface import FIELD, evaluate
 from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_STATES,

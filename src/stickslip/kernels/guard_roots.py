@@ -2,7 +2,7 @@
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.enums import LIFT_OFF, STOP
+from stickslip.kernels.enums import BACKWARD, FORWARD, LIFT_OFF, STOP
 from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
@@ -13,9 +13,13 @@ from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
     LOWEST,
     MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
     N_GUARDS,
     POINT,
     REACHED,
+    RIGID,
     SAMPLED,
     SAMPLES,
     SCALE,
@@ -23,7 +27,15 @@ from stickslip.kernels.state_layout import (
     VALUES,
 )
 
-__all__ = ["NO_GUARD", "first_violation", "guard_values", "note_least", "note_sizes", "rises"]
+__all__ = [
+    "NO_GUARD",
+    "first_violation",
+    "guard_values",
+    "note_least",
+    "note_sizes",
+    "reverses",
+    "rises",
+]
 
 NO_GUARD = -1
 QUIET = 1e-12
@@ -58,8 +70,40 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place in `w` of the results.
     """
     guards(t, w, whole, at, to)
-    if whole[HAS_BRISTLES] and whole[MODE] != 0:
+    if not whole[HAS_BRISTLES]:
+        return
+    if whole[N_CONTACTS] > 0:
+        n = whole[N_COORDINATES]
+        for i in range(n):
+            if reverses(2 * i, whole):
+                w[to + 2 * i] += QUIET * w[whole[SCALE] + n + i]
+    elif whole[MODE] != 0:
         w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
+
+
+def reverses(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is the speed of a body that bristles alone carry, which only turns.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    if not whole[HAS_BRISTLES]:
+        return False
+    if whole[N_CONTACTS] == 0:
+        return guard == STOP
+    if guard < 0 or guard >= 2 * whole[N_COORDINATES] or guard % 2 == 1:
+        return False
+    i = guard // 2
+    return whole[whole[MODES] + i] in (FORWARD, BACKWARD) and not whole[whole[RIGID] + i]
 
 
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:

@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD
-from stickslip.kernels.model_interface import FIELD, GUARDS, WALLS_OF, evaluate
+from stickslip.kernels.equations import FIELD, GUARDS, WALLS_OF, evaluate
 from stickslip.kernels.state_layout import (
     BOOKS,
     FIRST_WALL,

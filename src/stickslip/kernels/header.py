@@ -1,40 +1,35 @@
 """Sizes of a model, and the whole numbers of a run that follow from them."""
 
 import functools
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+from typing_extensions import override
 
 from stickslip.kernels import state_layout as at
 from stickslip.kernels.enums import SWITCH
 
-__all__ = ["Sizes"]
+__all__ = ["LAW_NUMBERS", "ContactSizes", "ModeSizes", "Sizes"]
+
+LAW_NUMBERS = 7
+"""Numbers that a law writes before the rates of its bristles."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sizes:
+class Sizes(ABC):
     """How much of everything a model has, and what it can do."""
 
     coordinates: int
     """Moving coordinates."""
     bristles: int
     """Bristle states."""
-    slip: int
-    """Index of the slip velocity among the states."""
     switches: int
     """Conditions of the equations."""
-    limits: int
-    """Conditions that end a run."""
-    channels: int
-    """Efforts of guided coordinates."""
     drives: int
     """Drives."""
     parameters: int
-    """Parameters."""
-    walls: tuple[tuple[int, int], ...]
-    """Index of the coordinate and side, 1 above and -1 below, of each hard stop."""
-    can_stick: bool
-    """Whether the contact can be held."""
-    can_lift: bool
-    """Whether the normal force can change."""
+    """Parameters of the mechanism, and of the law where the equations are those of modes."""
     rest_is_final: bool
     """Whether only drives can move what is held."""
 
@@ -44,26 +39,47 @@ class Sizes:
         return 2 * self.coordinates + self.bristles
 
     @property
+    @abstractmethod
     def guards(self) -> int:
         """Guards of a mode."""
-        return SWITCH + self.switches + self.limits + len(self.walls)
+
+    @property
+    @abstractmethod
+    def columns(self) -> int:
+        """Columns that a recorded run has beside its states."""
 
     @property
     def first_parameter(self) -> int:
         """Place of the first parameter in the vector of a run."""
         return at.NUMBERS + 4 * self.drives + 1
 
-    def _widths(self) -> dict[int, int]:
+    @property
+    def header(self) -> tuple[int, ...]:
+        """The whole numbers of a run that begins: its state, 0, then sizes, places and tables."""
+        return _header(self)
+
+    @abstractmethod
+    def lengths(self) -> dict[str, int]:
+        """Return how many numbers the functions of the equations write, by their names."""
+
+    @abstractmethod
+    def _own(self) -> dict[int, int]:
+        """Return the sizes that kinds of models have in their own way, by slot."""
+
+    @abstractmethod
+    def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
+        """Yield the slot of each table, and the table."""
+
+    def _rooms(self) -> dict[int, int]:
         """Return the room of each slot in the vector of a run, in their order."""
         n, guards = self.states, self.guards
-        columns = 3 + self.coordinates
         return {
             at.Y: n,
             at.Y1: n,
             at.SCALE: n,
             at.END: n,
             at.POINT: n,
-            at.VALUES: n + guards + self.channels + 8,
+            at.VALUES: n + guards + self.columns + 8,
             at.STAGES: at.DOP853_STAGES * n,
             at.MATRIX: n * n,
             at.PIVOTS: n,
@@ -73,36 +89,309 @@ class Sizes:
             at.REACHED: guards,
             at.LOWEST: guards,
             at.SLOPES: guards * (n + 1),
-            at.WALLS: len(self.walls) * columns,
-            at.SIZE: 0,
         }
 
-    @functools.cached_property
-    def header(self) -> tuple[int, ...]:
-        """The whole numbers of a run that begins: its state, 0, then sizes, places and tables."""
-        whole = [0] * at.HEADER
-        whole[at.N_STATES] = self.states
-        whole[at.N_COORDINATES] = self.coordinates
-        whole[at.N_GUARDS] = self.guards
-        whole[at.N_SWITCHES] = self.switches
-        whole[at.N_LIMITS] = self.limits
-        whole[at.N_CHANNELS] = self.channels
-        whole[at.N_WALLS] = len(self.walls)
-        whole[at.N_DRIVES] = self.drives
-        whole[at.SLIP] = self.slip
-        whole[at.CAN_STICK] = int(self.can_stick)
-        whole[at.CAN_LIFT] = int(self.can_lift)
-        whole[at.HAS_BRISTLES] = int(self.bristles > 0)
-        whole[at.REST_IS_FINAL] = int(self.rest_is_final)
-        whole[at.FIRST_LIMIT] = SWITCH + self.switches
-        whole[at.FIRST_WALL] = SWITCH + self.switches + self.limits
-        whole[at.MOST_EVENTS] = 4 + self.switches * self.switches
-        whole[at.WALL_COLUMNS] = 3 + self.coordinates
-        whole[at.DENSE_SIZE] = 1 + (at.SERIES + 1) * self.states
-        whole[at.ROW_COLUMNS] = at.ROW_DENSE + 1 + (at.TERMS + 1) * self.states
-        whole[at.GIVEN] = at.NUMBERS + 3 * self.drives
+
+@functools.lru_cache(maxsize=256)
+def _header(sizes: Sizes) -> tuple[int, ...]:
+    """Return the whole numbers of a run that begins."""
+    n = sizes.states
+    whole = [0] * at.HEADER
+    whole[at.N_STATES] = n
+    whole[at.N_COORDINATES] = sizes.coordinates
+    whole[at.N_GUARDS] = sizes.guards
+    whole[at.N_SWITCHES] = sizes.switches
+    whole[at.N_COLUMNS] = sizes.columns
+    whole[at.N_DRIVES] = sizes.drives
+    whole[at.HAS_BRISTLES] = int(sizes.bristles > 0)
+    whole[at.REST_IS_FINAL] = int(sizes.rest_is_final)
+    whole[at.DENSE_SIZE] = 1 + (at.SERIES + 1) * n
+    whole[at.ROW_COLUMNS] = at.ROW_DENSE + 1 + (at.TERMS + 1) * n
+    whole[at.WALL_COLUMNS] = 3 + sizes.coordinates
+    whole[at.GIVEN] = at.NUMBERS + 3 * sizes.drives
+    for slot, size in sizes._own().items():
+        whole[slot] = size
+    place = sizes.first_parameter + sizes.parameters
+    for slot, room in sizes._rooms().items():
+        whole[slot] = place
+        place += room
+    whole[at.SIZE] = place
+    for table, numbers in sizes._tables():
+        if table is not None:
+            whole[table] = len(whole)
+        whole += numbers
+    return tuple(whole)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeSizes(Sizes):
+    """Of a model whose equations are those of the modes of one contact."""
+
+    slip: int
+    """Index of the slip velocity among the states."""
+    limits: int
+    """Conditions that end a run."""
+    channels: int
+    """Efforts of guided coordinates."""
+    walls: tuple[tuple[int, int], ...]
+    """Index of the coordinate and side, 1 above and -1 below, of each hard stop."""
+    can_stick: bool
+    """Whether the contact can be held."""
+    can_lift: bool
+    """Whether the normal force can change."""
+
+    @property
+    @override
+    def guards(self) -> int:
+        """Guards of a mode."""
+        return SWITCH + self.switches + self.limits + len(self.walls)
+
+    @property
+    @override
+    def columns(self) -> int:
+        """Friction, normal force, efforts."""
+        return 2 + self.channels
+
+    @override
+    def lengths(self) -> dict[str, int]:
+        """Return how many numbers the functions of the equations write, by their names."""
+        n, guards = self.states, self.guards
+        quantities = 3 * self.drives + self.parameters
+        return {
+            "field": n,
+            "jacobian": n * n,
+            "time_slope": n,
+            "guards": guards,
+            "guard_slopes": guards * (n + 1),
+            "linear": 1,
+            "contact": 4 + self.channels,
+            "power": 2,
+            "energy": 1,
+            "margins": self.switches,
+            "diagram": self.coordinates + 3,
+            "rest": 3,
+            "walls": len(self.walls) * (3 + self.coordinates),
+            "field_slopes": n * quantities,
+            "guard_parameters": guards * quantities,
+        }
+
+    @override
+    def _own(self) -> dict[int, int]:
+        return {
+            at.N_LIMITS: self.limits,
+            at.N_WALLS: len(self.walls),
+            at.SLIP: self.slip,
+            at.CAN_STICK: int(self.can_stick),
+            at.CAN_LIFT: int(self.can_lift),
+            at.FIRST_LIMIT: SWITCH + self.switches,
+            at.FIRST_WALL: SWITCH + self.switches + self.limits,
+            at.MOST_EVENTS: 4 + self.switches * self.switches,
+        }
+
+    @override
+    def _rooms(self) -> dict[int, int]:
+        return {**super()._rooms(), at.WALLS: len(self.walls) * (3 + self.coordinates)}
+
+    @override
+    def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
+        yield None, tuple(number for wall in self.walls for number in wall)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSizes(Sizes):
+    """Of a model whose equations are parts, at which any number of contacts rub."""
+
+    slips: tuple[int, ...]
+    """Index of the coordinate along which each contact slips."""
+    kinds: tuple[int, ...]
+    """Index of each contact's law among those of different structure."""
+    shared: tuple[int, ...]
+    """Index of the numbers that each contact's law has: contacts may share a law."""
+    numbers: tuple[int, ...]
+    """How many parameters each of these has."""
+    bristles_of: tuple[int, ...]
+    """How many bristle states each contact has."""
+    directional: tuple[bool, ...]
+    """Whether each contact's law depends on the direction."""
+    reacts: tuple[bool, ...]
+    """Whether each contact's load is a reaction."""
+    held: int
+    """Held coordinates."""
+    mass: tuple[tuple[int, int], ...]
+    """Row and column of each entry of the mass matrix."""
+    slopes: tuple[tuple[int, int], ...]
+    """Row and column of each slope of the forces along the states."""
+    time_slopes: tuple[int, ...]
+    """Row of each slope of the forces in time."""
+    law_switches: int
+    """Most conditions of a law."""
+    constant_mass: bool
+    """Whether the mass matrix is constant."""
+    constant_loads: bool
+    """Whether all loads are constant."""
+    affine: bool
+    """Whether the forces are affine in states and time, at any flags, and loads constant."""
+    supplies: bool
+    """Whether anything puts power in."""
+
+    @property
+    def contacts(self) -> int:
+        """Contacts."""
+        return len(self.slips)
+
+    @property
+    @override
+    def guards(self) -> int:
+        """Two of each coordinate, switches and opening of each contact, switches, the pivot."""
+        own = 2 * self.coordinates + self.contacts * (self.law_switches + 1)
+        return own + self.switches + self.limits
+
+    @property
+    def limits(self) -> int:
+        """Conditions that end a run: the pivot of reactions that depend on friction."""
+        return int(any(self.reacts))
+
+    @property
+    @override
+    def columns(self) -> int:
+        """Friction, load and mode of each contact."""
+        return 3 * self.contacts
+
+    @override
+    def lengths(self) -> dict[str, int]:
+        """Return how many numbers the functions of the equations write, by their names."""
+        own = {
+            "energy": 1,
+            "power": 1,
+            "margins": self.switches,
+            "rest": self.coordinates,
+            "forces": self.coordinates + self.held,
+            "masses": len(self.mass),
+            "loads": self.contacts,
+            "geometry": self.contacts * (1 + 2 * self.held),
+            "force_slopes": len(self.slopes) + len(self.time_slopes),
+        }
+        for kind in set(self.kinds):
+            own[f"law_{kind}"] = LAW_NUMBERS + self._most_bristles
+            own[f"law_margins_{kind}"] = self.law_switches
+        return own
+
+    def law_places(self) -> tuple[int, ...]:
+        """Return the place in the vector of a run of the numbers of each law."""
         place = self.first_parameter + self.parameters
-        for slot, width in self._widths().items():
-            whole[slot] = place
-            place += width
-        return (*whole, *(number for wall in self.walls for number in wall))
+        found = []
+        for number in self.numbers:
+            found.append(place)
+            place += self._law_room(number)
+        return tuple(found)
+
+    def _law_room(self, numbers: int) -> int:
+        """Return the room of a law: its speed, its parameters, bristles, load."""
+        return 2 + numbers + self._most_bristles
+
+    @property
+    def _most_bristles(self) -> int:
+        return max(self.bristles_of, default=0)
+
+    @override
+    def _own(self) -> dict[int, int]:
+        diagonal = self.constant_mass and all(
+            row == column for row, column in self.mass if row < self.coordinates
+        )
+        first_limit = self.guards - self.limits
+        return {
+            at.N_LIMITS: self.limits,
+            at.FIRST_LIMIT: first_limit,
+            at.FIRST_WALL: self.guards,
+            at.MOST_EVENTS: self.contacts + 4 + self.switches * self.switches,
+            at.ROW_COLUMNS: at.ROW_DENSE
+            + 1
+            + (1 if self.affine else at.TERMS + 1) * self.states
+            + self.coordinates
+            + 2 * self.contacts,
+            at.N_CONTACTS: self.contacts,
+            at.N_HELD: self.held,
+            at.N_REACTIONS: sum(self.reacts),
+            at.N_MASSES: len(self.mass),
+            at.N_SLOPES: len(self.slopes),
+            at.N_TIME_SLOPES: len(self.time_slopes),
+            at.LAW_SWITCHES: self.law_switches,
+            at.CONSTANT_MASS: int(self.constant_mass),
+            at.DIAGONAL: int(diagonal),
+            at.CONSTANT_LOADS: int(self.constant_loads),
+            at.AFFINE: int(self.affine),
+            at.SUPPLIES: int(self.supplies),
+        }
+
+    @override
+    def _rooms(self) -> dict[int, int]:
+        n, c, reacting = self.coordinates, self.contacts, sum(self.reacts)
+        laws = sum(map(self._law_room, self.numbers))
+        rows = n + self.held
+        return {
+            at.LAW_ROWS: laws,  # the table of this name has their places
+            **super()._rooms(),
+            at.SLIP_FACTORS: c,
+            at.HELD_SLIPS: c * self.held,
+            at.HELD_NORMALS: c * self.held,
+            at.FORCE: rows,
+            at.MASS: rows * n,
+            at.CHOLESKY: n * n,
+            at.ACCELERATION: n,
+            at.NEEDED: n,
+            at.LEVELS: 2 * n,
+            at.FRICTION: c,
+            at.LOAD: c,
+            at.FRICTION_CONSTANT: c,
+            at.FRICTION_FACTOR: c,
+            at.LEVEL_CONSTANT: 2 * c,
+            at.LEVEL_FACTOR: 2 * c,
+            at.DAMPING: c,
+            at.BRISTLE_RATES: self.bristles,
+            at.LAW_VALUES: 1
+            + LAW_NUMBERS
+            + len(self.mass)
+            + self.switches
+            + self.law_switches
+            + 4 * self._most_bristles,
+            at.NEEDED_SERIES: (at.SERIES + 2) * n,
+            at.SLOPE_VALUES: len(self.slopes) + len(self.time_slopes) + 1,
+            at.ROOTS: 2 * n,
+            at.BOUNDS: 2 * n,
+            at.REACTION_ROWS: (reacting + 2) * (self.held + reacting + 2),
+            at.WORKS: c,
+        }
+
+    @override
+    def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
+        n, c = self.coordinates, self.contacts
+        places = self.law_places()
+        first, bristles = 0, []
+        for count in self.bristles_of:
+            bristles.append(first if count else -1)
+            first += count
+        rigid = [0] * n
+        for slip, count in zip(self.slips, self.bristles_of, strict=True):
+            rigid[slip] |= int(not count)
+        yield at.MASS_ROWS, tuple(row for row, _ in self.mass)
+        yield at.MASS_COLUMNS, tuple(column for _, column in self.mass)
+        yield at.SLOPE_ROWS, tuple(row for row, _ in self.slopes)
+        yield at.SLOPE_COLUMNS, tuple(column for _, column in self.slopes)
+        yield at.TIME_ROWS, self.time_slopes
+        yield at.SLIPS, self.slips
+        yield at.KINDS, self.kinds
+        yield at.BRISTLES, tuple(bristles)
+        yield at.BRISTLE_COUNTS, self.bristles_of
+        yield at.REACTS, tuple(map(int, self.reacts))
+        yield at.LAW_ROWS, tuple(places[index] for index in self.shared)
+        yield at.LAW_BRISTLES, tuple(1 + self.numbers[index] for index in self.shared)
+        yield at.DIRECTIONAL, tuple(map(int, self.directional))
+        yield at.RIGID, tuple(rigid)
+        yield at.MODES, (0,) * n
+        yield at.LAW_FLAGS, (0,) * c
+        yield at.OPEN, (0,) * c
+        yield at.CANDIDATES, (0,) * n
+        yield at.FORCED, (0,) * n
+        yield at.BEFORE, (0,) * n
+        yield at.KEPT, (0,) * n
+        yield at.CLOSED, (0,) * c

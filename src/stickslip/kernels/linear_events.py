@@ -3,8 +3,9 @@
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, first_fall
 from stickslip.kernels.enums import STOP
+from stickslip.kernels.equations import FIELD, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD, note_least
-from stickslip.kernels.model_interface import FIELD, evaluate, guard_slopes, guards
+from stickslip.kernels.model_interface import guard_slopes, guards
 from stickslip.kernels.state_layout import (
     DENSE,
     DRIFT,

@@ -13,8 +13,9 @@ from stickslip.kernels.enums import (
     SWITCH,
     ZENO,
 )
+from stickslip.kernels.equations import CONTACT, FIELD, MARGINS, TIME_SLOPE, evaluate
 from stickslip.kernels.hard_stops import pressed_by, strike, touched
-from stickslip.kernels.model_interface import CONTACT, FIELD, MARGINS, TIME_SLOPE, evaluate, guards
+from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
     CAN_LIFT,
     CAN_STICK,
@@ -347,6 +348,7 @@ def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     events[at + 3] = guard
     events[at + 4] = whole[FLAGS]
     events[at + 5] = margin
+    events[at + 6] = 0.0
     # an event that a jump of the drives makes is no sign of others without end: time goes on
     stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
     whole[STALLS] = whole[STALLS] + 1 if stalled else 0

@@ -1,32 +1,31 @@
-"""The equations of a mechanism with its friction, asked by number.
+"""The equations of a mechanism with its friction, in the modes and with the flags of the run."""
 
-They are generated functions, which the vector of a run names at ADDRESS. All read that vector: the
-numbers of drives and parameters, and the state from the place `at` on. They write to the place
-`to` and after it. Mode and flags are those of the run; `evaluate` asks in any other.
-"""
-
-from stickslip.kernels.backend import Vector, Wholes, call_model
-from stickslip.kernels.state_layout import ADDRESS, FLAGS, MODE
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.guards import contact_guards
+from stickslip.kernels.contacts.motion import (
+    contact_columns,
+    contact_power,
+    contact_rates,
+    contacts_are_linear,
+)
+from stickslip.kernels.equations import (
+    CONTACT,
+    ENERGY,
+    FIELD,
+    FIELD_SLOPES,
+    GUARD_PARAMETERS,
+    GUARD_SLOPES,
+    GUARDS,
+    JACOBIAN,
+    LINEAR,
+    POWER,
+    TIME_SLOPE,
+    evaluate,
+)
+from stickslip.kernels.state_layout import FLAGS, MODE, N_COLUMNS, N_CONTACTS
 
 __all__ = [
-    "CALLED",
-    "CONTACT",
-    "ENERGY",
-    "FIELD",
-    "FIELD_SLOPES",
-    "GUARDS",
-    "GUARD_PARAMETERS",
-    "GUARD_SLOPES",
-    "JACOBIAN",
-    "LINEAR",
-    "MARGINS",
-    "POWER",
-    "REST",
-    "TIME_SLOPE",
-    "WALLS_OF",
-    "contact",
     "energy",
-    "evaluate",
     "field",
     "field_slopes",
     "guard_parameters",
@@ -35,66 +34,9 @@ __all__ = [
     "jacobian",
     "linear",
     "power",
+    "recorded",
     "time_slope",
 ]
-
-FIELD = 0
-JACOBIAN = 1
-TIME_SLOPE = 2
-GUARDS = 3
-GUARD_SLOPES = 4
-LINEAR = 5
-CONTACT = 6
-POWER = 7
-MARGINS = 8
-REST = 9
-ENERGY = 10
-FIELD_SLOPES = 11
-GUARD_PARAMETERS = 12
-WALLS_OF = 13
-CALLED: tuple[str, ...] = (
-    "field",
-    "jacobian",
-    "time_slope",
-    "guards",
-    "guard_slopes",
-    "linear",
-    "contact",
-    "power",
-    "margins",
-    "rest",
-    "energy",
-    "field_slopes",
-    "guard_parameters",
-    "walls",
-)
-"""Names of the generated functions by these numbers."""
-
-
-def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
-    """Call one function of the equations in any mode.
-
-    Reads: `at`.
-    Writes: `to`.
-
-    Parameters
-    ----------
-    name : int
-        Number of the function.
-    mode : int
-        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
-    flags : int
-        Bit j is set where the condition of switch j holds.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the result; its length is the function's.
-    """
-    call_model(w, ADDRESS, name, mode, flags, t, at, to)
 
 
 def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -116,7 +58,10 @@ def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_STATES,).
     """
-    evaluate(FIELD, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        contact_rates(t, w, whole, at, to)
+    else:
+        evaluate(FIELD, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -182,7 +127,10 @@ def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_GUARDS,).
     """
-    evaluate(GUARDS, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        contact_guards(t, w, whole, at, to)
+    else:
+        evaluate(GUARDS, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -226,14 +174,17 @@ def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (1,).
     """
-    evaluate(LINEAR, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        w[to] = 1.0 if contacts_are_linear(w, whole) else 0.0
+    else:
+        evaluate(LINEAR, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
-def contact(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Friction force, normal force, needed friction, break-away level, then the channels.
+def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write what a run records beside its states.
 
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    That is friction, normal force and the efforts of guided coordinates; of several contacts
+    friction, then load, then mode of each.
 
     Parameters
     ----------
@@ -246,9 +197,14 @@ def contact(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     at : int
         Place in `w` of the state.
     to : int
-        Place of the result (4 + N_CHANNELS,): forces [N], then efforts in their units.
+        Place of the result (N_COLUMNS,).
     """
+    if whole[N_CONTACTS] > 0:
+        contact_columns(t, w, whole, at, to)
+        return
     evaluate(CONTACT, whole[MODE], whole[FLAGS], t, w, at, to)
+    for k in range(2, whole[N_COLUMNS]):  # needed friction and level stand between
+        w[to + k] = w[to + k + 2]
 
 
 def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -270,7 +226,10 @@ def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (2,) [W].
     """
-    evaluate(POWER, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        contact_power(t, w, whole, at, to)
+    else:
+        evaluate(POWER, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def energy(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

@@ -3,6 +3,7 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
 from stickslip.kernels.dense_evaluation import restore, row_at
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import (
@@ -10,15 +11,19 @@ from stickslip.kernels.enums import (
     BREAK_BACKWARD,
     BREAK_FORWARD,
     BROKE_AWAY,
+    CLOSED_AGAIN,
     EVENT_COUNT,
     EVENT_TIME,
     FINAL,
+    FREE,
     GREATEST,
+    HELD_FAST,
     HIT,
     LEFT_GROUND,
     LEFT_STOP,
     LIFT_OFF,
     MEAN,
+    OPENED,
     REVERSED,
     SMALLEST,
     STOP,
@@ -33,8 +38,11 @@ from stickslip.kernels.state_layout import (
     EVENTS,
     FIRST_LIMIT,
     FIRST_WALL,
+    LAW_SWITCHES,
+    N_CONTACTS,
     N_COORDINATES,
     N_LIMITS,
+    N_SWITCHES,
     POINT,
     ROW_COLUMNS,
     SAMPLES,
@@ -172,6 +180,8 @@ def happened(events: Vector, k: int, whole: Wholes) -> int:
     coordinates = whole[N_COORDINATES]
     at = k * EVENT_COLUMNS
     guard = int(events[at + 3])
+    if whole[N_CONTACTS] > 0:
+        return contact_happened(at, guard, events, whole)
     if guard == STOP:
         return REVERSED if abs(events[at + 2]) == 1.0 else STOPPED
     if guard in (BREAK_FORWARD, BREAK_BACKWARD):
@@ -184,6 +194,31 @@ def happened(events: Vector, k: int, whole: Wholes) -> int:
         return HIT + coordinates + guard - first_limit
     ceased = 1 - ((int(events[at + 4]) >> (guard - SWITCH)) & 1)
     return HIT + coordinates + whole[N_LIMITS] + 2 * (guard - SWITCH) + ceased
+
+
+def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
+    """Return what an event was where several contacts rub, as a code."""
+    before, after = events[at + 1], events[at + 2]
+    if guard < 0:
+        if FREE in (before, after):
+            return OPENED if after == FREE else CLOSED_AGAIN
+        if after == HELD_FAST:
+            return STOPPED
+        return BROKE_AWAY if before == HELD_FAST else REVERSED
+    first = CLOSED_AGAIN + 1
+    if guard >= whole[FIRST_LIMIT]:
+        return first + guard - whole[FIRST_LIMIT]
+    first += whole[N_LIMITS]
+    own = first_own_switch(whole)
+    if guard >= own:
+        ceased = 1 - ((int(events[at + 4]) >> (guard - own)) & 1)
+        return first + 2 * (guard - own) + ceased
+    contact, which = divmod(guard - first_contact_guard(whole), whole[LAW_SWITCHES] + 1)
+    if which == whole[LAW_SWITCHES]:
+        return LEFT_GROUND
+    ceased = 1 - ((int(events[at + 4]) >> which) & 1)
+    place = contact * whole[LAW_SWITCHES] + which
+    return first + 2 * whole[N_SWITCHES] + 2 * place + ceased
 
 
 def event_time(what: int, which: int, whole: Wholes, events: Vector) -> float:

@@ -18,13 +18,30 @@ places. A name in back quotes is an argument that gives a place.
 from stickslip.kernels.backend import Vector, vector
 
 __all__ = [
+    "ACCELERATION",
     "ADDRESS",
+    "AFFINE",
+    "AMBIGUOUS",
+    "BEFORE",
     "BOOKS",
+    "BOUNDS",
+    "BRISTLES",
+    "BRISTLE_COUNTS",
+    "BRISTLE_RATES",
+    "CANDIDATES",
     "CAN_LIFT",
     "CAN_STICK",
+    "CHOLESKY",
+    "CLOSED",
+    "CONSTANT_LOADS",
+    "CONSTANT_MASS",
+    "DAMPING",
+    "DECISIONS",
     "DEEPEST",
     "DENSE",
     "DENSE_SIZE",
+    "DIAGONAL",
+    "DIRECTIONAL",
     "DOP853_STAGES",
     "DRIFT",
     "END",
@@ -33,36 +50,76 @@ __all__ = [
     "FIRST_LIMIT",
     "FIRST_WALL",
     "FLAGS",
+    "FORCE",
+    "FORCED",
     "FRACTION",
+    "FRICTION",
+    "FRICTIONLESS",
+    "FRICTION_CONSTANT",
+    "FRICTION_FACTOR",
     "GIVEN",
     "GROSS",
     "HAS_BRISTLES",
     "HEADER",
+    "HELD_NORMALS",
+    "HELD_SLIPS",
     "INTERVAL",
+    "KEPT",
+    "KINDS",
+    "LAW_BRISTLES",
+    "LAW_FLAGS",
+    "LAW_ROWS",
+    "LAW_SWITCHES",
+    "LAW_VALUES",
     "LENGTH",
+    "LEVELS",
+    "LEVEL_CONSTANT",
+    "LEVEL_FACTOR",
+    "LIVELIEST",
+    "LOAD",
     "LOST",
     "LOWEST",
+    "MASS",
+    "MASS_COLUMNS",
+    "MASS_ROWS",
     "MATRIX",
     "MODE",
+    "MODES",
     "MOST_EVENTS",
+    "NEEDED",
+    "NEEDED_SERIES",
     "NUMBERS",
-    "N_CHANNELS",
+    "N_COLUMNS",
+    "N_CONTACTS",
     "N_COORDINATES",
     "N_DRIVES",
     "N_GUARDS",
+    "N_HELD",
     "N_LIMITS",
+    "N_MASSES",
+    "N_REACTIONS",
+    "N_SLOPES",
     "N_STATES",
     "N_SWITCHES",
+    "N_TIME_SLOPES",
     "N_WALLS",
+    "OPEN",
     "PIECE",
+    "PIVOT",
+    "PIVOTINGS",
     "PIVOTS",
     "POINT",
     "POLYNOMIAL",
     "REACHED",
+    "REACTION_ROWS",
+    "REACTS",
     "REJECTED",
     "RESIDUAL",
     "REST_IS_FINAL",
+    "RHYTHM",
+    "RIGID",
     "ROOM",
+    "ROOTS",
     "ROUNDING",
     "ROW_COLUMNS",
     "ROW_DENSE",
@@ -72,7 +129,12 @@ __all__ = [
     "SERIES",
     "SIZE",
     "SLIP",
+    "SLIPS",
+    "SLIP_FACTORS",
     "SLOPES",
+    "SLOPE_COLUMNS",
+    "SLOPE_ROWS",
+    "SLOPE_VALUES",
     "SLOW",
     "STAGES",
     "STALLS",
@@ -82,14 +144,17 @@ __all__ = [
     "STEPS",
     "STRIDE",
     "SUPPLIED",
+    "SUPPLIES",
     "TAKEN",
     "TERMS",
     "TIME",
+    "TIME_ROWS",
     "VALUES",
     "VIOLATION",
     "WALLS",
     "WALL_COLUMNS",
     "WHOLES",
+    "WORKS",
     "Y1",
     "Y",
     "longer",
@@ -125,8 +190,15 @@ LOST = 10
 # Where the equations are: an address, or the functions themselves.
 ADDRESS = 11
 
+# With several contacts: largest kinetic energy, mean time between events, determinant of the
+# reactions' equations over that without friction, and the latter.
+LIVELIEST = 12
+RHYTHM = 13
+PIVOT = 14
+FRICTIONLESS = 15
+
 # A guard as a polynomial, its intervals.
-POLYNOMIAL = 12
+POLYNOMIAL = 16
 ROOM = POLYNOMIAL + SERIES + 1
 NUMBERS = ROOM + (DEEPEST + 2) * INTERVAL
 """Where the numbers begin that the equations read."""
@@ -145,68 +217,155 @@ STALLS = 7
 STEPPER = 8
 SLOW = 9
 BOOKS = 10
-WHOLES = 11
+# With several contacts: decisions, trials they took, those of which another was possible.
+DECISIONS = 11
+PIVOTINGS = 12
+AMBIGUOUS = 13
+WHOLES = 14
 """Length of the state; sizes and places follow."""
 
-# Sizes: states, coordinates, guards, switches, limits, channels, hard stops, drives; index of the
-# slip velocity; what the model can do, 1 or 0; index of the guard of the first limit and of the
-# first hard stop; most events of one step; columns of a row.
-N_STATES = 11
-N_COORDINATES = 12
-N_GUARDS = 13
-N_SWITCHES = 14
-N_LIMITS = 15
-N_CHANNELS = 16
-N_WALLS = 17
-N_DRIVES = 18
-SLIP = 19
-CAN_STICK = 20
-CAN_LIFT = 21
-HAS_BRISTLES = 22
-REST_IS_FINAL = 23
-FIRST_LIMIT = 24
-FIRST_WALL = 25
-MOST_EVENTS = 26
-WALL_COLUMNS = 27
+# Sizes: states, coordinates, guards, switches, limits, columns beside the states, hard stops,
+# drives; index of the slip velocity; what the model can do, 1 or 0; index of the guard of the first
+# limit and of the first hard stop; most events of one step; columns of a row.
+N_STATES = 14
+N_COORDINATES = 15
+N_GUARDS = 16
+N_SWITCHES = 17
+N_LIMITS = 18
+N_COLUMNS = 19
+N_WALLS = 20
+N_DRIVES = 21
+SLIP = 22
+CAN_STICK = 23
+CAN_LIFT = 24
+HAS_BRISTLES = 25
+REST_IS_FINAL = 26
+FIRST_LIMIT = 27
+FIRST_WALL = 28
+MOST_EVENTS = 29
+WALL_COLUMNS = 30
 """Columns of a hard stop: position, restitution, mass that its impulse meets, then for each
 coordinate the change of its rate over that of the stopped one."""
-DENSE_SIZE = 28
-ROW_COLUMNS = 29
+DENSE_SIZE = 31
+ROW_COLUMNS = 32
 
 # Places in `w`: values of the drives given from outside; state, new state, sizes reached, state at
 # the end of a run, a point inside a step, room for values of functions; stages, matrix, its
 # pivots, df/dt, dense output; guards at points of a step, their largest sizes, the least of those
 # that end runs, their slopes; hard stops; the end.
-GIVEN = 30
-Y = 31
-Y1 = 32
-SCALE = 33
-END = 34
-POINT = 35
-VALUES = 36
-STAGES = 37
-MATRIX = 38
-PIVOTS = 39
-DRIFT = 40
-DENSE = 41
-SAMPLED = 42
-REACHED = 43
-LOWEST = 44
-SLOPES = 45
-WALLS = 46
-SIZE = 47
-HEADER = 48
-"""Length of state, sizes and places; behind it stand coordinate and side of each hard stop."""
+GIVEN = 33
+Y = 34
+Y1 = 35
+SCALE = 36
+END = 37
+POINT = 38
+VALUES = 39
+STAGES = 40
+MATRIX = 41
+PIVOTS = 42
+DRIFT = 43
+DENSE = 44
+SAMPLED = 45
+REACHED = 46
+LOWEST = 47
+SLOPES = 48
+WALLS = 49
+SIZE = 50
+
+# Mechanisms with several contacts: contacts, 0 where the equations are those of the modes of one;
+# held coordinates, contacts whose load is their reaction; entries of mass matrix, slopes of the
+# forces along the states and in time; most switches of a law; what the parts of the equations are,
+# 1 or 0: a mass matrix that is constant, or diagonal too, loads that are constant, forces that are
+# affine, power that anything puts in.
+N_CONTACTS = 51
+N_HELD = 52
+N_REACTIONS = 53
+N_MASSES = 54
+N_SLOPES = 55
+N_TIME_SLOPES = 56
+LAW_SWITCHES = 57
+CONSTANT_MASS = 58
+DIAGONAL = 59
+CONSTANT_LOADS = 60
+AFFINE = 61
+SUPPLIES = 62
+
+# Places in `whole` of tables: row and column of each entry of the mass matrix and of each slope,
+# row of each slope in time; of each contact the coordinate along which it slips, its law, its
+# bristles among all, whether its load is a reaction, the place in `w` of its law's numbers, that of
+# the bristles there, whether its law depends on the direction; whether anything can hold a
+# coordinate; then of each coordinate its mode, of each contact its law's flags and whether it is
+# open, and room for decisions.
+MASS_ROWS = 63
+MASS_COLUMNS = 64
+SLOPE_ROWS = 65
+SLOPE_COLUMNS = 66
+TIME_ROWS = 67
+SLIPS = 68
+KINDS = 69
+BRISTLES = 70
+REACTS = 71
+LAW_ROWS = 72
+LAW_BRISTLES = 73
+DIRECTIONAL = 74
+RIGID = 75
+MODES = 76
+LAW_FLAGS = 77
+OPEN = 78
+CANDIDATES = 79
+FORCED = 80
+BEFORE = 81
+CLOSED = 82
+
+# Places in `w`: factors of the contacts' slips; what they, and the reactions, do to held
+# coordinates; forces, mass matrix, its factors, accelerations, needed friction, levels forward and
+# backward of each coordinate; friction and load of each contact, its friction as constant and
+# factor of the load, its levels as the same for both directions, its damping; rates of bristles,
+# values of a law; the series of needed friction, slopes of the forces, roots of the guards, bounds
+# of the polynomials, rows of the reactions' equations, work taken at each contact.
+SLIP_FACTORS = 83
+HELD_SLIPS = 84
+HELD_NORMALS = 85
+FORCE = 86
+MASS = 87
+CHOLESKY = 88
+ACCELERATION = 89
+NEEDED = 90
+LEVELS = 91
+FRICTION = 92
+LOAD = 93
+FRICTION_CONSTANT = 94
+FRICTION_FACTOR = 95
+LEVEL_CONSTANT = 96
+LEVEL_FACTOR = 97
+DAMPING = 98
+BRISTLE_RATES = 99
+LAW_VALUES = 100
+NEEDED_SERIES = 101
+SLOPE_VALUES = 102
+ROOTS = 103
+BOUNDS = 104
+REACTION_ROWS = 105
+WORKS = 106
+
+# Places in `whole`: number of bristle states of each contact, room for modes.
+BRISTLE_COUNTS = 107
+KEPT = 108
+
+HEADER = 109
+"""Length of state, sizes and places; tables stand behind it, that of the hard stops first:
+coordinate and side of each."""
 
 # A recorded step: from, to, length of the dense output, mode, flags, piece; then the dense output,
-# of which a series keeps the first state only: it is made again when it is asked for.
+# of which a series keeps the first state only: it is made again when it is asked for. With several
+# contacts, the modes of the coordinates, then flags and openings of the contacts follow.
 ROW_DENSE = 6
 
 ROUNDING = 4.5e-16
 """Two units in the last place of 1: times closer than this, relatively, are the same."""
 
-# A recorded event: time, mode before, mode after, guard, flags after, margin.
-EVENT_COLUMNS = 6
+# A recorded event: time, mode before, mode after, guard, flags after, margin, contact.
+EVENT_COLUMNS = 7
 
 
 def longer(values: Vector) -> Vector:

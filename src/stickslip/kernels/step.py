@@ -3,9 +3,10 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contact_series import contact_series_step, first_contact_crossing
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
-from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF, STOP
-from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, rises
+from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
+from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, reverses, rises
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
 from stickslip.kernels.model_interface import jacobian
@@ -13,11 +14,12 @@ from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
     FIRST_WALL,
     FRACTION,
-    HAS_BRISTLES,
     LENGTH,
     MATRIX,
+    N_CONTACTS,
     POLYNOMIAL,
     REJECTED,
+    RHYTHM,
     SERIES,
     STATUS,
     STEP,
@@ -38,6 +40,9 @@ BEYOND = 1.002
 STRETCH = 1.01
 """A step that nearly reaches the end of a piece is stretched to it. STRETCH x BEYOND x OVERSHOT is
 below 1: a step taken again up to an event must not be stretched back."""
+AHEAD = 3.0
+"""Length of a series over the mean time between events: a shorter one ends earlier, and fewer
+guards have falls in it."""
 BOUNCE = 1e-3
 """Fraction of a series below which an impact is looked for in a shorter one."""
 
@@ -51,6 +56,8 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     y = whole[Y]
     t = w[TIME]
     if whole[STEPPER] == EXACT:
+        if whole[N_CONTACTS] > 0:
+            return contact_series_step(t, h, w, whole)
         return series_step(t, h, w, whole, y)
     if whole[STEPPER] == STIFF:
         error = rodas_step(t, h, w, whole, rtol)
@@ -60,7 +67,8 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     error = dop853_step(t, h, w, whole, rtol)
     if error <= 1.0:
         dop853_dense(t, h, w, whole)
-        jacobian(t, w, whole, y, whole[MATRIX])
+        if whole[N_CONTACTS] == 0:
+            jacobian(t, w, whole, y, whole[MATRIX])
     return error
 
 
@@ -92,6 +100,8 @@ def accepted_step(
     stepper = whole[STEPPER]
     t = w[TIME]
     h = min(w[slot], cap)
+    if stepper == EXACT and whole[N_CONTACTS] > 0:
+        h = min(h, AHEAD * w[RHYTHM])
     left = stop - t
     while True:
         last = STRETCH * h >= left
@@ -107,7 +117,7 @@ def accepted_step(
         if error <= 1.0:
             # a step cut short by the end of a piece says little of the next one
             w[slot] = max(proposed, w[slot]) if last else proposed
-            if stepper != STIFF:
+            if stepper != STIFF and whole[N_CONTACTS] == 0:
                 watch_stiffness(h, w, whole)
             return h
         whole[REJECTED] += 1
@@ -123,7 +133,7 @@ def retry_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     fraction = w[FRACTION]
     if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
         return 0.0  # it is at its stop
-    if guard != NO_GUARD and fraction == 0.0 and not (guard == STOP and whole[HAS_BRISTLES]):
+    if guard != NO_GUARD and fraction == 0.0 and not reverses(guard, whole):
         return h / 8.0 if t + h / 64.0 > t else 0.0
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h
@@ -193,8 +203,12 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         if h == 0.0:
             return NO_GUARD
         if exact:
-            guard = first_crossing(w[TIME], h, w, whole)
-            shorter = bounce_length(guard, h, w, whole)
+            if whole[N_CONTACTS] > 0:
+                guard = first_contact_crossing(w, whole)
+                shorter = 0.0
+            else:
+                guard = first_crossing(w[TIME], h, w, whole)
+                shorter = bounce_length(guard, h, w, whole)
         else:
             guard = first_violation(w[TIME], h, w, whole)
             shorter = 0.0

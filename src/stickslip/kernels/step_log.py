@@ -1,20 +1,26 @@
 """The books of a run: rows of steps, work done, violations found."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.motion import book_contacts, note_motion
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import STOP
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
-from stickslip.kernels.guard_roots import NO_GUARD, guard_values
+from stickslip.kernels.guard_roots import NO_GUARD, guard_values, reverses
 from stickslip.kernels.model_interface import power
 from stickslip.kernels.state_layout import (
     DENSE,
     FLAGS,
     FRACTION,
     GROSS,
+    LAW_FLAGS,
     LENGTH,
     MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
     N_GUARDS,
     N_STATES,
+    OPEN,
     PIECE,
     POINT,
     REACHED,
@@ -58,6 +64,9 @@ def add_work(w: Vector, whole: Wholes) -> None:
     values = whole[VALUES]
     share = w[FRACTION]
     h = w[LENGTH]
+    if whole[N_CONTACTS] > 0:
+        book_contacts(w, whole)
+        return
     few = 0.0 < w[whole[DENSE]] <= FEW_TERMS
     for node in range(len(FEW_NODES) if few else len(NODES)):
         x = share * (FEW_NODES[node] if few else NODES[node])
@@ -98,7 +107,27 @@ def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
     terms = 0 if w[dense] > 0.0 else TERMS
     for i in range(1 + (terms + 1) * n):
         log[at + ROW_DENSE + i] = w[dense + i]
+    if whole[N_CONTACTS] > 0:
+        note_modes(at + whole[ROW_COLUMNS], log, whole)
     whole[STEPS] += 1
+
+
+def note_modes(end: int, log: Vector, whole: Wholes) -> None:
+    """Write modes, flags and openings to the end of a row that ends before a place."""
+    n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
+    at = end - n - 2 * contacts
+    for i in range(n):
+        log[at + i] = whole[whole[MODES] + i]
+    for c in range(contacts):
+        log[at + n + c] = whole[whole[LAW_FLAGS] + c]
+        log[at + n + contacts + c] = whole[whole[OPEN] + c]
+
+
+def speed_of(guard: int, whole: Wholes) -> int:
+    """Return the index of the rate that a guard of speed is the size of."""
+    if whole[N_CONTACTS] == 0:
+        return whole[SLIP]
+    return whole[N_COORDINATES] + guard // 2
 
 
 def audit(guard: int, w: Vector, whole: Wholes) -> None:
@@ -111,12 +140,13 @@ def audit(guard: int, w: Vector, whole: Wholes) -> None:
     n_guards = whole[N_GUARDS]
     reached = whole[REACHED]
     scale = whole[SCALE]
-    slip = whole[SLIP]
     guard_values(w[TIME], w, whole, whole[Y], values)
     for i in range(n_guards):
         value = w[values + i]
         if value < 0.0:
-            size = max(w[reached + i], w[scale + slip]) if i == STOP else w[reached + i]
+            size = w[reached + i]
+            if reverses(i, whole) or (i == STOP and whole[N_CONTACTS] == 0):
+                size = max(size, w[scale + speed_of(i, whole)])
             at = RESIDUAL if i == guard else VIOLATION
             if size > 0.0:
                 w[at] = max(w[at], -value / size)
@@ -155,6 +185,8 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
         interpolate(w, whole, share, y)
     for i in range(n):
         w[scale + i] = max(w[scale + i], abs(w[y + i]))
+    if whole[N_CONTACTS] > 0:
+        note_motion(w, whole)
     w[TIME] = end
     if share > 0.0:
         audit(guard, w, whole)

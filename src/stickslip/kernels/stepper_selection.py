@@ -9,6 +9,7 @@ from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
     MATRIX,
     MODE,
+    N_CONTACTS,
     N_STATES,
     SCALE,
     SLIP,
@@ -60,13 +61,14 @@ def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """
     values = whole[VALUES]
     whole[SLOW] = 0
-    if whole[HAS_BRISTLES] and abs(whole[MODE]) == 1:
+    if whole[N_CONTACTS] == 0 and whole[HAS_BRISTLES] and abs(whole[MODE]) == 1:
         whole[STEPPER] = STIFF
     else:
         linear(w[TIME], w, whole, whole[Y], values)
         whole[STEPPER] = EXACT if w[values] > 0.0 else SMOOTH
     if whole[STEPPER] != EXACT:
-        probe_sizes(stop, w, whole)
+        if whole[N_CONTACTS] == 0:
+            probe_sizes(stop, w, whole)
         if not stop + w[STEP] > stop:  # none yet, or one left over from an event soon after 0
             w[STEP] = FIRST_SHARE * (stop - w[TIME])
 

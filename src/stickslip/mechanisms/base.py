@@ -36,18 +36,21 @@ class Contact:
 
     Parameters
     ----------
-    slip : str
-        Coordinate whose rate is the slip velocity.
-    normal : str, optional
-        A coordinate held at 0 whose reaction is the normal force.
+    slip : str, or mapping of str to float
+        Coordinate whose rate is the slip velocity; or the slip velocity as a combination of rates,
+        factors by coordinate, such as a radius.
+    normal : str, or mapping of str to float, optional
+        A coordinate held at 0 whose reaction is the normal force; or how a unit of normal force
+        acts on several held coordinates, factors by coordinate.
     load : float, optional
-        The normal force [N] where it is prescribed instead.
+        The normal force [N] where it is prescribed instead. A mechanism whose loads change tells
+        them in `loads`.
     name : str
-        Tells contacts apart where there are several.
+        Tells contacts apart where there are several; kebab-case.
     """
 
-    slip: str
-    normal: str | None = None
+    slip: str | Mapping[str, Scalar]
+    normal: str | Mapping[str, Scalar] | None = None
     load: Scalar | None = None
     name: str = ""
 
@@ -173,6 +176,35 @@ class Mechanism(Parametrised, ABC):
     @abstractmethod
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contacts."""
+
+    def loads(
+        self,
+        t: Scalar,  # noqa: ARG002  # for those whose loads change
+        q: Mapping[str, Scalar],  # noqa: ARG002
+        q_dot: Mapping[str, Scalar],  # noqa: ARG002
+        drives: Mapping[str, Scalar],  # noqa: ARG002
+    ) -> Mapping[str, Scalar]:
+        """Return the prescribed loads of contacts by name; where left out, that of the contact.
+
+        A contact whose load falls to 0 opens, and closes when it rises again.
+
+        Parameters
+        ----------
+        t : float or array
+            Time [s].
+        q : mapping of str to float or array
+            Coordinates by name.
+        q_dot : mapping of str to float or array
+            Their rates, by name of the coordinate.
+        drives : mapping
+            Present values of the drives by name.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Loads [N] by name of the contact.
+        """
+        return {}
 
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:

@@ -28,6 +28,8 @@ class Runner:
     """Whether kernels and equations are machine code."""
     sizes: Sizes
     """How much of everything the model has."""
+    places: tuple[int, ...]
+    """Place of each parameter in the vector of a run."""
 
     @property
     def header(self) -> tuple[int, ...]:
@@ -68,8 +70,8 @@ class Runner:
             The vector, laid out as in `kernels.state_layout`; all else is 0.
         """
         w = self.zeros(self.header[SIZE])
-        first = self.sizes.first_parameter
-        w[first : first + len(numbers)] = numbers
+        for place, number in zip(self.places, numbers, strict=True):
+            w[place] = number
         if self.compiled:
             w[ADDRESS:].view(np.int64)[0] = self.equations
         else:
@@ -97,4 +99,4 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
         What calls the kernels.
     """
     tier = load_compiled(model, ensembles=ensembles) if compiled else load(model)
-    return Runner(tier.kernels, tier.equations, compiled, model.sizes)
+    return Runner(tier.kernels, tier.equations, compiled, model.sizes, model.places)

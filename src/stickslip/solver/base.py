@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 from stickslip.trajectory import Trajectory
@@ -20,7 +20,7 @@ class Solver(Parametrised, ABC):
     def run(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw | PrintedForm,
+        law: FrictionLaw | Laws | PrintedForm,
         *,
         y0: Sequence[float],
         t_end: float,
@@ -48,15 +48,15 @@ class Solver(Parametrised, ABC):
         """
 
 
-def column_units(mechanism: Mechanism, bristles: Sequence[str]) -> dict[str, str]:
+def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]:
     """Return the unit of each column of a trajectory.
 
     Parameters
     ----------
     mechanism : Mechanism
         What moves.
-    bristles : sequence of str
-        Names of the bristle states; deflections [m].
+    columns : sequence of str
+        Names of bristle states, friction, loads and modes.
 
     Returns
     -------
@@ -67,6 +67,7 @@ def column_units(mechanism: Mechanism, bristles: Sequence[str]) -> dict[str, str
     units |= {
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
-    units |= dict.fromkeys(bristles, "m")
-    units |= {guide.effort: guide.unit for guide in mechanism.guided().values()}
-    return units | {"friction": "N", "normal_force": "N", "mode": "1"}
+    efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
+    kinds = {"friction": "N", "normal_force": "N", "mode": "1"}
+    own = {name: kinds.get(name.partition(":")[0], "m") for name in columns}
+    return units | own | efforts

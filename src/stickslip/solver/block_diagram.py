@@ -15,6 +15,7 @@ from stickslip.friction import (
     SetValuedLaw,
     towards,
 )
+from stickslip.kernels.state_layout import SLIP
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
@@ -91,7 +92,7 @@ class Diagram:
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)
-        return cls(equations, law, bristles, model.sizes.slip, _leads(mechanism, y0))
+        return cls(equations, law, bristles, model.sizes.header[SLIP], _leads(mechanism, y0))
 
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
         """Return accelerations, normal force, needed friction and power for a friction force."""

@@ -10,7 +10,9 @@ from stickslip.formatting import number, percent
 from stickslip.formulation import PAINLEVE
 from stickslip.kernels import enums
 from stickslip.kernels.state_layout import (
+    AMBIGUOUS,
     CAN_LIFT,
+    DECISIONS,
     FIRST_LIMIT,
     GROSS,
     LOST,
@@ -26,6 +28,7 @@ from stickslip.kernels.state_layout import (
     SUPPLIED,
     TAKEN,
     VIOLATION,
+    WORKS,
 )
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
@@ -110,9 +113,13 @@ def certify(
     return Certificate(
         **books,
         margins=margins,
-        warnings=tuple(
-            _warning(name, share) for name, share in margins.items() if 0.0 < share < CLOSE
+        warnings=(
+            *(_warning(name, share) for name, share in margins.items() if 0.0 < share < CLOSE),
+            *_doubts(whole),
         ),
+        work=_works(playback, w),
+        decisions=whole[DECISIONS] if playback.model.contacts else 0,
+        ambiguous=whole[AMBIGUOUS] if playback.model.contacts else 0,
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
@@ -137,6 +144,24 @@ def _margins(playback: Playback, w: Sequence[float], status: int) -> dict[str, f
         elif math.isfinite(least) and size > 0.0:
             found[name] = max(least, 0.0) / size
     return found
+
+
+def _works(playback: Playback, w: Sequence[float]) -> dict[str, float]:
+    """Return the work that friction has taken at each of several contacts."""
+    first = playback.runner.header[WORKS]
+    return {name: float(w[first + c]) for c, name in enumerate(playback.model.contacts)}
+
+
+def _doubts(whole: Sequence[int]) -> tuple[str, ...]:
+    """Return what the rigid model leaves open: which contacts hold at an instant."""
+    count = whole[AMBIGUOUS]
+    if not count:
+        return ()
+    times = "instant" if count == 1 else "instants"
+    return (
+        f"at {count} {times} the rigid model allows another decision on which contacts hold;"
+        " friction was taken to pass its static level before it drops",
+    )
 
 
 def _warning(name: str, share: float) -> str:
@@ -175,9 +200,23 @@ def _energy(playback: Playback, at: int) -> float:
     return float(energy)
 
 
+def _contact_drift(playback: Playback) -> float:
+    """Return the largest change of a coordinate within a row in which it is held."""
+    rows, n = playback.rows, playback.runner.header[N_COORDINATES]
+    count = len(playback.model.contacts)
+    end, _, _ = playback.played(rows[-1:, 1])
+    places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end[:, :n]])
+    width = rows.shape[1]
+    modes = rows[:, width - n - 2 * count : width - 2 * count]
+    moved = np.abs(np.diff(places, axis=0))[modes == enums.HELD_FAST]
+    return float(moved.max(initial=0.0))
+
+
 def _stick_drift(playback: Playback) -> float:
     """Return the largest change of the slip coordinate within a row of rest, at a stop or not."""
     rows, header = playback.rows, playback.runner.header
+    if playback.model.contacts:
+        return _contact_drift(playback)
     end, _, _ = playback.played(rows[-1:, 1])
     coordinate = header[SLIP] - header[N_COORDINATES]
     places = np.append(rows[:, ROW_DENSE + 1 + coordinate], end[0, coordinate])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.batch import EVIDENCE
 from stickslip.kernels.sensitivities import sense_size
 from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, SIZE, Y
@@ -38,7 +38,7 @@ class Job:
 
     mechanism: Mechanism
     """What moves."""
-    law: FrictionLaw
+    law: FrictionLaw | Laws
     """Friction of its contact."""
     y0: tuple[float, ...]
     """State at time 0: coordinates, rates, bristles [SI]."""
@@ -156,8 +156,8 @@ def _runner(job: Job) -> Runner:
 
 def _places(model: Model, columns: Mapping[str, Array]) -> list[float]:
     """Return where in the vector of a run each column goes."""
-    first, y = model.sizes.first_parameter, model.sizes.header[Y]
-    paths = {path: first + i for i, path in enumerate(model.parameter_paths)}
+    y = model.sizes.header[Y]
+    paths = dict(zip(model.parameter_paths, model.places, strict=True))
     paths |= {f"initial.{state}": y + i for i, state in enumerate(model.states)}
     return [float(paths[path]) for path in columns]
 

@@ -72,7 +72,7 @@ class Playback:
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""
-        n, size, wide = len(self.model.states), len(t), 2 + len(self.model.channels)
+        n, size, wide = len(self.model.states), len(t), self.model.sizes.columns
         states, forces, rows = (self.runner.zeros(size * width) for width in (n, wide, 1))
         self.runner.kernels.enter_play(
             self.log,
@@ -95,7 +95,9 @@ class Playback:
         """Return all columns at an array of times."""
         states, forces, rows = self.played(t)
         columns: dict[str, Any] = dict(zip(self.model.states, states.T, strict=True))
-        columns |= dict(
-            zip(("friction", "normal_force", *self.model.channels), forces.T, strict=True)
-        )
+        columns |= dict(zip(self.model.columns, forces.T, strict=True))
+        if self.model.contacts:
+            for name in self.model.contacts:
+                columns[f"mode:{name}"] = columns[f"mode:{name}"].astype(np.int8)
+            return columns
         return columns | {"mode": self.rows[rows, 3].astype(np.int8)}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stickslip.drives import BEGINNING, Drive, Piece, Sum
 from stickslip.formulation import Model
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 
@@ -62,7 +62,7 @@ class Inputs:
     """Shortest time in which a drive changes much [s]; a step lasts a sixth of it at most."""
 
 
-def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
+def values_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, float]:
     """Return the parameters of a mechanism and a law by path.
 
     Parameters
@@ -81,7 +81,7 @@ def values_of(mechanism: Mechanism, law: FrictionLaw) -> dict[str, float]:
     return {path: value for root, prefix in roots for path, _, value in parameters(root, prefix)}
 
 
-def gather(mechanism: Mechanism, law: FrictionLaw, model: Model, t_end: float) -> Inputs:
+def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: float) -> Inputs:
     """Collect the numbers of a mechanism and a law in the order of the model.
 
     Parameters

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import Model, formulate
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
@@ -30,7 +30,7 @@ RESERVED = ("status", "certified")
 
 def run_ensemble(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     varied: Mapping[str, ArrayLike],
     *,
     y0: Sequence[float],
@@ -135,7 +135,7 @@ class _Parts:
 
 def _outputs(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     model: Model,
     outputs: Sequence[str] | Mapping[str, Output] | None,
 ) -> Mapping[str, Output]:
@@ -167,7 +167,7 @@ def _is_name(name: object) -> bool:
 
 
 def _columns(
-    mechanism: Mechanism, law: FrictionLaw, model: Model, varied: Mapping[str, ArrayLike]
+    mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, varied: Mapping[str, ArrayLike]
 ) -> tuple[dict[str, Array], int]:
     """Return what varies by full path, checked, and the number of runs."""
     if not isinstance(varied, Mapping):
@@ -192,7 +192,7 @@ def _columns(
     return columns, count
 
 
-def _quantities(mechanism: Mechanism, law: FrictionLaw, model: Model) -> dict[str, Quantity]:
+def _quantities(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> dict[str, Quantity]:
     """Return what can vary by full path."""
     known = {f"initial.{state}": Quantity(state) for state in model.states}
     for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
@@ -212,7 +212,7 @@ def _numbers(path: str, values: ArrayLike) -> Array:
 
 def _check(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     columns: Mapping[str, Array],
     known: Mapping[str, Quantity],
 ) -> None:
@@ -243,7 +243,7 @@ def _varied(root: Any, prefix: str, columns: Mapping[str, Array], row: int) -> A
         raise ParameterError(f"run {row}: {error}") from None
 
 
-def _check_order(law: FrictionLaw, prefix: str, columns: Mapping[str, Array]) -> None:
+def _check_order(law: FrictionLaw | Laws, prefix: str, columns: Mapping[str, Array]) -> None:
     """Check the order of parameters that must not fall below others, in all runs."""
     values = {path: value for path, _, value in parameters(law, prefix)}
     for path, quantity, value in parameters(law, prefix):

@@ -32,19 +32,7 @@ class Equations:
         self.sizes = sizes = model.sizes
         self.functions = plain_equations(model)
         self.table = inputs.table.tolist()
-        n = sizes.states
-        self.lengths = {
-            "contact": 4 + sizes.channels,
-            "diagram": sizes.coordinates + 3,
-            "energy": 1,
-            "guard_slopes": sizes.guards * (n + 1),
-            "guards": sizes.guards,
-            "jacobian": n * n,
-            "linear": 1,
-            "margins": sizes.switches,
-            "power": 2,
-            "rest": 3,
-        }
+        self.lengths = sizes.lengths()
         self.whole: list[int] = runner.whole()
         self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
         self.load(0)
@@ -90,7 +78,7 @@ class Equations:
     ) -> list[Any]:
         """Return what a function of the module gives, `given` in place of its drives."""
         self._put(y)
-        to, length = self.whole[SIZE], self.lengths.get(name, self.sizes.states)
+        to, length = self.whole[SIZE], self.lengths[name]
         place = self.whole[GIVEN]
         self.w[place : place + len(given)] = given
         self.functions[name](mode, flags, t, self.w, self.whole[Y], to)

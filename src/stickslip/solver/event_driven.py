@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import PAINLEVE, Model, formulate
-from stickslip.friction import BristleLaw, FrictionLaw, PrintedForm, bristles_of
+from stickslip.friction import BristleLaw, FrictionLaw, Laws, PrintedForm
 from stickslip.kernels import enums
 from stickslip.kernels.reducers import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
@@ -105,15 +105,17 @@ class EventDriven(Solver):
                 f"EventDriven.tier must be 'auto', 'python' or 'compiled', got {self.tier!r}."
             )
 
-    def tolerance_for(self, law: FrictionLaw) -> float:
-        """Return the tolerance that holds for a law."""
-        return self.stiff_tolerance if isinstance(law, BristleLaw) else self.tolerance
+    def tolerance_for(self, law: FrictionLaw | Laws) -> float:
+        """Return the tolerance that holds for a law, or for several."""
+        laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
+        stiff = any(isinstance(one, BristleLaw) for one in laws)
+        return self.stiff_tolerance if stiff else self.tolerance
 
     @override
     def run(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw | PrintedForm,
+        law: FrictionLaw | Laws | PrintedForm,
         *,
         y0: Sequence[float],
         t_end: float,
@@ -142,7 +144,7 @@ class EventDriven(Solver):
         return replace(run, certificate=replace(run.certificate, error_estimate=error))
 
     def bare(
-        self, mechanism: Mechanism, law: FrictionLaw, *, y0: Sequence[float], t_end: float
+        self, mechanism: Mechanism, law: FrictionLaw | Laws, *, y0: Sequence[float], t_end: float
     ) -> "BareRun":
         """Run without a certificate, for searches, which make runs by the thousand.
 
@@ -175,7 +177,7 @@ class EventDriven(Solver):
     def _executed(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw,
+        law: FrictionLaw | Laws,
         model: Model,
         y0: Sequence[float],
         t_end: float,
@@ -228,7 +230,7 @@ def _difference(run: Trajectory, other: Trajectory) -> float:
 
 def trajectory_of(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     model: Model,
     inputs: Inputs,
     record: Record,
@@ -264,11 +266,10 @@ def trajectory_of(
     """
     whole = record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
-    bristles = bristles_of(law)
     return Trajectory(
         t=playback.times(),
-        names=(*model.states, "friction", "normal_force", *model.channels, "mode"),
-        units=column_units(mechanism, bristles),
+        names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),
+        units=column_units(mechanism, _others(mechanism, model)),
         events=_events(mechanism, model, record),
         status=status_of(whole[STATUS], model),
         certificate=certify(playback, record.w, whole, tolerance),
@@ -279,24 +280,30 @@ def trajectory_of(
     )
 
 
+def _others(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
+    """Return the columns that are no coordinates and no rates."""
+    bristles = model.states[2 * len(mechanism.coordinates) :]
+    return (*bristles, *model.columns, *(() if model.contacts else ("mode",)))
+
+
 def _events(
     mechanism: Mechanism,
     model: Model,
     record: Record,
 ) -> tuple[Event, ...]:
     """Translate the recorded events; switches without a name stay inside."""
-    (contact,) = mechanism.contacts()
     names = reasons(model)
+    contacts = model.contacts or tuple(contact.name for contact in mechanism.contacts())
     events = []
     whole = record.whole
     rows = [float(x) for x in record.events[: EVENT_COLUMNS * whole[EVENTS]]]
     for i in range(whole[EVENTS]):
-        t, before, after, _, _, margin = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
+        t, before, after, _, _, margin, contact = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
         reason = names[happened(rows, i, whole)]
         if reason is not None:
             event = Event(
                 t=float(t),
-                contact=contact.name,
+                contact=contacts[int(contact)],
                 from_mode=int(before),
                 to_mode=int(after),
                 reason=reason,

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units
@@ -84,12 +84,14 @@ class FixedStep(Solver):
     def run(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw | PrintedForm,
+        law: FrictionLaw | Laws | PrintedForm,
         *,
         y0: Sequence[float],
         t_end: float,
         told: Sequence[str] = (),
     ) -> Trajectory:
+        if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
+            raise InputError("FixedStep solves one contact: run several with EventDriven().")
         refuse_stops(mechanism)
         refuse_limits(mechanism, limits_of(mechanism))
         diagram = Diagram.build(mechanism, law, t_end, y0)
@@ -187,7 +189,7 @@ def _trajectory(
     return Trajectory(
         t=rows[:, 0],
         names=(*names, "mode"),
-        units=column_units(mechanism, diagram.bristles),
+        units=column_units(mechanism, (*diagram.bristles, "friction", "normal_force", "mode")),
         events=(),
         status=status,
         certificate=_certificate(diagram, rows),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, final
 
 from stickslip.formulation import formulate
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     EVENTS,
@@ -38,7 +38,7 @@ class IncrementalRun:
     def __init__(
         self,
         mechanism: Mechanism,
-        law: FrictionLaw,
+        law: FrictionLaw | Laws,
         *,
         drive: str,
         y0: Sequence[float],

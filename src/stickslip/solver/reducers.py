@@ -295,11 +295,15 @@ def _reason(model: Model, reason: str) -> int:
 
 def reasons(model: Model) -> Sequence[str | None]:
     """Return the names of what happens, by their codes; None for what has no name."""
-    switched = [name for pair in model.switch_events for name in pair or (None, None)]
-    return [*REASONS, *model.impact_events, *model.limits, *switched]
+    pairs = [*model.switch_events, *(pair for own in model.law_switch_events for pair in own)]
+    switched = [name for pair in pairs for name in pair or (None, None)]
+    own = OF_CONTACTS if model.contacts else model.impact_events
+    return [*REASONS, *own, *model.limits, *switched]
 
 
 REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")
+OF_CONTACTS = ("opens", "closes")
+"""What happens beside that where several contacts rub."""
 
 
 def asked(

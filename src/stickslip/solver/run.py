@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
@@ -90,7 +90,7 @@ def execute(
     return Record(runner, log, events, w, [int(x) for x in whole])
 
 
-def prepare(mechanism: Mechanism, law: FrictionLaw) -> None:
+def prepare(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:
     """Compile the equations of a pair, or load the machine code that an earlier process left.
 
     Afterwards runs of the same equations in this process are compiled ones, whatever their

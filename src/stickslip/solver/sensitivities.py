@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formulation import formulate
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.sensitivities import columns_at, sense_size
 from stickslip.kernels.state_layout import EVENTS, STEPS
 from stickslip.mechanisms import Mechanism
@@ -39,7 +39,7 @@ class Directions:
 
 def directions_of(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     paths: Sequence[str],
     columns: Mapping[str, Array],
     tables: Array,
@@ -95,7 +95,7 @@ class Sensing:
 
     mechanism: Mechanism
     """What moved."""
-    law: FrictionLaw
+    law: FrictionLaw | Laws
     """Friction of its contact."""
     inputs: Inputs
     """Parameters and drives of the run."""

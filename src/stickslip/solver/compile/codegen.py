@@ -26,6 +26,7 @@ from stickslip.kernels import (
     drive_segments,
     driver,
     enums,
+    equations,
     error_scale,
     gauss_legendre,
     guard_roots,
@@ -46,13 +47,14 @@ from stickslip.kernels import (
     stepper_selection,
     taylor_series,
 )
-from stickslip.kernels.model_interface import CALLED
+from stickslip.kernels.equations import CALLED, LAW, LAW_MARGINS
 
-__all__ = ["equations_text", "kernels_text", "plain_text"]
+__all__ = ["equations_text", "kernels_text", "numbered", "plain_text"]
 
 KERNELS = (
     enums,
     state_layout,
+    equations,
     model_interface,
     dense_output,
     hard_stops,
@@ -80,6 +82,9 @@ KERNELS = (
     sensitivities,
     batch,
 )
+LAW_FUNCTION = re.compile(r"law_(\d+)")
+MARGINS_FUNCTION = re.compile(r"law_margins_(\d+)")
+"""Names of the functions of laws, one for each structure."""
 KEPT = "run"
 """The one kernel with a file of its own, beside the entries: those of ensembles build on it."""
 DEFINITION = re.compile(r"^def (\w+)", re.MULTILINE)
@@ -201,10 +206,22 @@ def kernels_text() -> str:
 
 
 @functools.lru_cache(maxsize=256)
+def numbered(model: Model) -> dict[str, int]:
+    """Return the numbers by which kernels call the functions of a model's equations."""
+    found = {name: i for i, name in enumerate(CALLED)}
+    for start, numbers in ((LAW, LAW_FUNCTION), (LAW_MARGINS, MARGINS_FUNCTION)):
+        found |= {
+            match[0]: start + int(match[1])
+            for name in model.sizes.lengths()
+            if (match := numbers.fullmatch(name))
+        }
+    return {name: number for name, number in found.items() if f"def {name}(" in model.text}
+
+
+@functools.lru_cache(maxsize=256)
 def equations_text(model: Model) -> str:
     """Return the text of the compiled equations of a model: one function that knows their names."""
     lines = ["@cfunc(SIGNATURE, cache=True)", "def equations(name, mode, flags, t, w, at, to):"]
-    named = [(i, name) for i, name in enumerate(CALLED) if f"def {name}(" in model.text]
-    for i, name in named:
+    for name, i in numbered(model).items():
         lines += [f"    if name == {i}:", f"        {name}(mode, flags, t, w, at, to)"]
     return _joined(_head(True), EQUATIONS, _marked(model.text), "\n".join(lines))

@@ -9,8 +9,7 @@ from typing import Any, TypeAlias
 
 from stickslip.formulation import Model
 from stickslip.kernels import entries
-from stickslip.kernels.model_interface import CALLED
-from stickslip.solver.compile.codegen import equations_text, kernels_text, plain_text
+from stickslip.solver.compile.codegen import equations_text, kernels_text, numbered, plain_text
 from stickslip.solver.compile.compile_units import CompileUnit, parts_of
 from stickslip.solver.compile.messages import notice
 from stickslip.solver.compile.module_cache import cache_directory, module_of
@@ -48,29 +47,10 @@ def plain_equations(model: Model) -> Mapping[str, Equation]:
 
     Arithmetic errors give NaN, as they do in compiled code.
     """
-    n, guards = model.sizes.states, model.sizes.guards
-    quantities = 3 * model.sizes.drives + model.sizes.parameters
-    lengths = {
-        "field": n,
-        "jacobian": n * n,
-        "time_slope": n,
-        "guards": guards,
-        "guard_slopes": guards * (n + 1),
-        "linear": 1,
-        "contact": 4 + model.sizes.channels,
-        "power": 2,
-        "energy": 1,
-        "margins": model.sizes.switches,
-        "diagram": model.sizes.coordinates + 3,
-        "rest": 3,
-        "walls": len(model.sizes.walls) * (3 + model.sizes.coordinates),
-        "field_slopes": n * quantities,
-        "guard_parameters": guards * quantities,
-    }
     module = module_of(plain_text(model))
     return {
         name: _fenced(getattr(module, name), length)
-        for name, length in lengths.items()
+        for name, length in model.sizes.lengths().items()
         if hasattr(module, name)
     }
 
@@ -92,7 +72,8 @@ def _fenced(function: Equation, length: int) -> Equation:
 def load(model: Model) -> Tier:
     """Return the plain tier of a model."""
     functions = plain_equations(model)
-    return Tier(entries, tuple(functions.get(name) for name in CALLED))
+    numbers = numbered(model)
+    return Tier(entries, {numbers[name]: own for name, own in functions.items() if name in numbers})
 
 
 @functools.lru_cache(maxsize=256)

@@ -23,7 +23,7 @@ Progress = Callable[[int, int, str], object]
 
 @dataclass(frozen=True, kw_only=True)
 class WarmUp:
-    """What a warm-up did: machine code is kept by module, kernels of a shape or equations."""
+    """What a warm-up did: machine code is kept by module, the kernels or equations of a pair."""
 
     kernels_compiled: int
     """Shapes whose kernels were compiled."""
@@ -57,7 +57,7 @@ def warm_up(
     pairs : iterable of (Mechanism, FrictionLaw)
         What will be run; only the structure counts, not the values of parameters.
     ensembles : bool
-        Whether to compile what `stickslip.ensemble` needs, too: some seconds more for each shape.
+        Whether to compile what `stickslip.ensemble` needs, too: some seconds more, once.
     jobs : int, optional
         Number of processes; as many as there are cores if not given, and never more than there is
         to compile.

@@ -1,0 +1,256 @@
+"""The text of the parts of a mechanism's equations, and what its numbers mean."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import symengine as se
+
+from stickslip.formulation.code_printer import function
+from stickslip.formulation.contact_parts import ContactParts, LawParts, derive_parts, law_parts
+from stickslip.formulation.model_type import Model
+from stickslip.formulation.modes import PAINLEVE
+from stickslip.formulation.symbols import Symbols, symbols_of
+from stickslip.formulation.trace import Switchboard, Traced, collapsed
+from stickslip.friction import DirectionalLaw, FrictionLaw, Laws, bristle_names, bristles_of
+from stickslip.kernels.header import ContactSizes
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters, shadow, structure
+
+__all__ = ["contact_model"]
+
+
+@dataclass(frozen=True)
+class _Own:
+    """The laws of the contacts that rub."""
+
+    contacts: tuple[str, ...]
+    """Names of these contacts."""
+    laws: tuple[FrictionLaw, ...]
+    """The law of each."""
+    shared: tuple[int, ...]
+    """Index of each one's numbers: contacts with one law have the same."""
+    distinct: tuple[tuple[str, FrictionLaw], ...]
+    """Prefix of the paths, and the law, of each set of numbers."""
+    kinds: tuple[int, ...]
+    """Index of the structure of each contact's law."""
+    structures: tuple[FrictionLaw, ...]
+    """A law of each structure."""
+
+
+def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
+    if isinstance(law, Laws):
+        names, laws = tuple(name for name, _ in law.members), tuple(one for _, one in law.members)
+        shared = tuple(range(len(laws)))
+        distinct = tuple((f"friction.{name}", one) for name, one in law.members)
+    else:
+        names = tuple(one.name for one in mechanism.contacts())
+        laws, shared = (law,) * len(names), (0,) * len(names)
+        distinct = (("friction", law),)
+    keys = list(dict.fromkeys(structure(one) for one in laws))
+    kinds = tuple(keys.index(structure(one)) for one in laws)
+    structures = tuple(laws[kinds.index(kind)] for kind in range(len(keys)))
+    return _Own(names, laws, shared, distinct, kinds, structures)
+
+
+def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
+    """Trace a mechanism with several contacts and their laws.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        The law that all contacts share, or the law of each.
+
+    Returns
+    -------
+    Model
+        Text of the parts of the equations and the meaning of their numbers.
+    """
+    own = _own_laws(mechanism, law)
+    board = Switchboard()
+    paths = [path for path, _, _ in parameters(mechanism, "mechanism")]
+    first = 4 * len(mechanism.drives()) + 1
+    index = {path: first + i for i, path in enumerate(paths)}
+    twin = shadow(mechanism, "mechanism", lambda p: Traced(se.Symbol(f"p{index[p]}"), board))
+    bristles = [len(bristles_of(one)) for one in own.laws]
+    constants = frozenset(f"p{i}" for i in index.values())
+    symbols = symbols_of(twin, sum(bristles), constants, board)
+    parts = derive_parts(
+        twin,
+        own.contacts,
+        symbols.t,
+        dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
+        dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
+        symbols.drives,
+        board,
+    )
+    laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
+    equations = _Equations(symbols, parts)
+    sizes = _sizes(mechanism, own, equations, laws, board, len(paths), bristles)
+    places = [sizes.first_parameter + i for i in range(len(paths))]
+    law_paths = []
+    for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
+        for i, (path, _, _) in enumerate(parameters(one, prefix), 1):
+            law_paths.append(path)
+            places.append(row + i)
+    events = [switch.events for switch in board.switches.values()]
+    return Model(
+        title=f"{type(mechanism).__name__} with {_titles(own)}",
+        sizes=sizes,
+        text=_text(equations, laws, board),
+        states=(
+            *mechanism.coordinates,
+            *mechanism.rates,
+            *bristle_names(tuple(one.name for one in mechanism.contacts()), law),
+        ),
+        parameter_paths=(*paths, *law_paths),
+        places=tuple(places),
+        drives=tuple(symbols.drives),
+        has_slopes=False,
+        switch_events=tuple(events),
+        impact_events=(),
+        limits=(PAINLEVE,) * sizes.limits,
+        channels=(),
+        contacts=own.contacts,
+        law_switch_events=tuple(
+            (*laws[kind].switch_events, *[None] * sizes.law_switches)[: sizes.law_switches]
+            for kind in own.kinds
+        ),
+    )
+
+
+def _titles(own: _Own) -> str:
+    return " and ".join(dict.fromkeys(type(one).__name__ for one in own.laws))
+
+
+class _Equations:
+    """The parts with the drives put in, and their slopes."""
+
+    def __init__(self, symbols: Symbols, parts: ContactParts) -> None:
+        self.symbols, self.parts = symbols, parts
+        closed = symbols.closed
+        n = len(parts.coordinates)
+        self.forces = [closed(e) for e in parts.forces]
+        self.given_forces = [e.subs(symbols.given) for e in parts.forces[:n]]
+        self.loads = [closed(e) for e in parts.loads]
+        self.supplied = closed(parts.supplied)
+        states = [*symbols.coordinates, *symbols.rates]
+        self.slopes = {
+            (i, k): slope
+            for i in range(n)
+            for k, state in enumerate(states)
+            if str(state) in _names(self.forces[i])
+            and (slope := collapsed(self.forces[i].diff(state))) != 0
+        }
+        self.time_slopes = {
+            i: slope
+            for i in range(n)
+            if "t" in _names(self.forces[i])
+            and (slope := collapsed(self.forces[i].diff(symbols.t))) != 0
+        }
+        self.moving = {str(s) for s in states} | {"t"}
+
+    def varies(self, e: se.Expr) -> bool:
+        """Whether an expression changes in a run."""
+        return bool(_names(e) & self.moving) and bool(_names(se.expand(e)) & self.moving)
+
+    def constant_mass(self) -> bool:
+        """Whether the mass matrix is constant."""
+        return not any(self.varies(e) for e in self.parts.mass.values())
+
+    def constant_loads(self) -> bool:
+        """Whether all prescribed loads are constant."""
+        return not any(_names(e) & (self.moving | self._driven()) for e in self.loads)
+
+    def _driven(self) -> set[str]:
+        """Return the symbols of the drives' numbers, which change from piece to piece."""
+        return {f"p{i}" for i in range(3 * len(self.symbols.drives))}
+
+    def affine(self) -> bool:
+        """Whether all is affine in states and time together, whatever the flags are."""
+        slopes = [*self.slopes.values(), *self.time_slopes.values()]
+        switched = any(_names(e) & _flags(e) for e in (*self.forces, *self.parts.mass.values()))
+        return (
+            not switched
+            and self.constant_mass()
+            and self.constant_loads()
+            and not any(self.parts.reacts)
+            and not any(self.varies(e) for e in slopes)
+        )
+
+    def rest_is_final(self) -> bool:
+        """Whether nothing but the drives can move what is held."""
+        timed = any("t" in _names(e) for e in self.given_forces)
+        return not timed and self.constant_loads() and not any(self.parts.reacts)
+
+
+def _names(e: se.Expr) -> set[str]:
+    return {str(s) for s in e.free_symbols}
+
+
+def _flags(e: se.Expr) -> set[str]:
+    return {name for name in _names(e) if name[0] == "s" and name[1:].isdigit()}
+
+
+def _sizes(
+    mechanism: Mechanism,
+    own: _Own,
+    equations: _Equations,
+    laws: Sequence[LawParts],
+    board: Switchboard,
+    parameter_count: int,
+    bristles: Sequence[int],
+) -> ContactSizes:
+    parts = equations.parts
+    return ContactSizes(
+        coordinates=len(mechanism.coordinates),
+        bristles=sum(bristles),
+        switches=len(board.switches),
+        drives=len(equations.symbols.drives),
+        parameters=parameter_count,
+        rest_is_final=equations.rest_is_final(),
+        slips=parts.slips,
+        kinds=own.kinds,
+        shared=own.shared,
+        numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
+        bristles_of=tuple(bristles),
+        directional=tuple(isinstance(one, DirectionalLaw) for one in own.laws),
+        reacts=parts.reacts,
+        held=len(parts.held),
+        mass=tuple(parts.mass),
+        slopes=tuple(equations.slopes),
+        time_slopes=tuple(equations.time_slopes),
+        law_switches=max((len(one.switch_events) for one in laws), default=0),
+        constant_mass=equations.constant_mass(),
+        constant_loads=equations.constant_loads(),
+        affine=equations.affine(),
+        supplies=parts.supplied != 0,
+    )
+
+
+def _text(equations: _Equations, laws: Sequence[LawParts], board: Switchboard) -> str:
+    """Write the module's own part: what the kernels find under these names."""
+    parts, closed = equations.parts, equations.symbols.closed
+    geometry = [
+        *parts.factors,
+        *[e for row in parts.held_slips for e in row],
+        *[e for row in parts.held_normals for e in row],
+    ]
+    same: Mapping[str, Sequence[se.Expr]] = {
+        "forces": equations.forces,
+        "masses": list(parts.mass.values()),
+        "loads": equations.loads,
+        "geometry": geometry,
+        "force_slopes": [*equations.slopes.values(), *equations.time_slopes.values()],
+        "energy": [parts.energy],
+        "power": [equations.supplied],
+        "margins": [closed(switch.margin) for switch in board.switches.values()],
+        "rest": equations.given_forces,
+    }
+    texts = [function(name, {None: list(case)}) for name, case in same.items()]
+    for kind, one in enumerate(laws):
+        texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
+        margins = {side: list(case) for side, case in one.margins.items()}
+        texts.append(function(f"law_margins_{kind}", margins))
+    return "\n\n".join(texts)

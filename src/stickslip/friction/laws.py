@@ -1,0 +1,128 @@
+"""Laws of several contacts: one for each, or one that all share."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction.base import FrictionLaw, bristles_of
+from stickslip.quantities import Group
+
+__all__ = ["Friction", "Laws", "assigned", "bristle_names", "law_of"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Laws(Group):
+    """The laws of several contacts by the contacts' names.
+
+    Paths of their parameters have the name of the contact, as in
+    ``friction.elbow.kinetic_coefficient``.
+    """
+
+    members: tuple[tuple[str, FrictionLaw], ...]
+    """Names of contacts, and their laws."""
+
+
+Friction: TypeAlias = FrictionLaw | Mapping[str, FrictionLaw | None] | Laws
+"""One law for all contacts, or laws by the name of the contact; None where nothing rubs."""
+
+
+def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
+    """Return laws by contact, checked; or the one law that a single contact has, or all share.
+
+    Parameters
+    ----------
+    contacts : tuple of str
+        Names of the mechanism's contacts.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        A law, or laws by the name of the contact; None where nothing rubs.
+
+    Returns
+    -------
+    FrictionLaw or Laws
+        The law that is shared, or the laws in the order of the contacts.
+
+    Raises
+    ------
+    InputError
+        If a contact has no law, or a law is none.
+    UnknownNameError
+        If there is no contact of a name.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> laws = assigned(
+    ...     ("shoulder", "elbow"),
+    ...     {"elbow": Coulomb(kinetic_coefficient=0.1), "shoulder": None},
+    ... )
+    >>> [name for name, _ in laws.members]
+    ['elbow']
+    """
+    if isinstance(law, FrictionLaw | Laws):
+        return law
+    if not isinstance(law, Mapping):
+        raise InputError(
+            "law must be a FrictionLaw, or a mapping from the names of contacts to laws, got"
+            f" {law!r}."
+        )
+    for name, one in law.items():
+        if name not in contacts:
+            raise UnknownNameError("contact", name, contacts)
+        if one is not None and not isinstance(one, FrictionLaw):
+            raise InputError(f"the law of the contact {name!r} must be a FrictionLaw, got {one!r}.")
+    missing = [name for name in contacts if name not in law]
+    if missing:
+        raise InputError(
+            f"no law is given for the contact {missing[0]!r}: add {missing[0]!r}: None if nothing"
+            " rubs there."
+        )
+    pairs = [(name, law[name]) for name in contacts]
+    return Laws(members=tuple((name, one) for name, one in pairs if one is not None))
+
+
+def law_of(contact: str, law: FrictionLaw | Laws) -> FrictionLaw | None:
+    """Return the law of a contact, None where nothing rubs.
+
+    Parameters
+    ----------
+    contact : str
+        Name of the contact.
+    law : FrictionLaw or Laws
+        A law that is shared, or laws by contact.
+
+    Returns
+    -------
+    FrictionLaw or None
+        The law.
+    """
+    return dict(law.members).get(contact) if isinstance(law, Laws) else law
+
+
+def bristle_names(contacts: tuple[str, ...], law: FrictionLaw | Laws) -> tuple[str, ...]:
+    """Return the names of the bristle states; with several contacts, ``z:elbow`` and its like.
+
+    Parameters
+    ----------
+    contacts : tuple of str
+        Names of the mechanism's contacts.
+    law : FrictionLaw or Laws
+        The laws, as `assigned` returns them.
+
+    Returns
+    -------
+    tuple of str
+        Names in the order of the contacts.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> bristle_names(("left", "right"), Dahl(kinetic_coefficient=0.2, bristle_stiffness=1e4))
+    ('z:left', 'z:right')
+    """
+    if len(contacts) == 1:
+        own = law_of(contacts[0], law)
+        return () if own is None else bristles_of(own)
+    laws = [(name, law_of(name, law)) for name in contacts]
+    return tuple(f"{z}:{name}" for name, one in laws if one is not None for z in bristles_of(one))

@@ -1,0 +1,295 @@
+"""Exact propagation of linear modes with several contacts: sparse Taylor series.
+
+Each term of the accelerations follows from the last by the slopes of the forces and the damping of
+slipping contacts, at the cost of their number. The needed friction of held coordinates is a series
+of its own: where nothing moves any more it still grows with the drives. Guards are polynomials.
+"""
+
+import math
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
+from stickslip.kernels.contacts.assembly import assemble
+from stickslip.kernels.contacts.factors import solve_free
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.equations import FORCE_SLOPES, evaluate
+from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    BOUNDS,
+    DAMPING,
+    DENSE,
+    DIAGONAL,
+    DRIFT,
+    FLAGS,
+    FORCE,
+    FRACTION,
+    FRICTION,
+    LEVELS,
+    MASS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_SLOPES,
+    N_STATES,
+    N_TIME_SLOPES,
+    NEEDED,
+    NEEDED_SERIES,
+    POINT,
+    POLYNOMIAL,
+    REACHED,
+    ROOTS,
+    SERIES,
+    SLIP_FACTORS,
+    SLIPS,
+    SLOPE_COLUMNS,
+    SLOPE_ROWS,
+    SLOPE_VALUES,
+    TIME_ROWS,
+    Y1,
+    Y,
+)
+
+__all__ = ["contact_series", "contact_series_step", "first_contact_crossing"]
+
+TINY_TAIL = 1e-16
+"""Size of the last two terms, over that of the state, that a step may have."""
+VANISHED = 1e-18
+"""Size of a term, over the largest of its state, below which a series has ended."""
+STILLNESS = 1e-14
+"""Acceleration over the forces that make it up, below which they balance but for rounding."""
+
+
+def contact_series(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Fill the dense output, and the series of needed friction, from the state at `at`.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    largest = whole[POINT]
+    assemble(t, w, whole, at)
+    evaluate(FORCE_SLOPES, 0, whole[FLAGS], t, w, at, whole[SLOPE_VALUES])
+    last = whole[DENSE] + 1
+    for i in range(n):
+        w[last + i] = w[at + i]
+        w[last + n + i] = w[at + n + i]
+        w[last + states + i] = h * w[at + n + i]
+        w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
+        w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
+    for i in range(states):
+        w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
+    last += states
+    small, terms = 0, 1
+    while terms < SERIES and small < 2:
+        next_forces(terms, h, last, w, whole)
+        ratio = h / (terms + 1.0)
+        ended = True
+        for i in range(n):
+            speed = ratio * w[last + n + i]
+            growth = ratio * w[whole[DRIFT] + i]
+            w[last + states + i] = speed
+            w[last + states + n + i] = growth
+            w[largest + i] = max(w[largest + i], abs(speed))
+            w[largest + n + i] = max(w[largest + n + i], abs(growth))
+            ended = ended and abs(speed) <= VANISHED * w[largest + i]
+            ended = ended and abs(growth) <= VANISHED * w[largest + n + i]
+        small = small + 1 if ended else 0
+        terms += 1
+        last += states
+    w[whole[DENSE]] = terms - small
+    w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+
+
+def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
+    """Write one term of the accelerations to DRIFT and one of the needed friction."""
+    n = whole[N_COORDINATES]
+    row = whole[NEEDED_SERIES] + terms * n
+    slopes = whole[SLOPE_VALUES]
+    modes, found = whole[MODES], whole[DRIFT]
+    for i in range(n):
+        w[row + i] = 0.0
+    for k in range(whole[N_SLOPES]):
+        column = whole[whole[SLOPE_COLUMNS] + k]
+        w[row + whole[whole[SLOPE_ROWS] + k]] += w[slopes + k] * w[last + column]
+    if terms == 1:
+        for k in range(whole[N_TIME_SLOPES]):
+            w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
+    for c in range(whole[N_CONTACTS]):
+        damping = w[whole[DAMPING] + c]
+        if damping != 0.0:
+            i = whole[whole[SLIPS] + c]
+            w[row + i] -= damping * w[last + n + i]
+    for i in range(n):
+        w[found + i] = w[row + i]
+    solve_free(w, whole, found)
+    for i in range(n):
+        if whole[modes + i] != HELD_FAST:
+            w[row + i] = 0.0
+        elif not whole[DIAGONAL]:
+            total = w[row + i]
+            for j in range(n):
+                total -= w[whole[MASS] + i * n + j] * w[found + j]
+            w[row + i] = total
+
+
+def contact_series_step(t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Try a step; return the tail of its series over what is allowed, the solution in Y1.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Size of the last terms over what is allowed: the step is good up to 1.
+    """
+    states = whole[N_STATES]
+    contact_series(t, h, w, whole, whole[Y])
+    interpolate(w, whole, 1.0, whole[Y1])
+    error = 0.0
+    if w[whole[DENSE]] >= SERIES:
+        last = whole[DENSE] + 1 + SERIES * states
+        for i in range(states):
+            tail = abs(w[last + i]) + abs(w[last - states + i])
+            if not tail < math.inf:
+                return math.inf
+            size = TINY_TAIL * size_of(i, h, w, whole)
+            if tail > 0.0:
+                error = max(error, tail / size if size > 0.0 else math.inf)
+    return error
+
+
+def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
+    """Whether forces on a coordinate that begins to slip balance but for their rounding."""
+    n = whole[N_COORDINATES]
+    size = abs(w[whole[FORCE] + i])
+    for k in range(whole[N_SLOPES]):
+        if whole[whole[SLOPE_ROWS] + k] == i:
+            column = whole[whole[SLOPE_COLUMNS] + k]
+            size += abs(w[whole[SLOPE_VALUES] + k] * w[whole[Y] + column])
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[SLIPS] + c] == i:
+            size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
+    own = abs(w[whole[ACCELERATION] + i]) * w[whole[MASS] + i * n + i]
+    return own <= STILLNESS * size
+
+
+def search(value: float, row: int, width: int, sign: float, count: int, w: Vector) -> float:
+    """Return the first fall of ``value + sign * (terms of a column)``, from POLYNOMIAL's start.
+
+    The terms stand `width` apart from the place `row` on. The interval that is searched ends at the
+    earliest fall known, in FRACTION: coefficients are scaled by its powers.
+    """
+    reach = min(1.0, w[FRACTION] * (1.0 + 1e-12))
+    power = 1.0
+    total = 0.0
+    first = w[POLYNOMIAL + 1]  # 0 where the first slope is rounding, else 1
+    w[POLYNOMIAL] = value
+    for k in range(1, count + 1):
+        power *= reach
+        w[POLYNOMIAL + k] = sign * power * w[row + (k - 1) * width]
+        total += abs(w[POLYNOMIAL + k])
+    if first == 0.0:
+        w[POLYNOMIAL + 1] = 0.0
+    if value > total:
+        return NEVER_FALLS
+    x = first_fall(w, count)
+    return reach * x if 0.0 < x <= 1.0 else x
+
+
+def first_contact_crossing(w: Vector, whole: Wholes) -> int:
+    """Find the first guard of a step that falls below zero, with its fraction in FRACTION.
+
+    Guards that cannot fall, for the sum of their terms is less than their value, are passed over;
+    the sums are made row by row, in the order in which the series lies in memory. Falls of all
+    other guards are left in ROOTS: what falls in the same instant changes together.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    int
+        Index of the guard, or `NO_GUARD`.
+    """
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
+    moved, grown = whole[POINT], whole[DRIFT]
+    sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
+    sum_terms(whole[NEEDED_SERIES] + n, n, count, grown, n, w)
+    best = NO_GUARD
+    w[FRACTION] = 1.0
+    for i in range(n):
+        w[whole[ROOTS] + 2 * i] = NEVER_FALLS
+        w[whole[ROOTS] + 2 * i + 1] = NEVER_FALLS
+        mode = whole[whole[MODES] + i]
+        if mode in (FORWARD, BACKWARD):
+            speed = mode * w[whole[Y] + n + i]
+            w[whole[REACHED] + 2 * i] = max(w[whole[REACHED] + 2 * i], abs(speed))
+            if speed > w[moved + i]:
+                continue
+            w[POLYNOMIAL + 1] = 0.0 if speed == 0.0 and is_balanced(i, w, whole) else 1.0
+            row = whole[DENSE] + 1 + states + n + i
+            x = search(speed, row, states, mode, terms, w)
+            best = note_root(2 * i, x, best, w, whole)
+        elif mode == HELD_FAST:
+            for side in range(2):
+                sign = -1.0 if side == 0 else 1.0
+                spare = w[whole[LEVELS] + 2 * i + side] + sign * w[whole[NEEDED_SERIES] + i]
+                guard = 2 * i + side
+                w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(spare))
+                if spare > w[grown + i]:
+                    continue
+                w[POLYNOMIAL + 1] = 1.0
+                x = search(spare, whole[NEEDED_SERIES] + n + i, n, sign, count, w)
+                best = note_root(guard, x, best, w, whole)
+        if w[FRACTION] == 0.0:
+            return best
+    return best
+
+
+def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
+    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart."""
+    for i in range(n):
+        w[to + i] = 0.0
+    for k in range(count):
+        for i in range(n):
+            w[to + i] += abs(w[row + k * width + i])
+
+
+def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
+    """Keep the fall of a guard; return the guard that falls first."""
+    if x == FALLS_AT_ONCE:
+        w[whole[ROOTS] + guard] = 0.0
+        w[FRACTION] = 0.0
+        return guard
+    w[whole[ROOTS] + guard] = x
+    if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+        w[FRACTION] = x
+        return guard
+    return best

@@ -1,0 +1,426 @@
+"""Accelerations and forces of a mechanism with several contacts, from the parts of its equations.
+
+Each coordinate has a mode. One that is held is left out of the equations: its acceleration is 0 to
+the last bit, and what friction has to do for that, the needed friction, is what is left of its
+forces. No matrix of the contacts is ever inverted, so that none can be singular.
+
+Friction is affine in the load, F = a + b N, and so is a level of break-away. Contacts that slip
+along the same coordinate share its mode. What holds them while they stick is one number, which
+they share in proportion to their levels: they reach these together.
+"""
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.factors import factorise, solve_free
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.equations import FORCES, GEOMETRY, LAW, LOADS, MASSES, evaluate
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    BRISTLE_COUNTS,
+    BRISTLE_RATES,
+    BRISTLES,
+    CONSTANT_LOADS,
+    CONSTANT_MASS,
+    DAMPING,
+    DIAGONAL,
+    DIRECTIONAL,
+    FLAGS,
+    FORCE,
+    FRICTION,
+    FRICTION_CONSTANT,
+    FRICTION_FACTOR,
+    FRICTIONLESS,
+    HELD_NORMALS,
+    HELD_SLIPS,
+    KINDS,
+    LAW_BRISTLES,
+    LAW_FLAGS,
+    LAW_ROWS,
+    LAW_VALUES,
+    LEVEL_CONSTANT,
+    LEVEL_FACTOR,
+    LEVELS,
+    LOAD,
+    MASS,
+    MASS_COLUMNS,
+    MASS_ROWS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_HELD,
+    N_MASSES,
+    N_REACTIONS,
+    NEEDED,
+    OPEN,
+    PIVOT,
+    REACTION_ROWS,
+    REACTS,
+    SLIP_FACTORS,
+    SLIPS,
+    Y,
+)
+
+__all__ = ["accelerate", "ask_law", "assemble", "prepare", "refresh", "side_of"]
+
+
+def prepare(t: float, w: Vector, whole: Wholes) -> None:
+    """Write what is the same in a whole run: directions of slip, a constant mass matrix.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
+    put_mass(t, w, whole, whole[Y])
+    count, rows = whole[N_REACTIONS], whole[REACTION_ROWS]
+    for i in range(count * (count + 1)):
+        w[rows + i] = 0.0
+    add_normals(w, whole)
+    w[FRICTIONLESS] = determinant(w, rows, count)
+    evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
+
+
+def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the mass matrix, of held coordinates below it."""
+    n = whole[N_COORDINATES]
+    mass = whole[MASS]
+    values = whole[LAW_VALUES]
+    evaluate(MASSES, 0, whole[FLAGS], t, w, at, values)
+    for k in range(whole[N_MASSES]):
+        i = whole[whole[MASS_ROWS] + k]
+        j = whole[whole[MASS_COLUMNS] + k]
+        w[mass + i * n + j] = w[values + k]
+        if i < n:
+            w[mass + j * n + i] = w[values + k]
+
+
+def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
+    """Return the direction, 1 or -1, in which a contact slips or is about to.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+
+    Returns
+    -------
+    int
+        Sign of the contact's slip velocity, that of its mode where there is one.
+    """
+    coordinate = whole[whole[SLIPS] + contact]
+    factor = w[whole[SLIP_FACTORS] + contact]
+    mode = whole[whole[MODES] + coordinate]
+    if mode in (HELD_FAST, FREE):
+        return 1 if factor * w[at + whole[N_COORDINATES] + coordinate] >= 0.0 else -1
+    return 1 if mode * factor > 0.0 else -1
+
+
+def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the numbers of a contact's law for a direction, at the slip velocity of a state.
+
+    They are: constant and factor of the load of friction, and of the level; the slopes of the
+    first two along the speed; whether friction is affine in the speed; rates of bristles.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    side : int
+        Direction of slip, 1 or -1.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    coordinate = whole[whole[SLIPS] + contact]
+    row = whole[whole[LAW_ROWS] + contact]
+    if whole[whole[MODES] + coordinate] == HELD_FAST:
+        w[row] = 0.0
+    else:
+        speed = w[whole[SLIP_FACTORS] + contact] * w[at + whole[N_COORDINATES] + coordinate]
+        w[row] = side * speed
+    bristle = whole[whole[BRISTLES] + contact]
+    if bristle >= 0:
+        place = row + whole[whole[LAW_BRISTLES] + contact]
+        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
+            w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
+        w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]
+    kind = whole[whole[KINDS] + contact]
+    evaluate(LAW + kind, side, whole[whole[LAW_FLAGS] + contact], t, w, row, whole[LAW_VALUES])
+
+
+def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write friction and levels of all contacts as constants and factors of their loads.
+
+    A contact that is pushed to its static level, in a decision, has that as its friction.
+    """
+    constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
+    values = whole[LAW_VALUES]
+    for c in range(whole[N_CONTACTS]):
+        w[constant + c] = 0.0
+        w[factor + c] = 0.0
+        w[whole[DAMPING] + c] = 0.0
+        levels = whole[LEVEL_CONSTANT] + 2 * c
+        level_factors = whole[LEVEL_FACTOR] + 2 * c
+        for k in range(2):
+            w[levels + k] = 0.0
+            w[level_factors + k] = 0.0
+        if whole[whole[OPEN] + c]:
+            continue
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        side = side_of(c, w, whole, at)
+        ask_law(c, side, t, w, whole, at)
+        bristle = whole[whole[BRISTLES] + c]
+        if bristle >= 0:
+            w[constant + c] = side * w[values]
+            w[factor + c] = side * w[values + 1]
+            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+                w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
+            continue
+        if mode in (FORWARD, BACKWARD):
+            w[constant + c] = side * w[values]
+            w[factor + c] = side * w[values + 1]
+            own = w[whole[SLIP_FACTORS] + c]
+            w[whole[DAMPING] + c] = own * own * (w[values + 4] + w[values + 5] * w[whole[LOAD] + c])
+        elif mode not in (HELD_FAST, FREE):
+            w[constant + c] = side * w[values + 2]
+            w[factor + c] = side * w[values + 3]
+        ahead = 0 if side > 0 else 1
+        w[levels + ahead] = w[values + 2]
+        w[level_factors + ahead] = w[values + 3]
+        if whole[whole[DIRECTIONAL] + c] and mode == HELD_FAST:
+            ask_law(c, -side, t, w, whole, at)
+        w[levels + 1 - ahead] = w[values + 2]
+        w[level_factors + 1 - ahead] = w[values + 3]
+
+
+def accelerate(w: Vector, whole: Wholes) -> None:
+    """Write accelerations, needed friction and friction of slipping contacts for given loads.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n = whole[N_COORDINATES]
+    found, needed = whole[ACCELERATION], whole[NEEDED]
+    force, friction = whole[FORCE], whole[FRICTION]
+    modes, mass = whole[MODES], whole[MASS]
+    for i in range(n):
+        w[found + i] = w[force + i]
+    for c in range(whole[N_CONTACTS]):
+        own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
+        w[friction + c] = own
+        w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
+    for i in range(n):
+        w[needed + i] = w[found + i]
+    solve_free(w, whole, found)
+    for i in range(n):
+        if whole[modes + i] != HELD_FAST:
+            w[needed + i] = 0.0
+        elif not whole[DIAGONAL]:
+            total = w[needed + i]
+            for j in range(n):
+                total -= w[mass + i * n + j] * w[found + j]
+            w[needed + i] = total
+
+
+def share(w: Vector, whole: Wholes) -> None:
+    """Write the levels of each coordinate, and the needed friction by contact.
+
+    Reads loads, accelerations and needed friction.
+    """
+    n, levels = whole[N_COORDINATES], whole[LEVELS]
+    for i in range(2 * n):
+        w[levels + i] = 0.0
+    for c in range(whole[N_CONTACTS]):
+        factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
+        for k in range(2):
+            place = 2 * c + (k if factor > 0.0 else 1 - k)
+            level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
+            w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
+    for c in range(whole[N_CONTACTS]):
+        i = whole[whole[SLIPS] + c]
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+            factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
+            needed = w[whole[NEEDED] + i]
+            back = 0 if needed >= 0.0 else 1
+            place = 2 * c + (back if factor > 0.0 else 1 - back)
+            level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
+            total = w[levels + 2 * i + back]
+            part = needed * level / total if total > 0.0 else 0.0
+            w[whole[FRICTION] + c] = part if factor > 0.0 else -part
+
+
+def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
+    """Return the force that a held coordinate needs beside those that act on it."""
+    n = whole[N_COORDINATES]
+    total = -w[whole[FORCE] + n + row]
+    for i in range(n):
+        total += w[whole[MASS] + (n + row) * n + i] * w[whole[ACCELERATION] + i]
+    for c in range(whole[N_CONTACTS]):
+        total += w[whole[HELD_SLIPS] + c * whole[N_HELD] + row] * w[whole[FRICTION] + c]
+    return total
+
+
+def split(w: Vector, whole: Wholes) -> None:
+    """Write the needed friction of held coordinates by contact, in equal parts.
+
+    This is affine in the loads, as shares in proportion to the levels are not. It makes no
+    difference to the reactions where contacts of one coordinate slip at the same height.
+    """
+    contacts = whole[N_CONTACTS]
+    for c in range(contacts):
+        i = whole[whole[SLIPS] + c]
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+            partners = 0
+            for d in range(contacts):
+                together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+                partners += 1 if together and not whole[whole[OPEN] + d] else 0
+            part = w[whole[NEEDED] + i] / max(partners, 1)
+            own = 0.0 if whole[whole[OPEN] + c] else part / w[whole[SLIP_FACTORS] + c]
+            w[whole[FRICTION] + c] = own
+
+
+def react(w: Vector, whole: Wholes) -> None:
+    """Write the loads that are reactions of held coordinates.
+
+    All is affine in them, friction included: the rows that they must balance are evaluated without
+    them and at a unit of each, and a system of as many equations is solved. Its determinant over
+    that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
+    """
+    count = whole[N_REACTIONS]
+    rows, wide = whole[REACTION_ROWS], whole[N_REACTIONS] + 1
+    bare = rows + count * wide
+    for trial in range(count + 1):
+        put_loads(trial - 1, w, whole)
+        accelerate(w, whole)
+        split(w, whole)
+        for row in range(count):
+            surplus = held_surplus(row, w, whole)
+            if trial == 0:
+                w[bare + row] = surplus
+            else:
+                w[rows + row * wide + trial - 1] = w[bare + row] - surplus
+    for row in range(count):
+        w[rows + row * wide + count] = w[bare + row]
+    add_normals(w, whole)
+    w[PIVOT] = determinant(w, rows, count) / w[FRICTIONLESS]
+    k = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            w[whole[LOAD] + c] = w[rows + k * wide + count]
+            k += 1
+
+
+def put_loads(unit: int, w: Vector, whole: Wholes) -> None:
+    """Set the reactions to 0, but one of them to 1."""
+    k = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            w[whole[LOAD] + c] = 1.0 if k == unit else 0.0
+            k += 1
+
+
+def add_normals(w: Vector, whole: Wholes) -> None:
+    """Add to each row of the reactions what a unit of each load does to it by itself."""
+    count, held = whole[N_REACTIONS], whole[N_HELD]
+    k = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            for row in range(count):
+                normal = w[whole[HELD_NORMALS] + c * held + row]
+                w[whole[REACTION_ROWS] + row * (count + 1) + k] += normal
+            k += 1
+
+
+def determinant(w: Vector, rows: int, count: int) -> float:
+    """Solve a system of `count` equations by elimination; return its determinant.
+
+    The right-hand side, in the last column, becomes the solution.
+    """
+    wide = count + 1
+    product = 1.0
+    for k in range(count):
+        best = k
+        for i in range(k + 1, count):
+            if abs(w[rows + i * wide + k]) > abs(w[rows + best * wide + k]):
+                best = i
+        if best != k:
+            product = -product
+            for j in range(wide):
+                other = w[rows + k * wide + j]
+                w[rows + k * wide + j] = w[rows + best * wide + j]
+                w[rows + best * wide + j] = other
+        pivot = w[rows + k * wide + k]
+        product *= pivot
+        for i in range(count):
+            if i != k:
+                factor = w[rows + i * wide + k] / pivot
+                for j in range(k, wide):
+                    w[rows + i * wide + j] -= factor * w[rows + k * wide + j]
+    for k in range(count):
+        w[rows + k * wide + count] /= w[rows + k * wide + k]
+    return product
+
+
+def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Factorise anew what is constant as long as no mode changes, and write all there is.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
+        factorise(w, whole)
+    assemble(t, w, whole, at)
+
+
+def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write everything at a state: accelerations, needed friction, levels, friction and loads.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    evaluate(FORCES, 0, whole[FLAGS], t, w, at, whole[FORCE])
+    if not whole[CONSTANT_MASS]:
+        put_mass(t, w, whole, at)
+        factorise(w, whole)
+    if not whole[CONSTANT_LOADS]:
+        evaluate(LOADS, 0, whole[FLAGS], t, w, at, whole[LOAD])
+    ask_laws(t, w, whole, at)
+    if whole[N_REACTIONS] > 0:
+        react(w, whole)
+    accelerate(w, whole)
+    share(w, whole)

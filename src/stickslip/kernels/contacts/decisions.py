@@ -1,0 +1,251 @@
+"""Who sticks and who slips: all coordinates at rest are decided together, at one instant.
+
+1. Those whose break-away has been reached slip; all others at rest begin as held.
+2. A boxed linear complementarity problem with static levels: each is held within its level, or is
+   pushed by its level and does not move against it. It has exactly one solution, for the mass
+   matrix is positive definite. Who moves then has broken away, and has its kinetic friction from
+   now on; the problem is solved again, until nobody else breaks away. Friction passes its static
+   peak before it drops.
+3. If then somebody would move against its own friction, the same problem with kinetic levels for
+   all decides, which has exactly one solution too.
+
+With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
+in which to let the worst violator slip at once, and then the next, gives another one are counted.
+"""
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.assembly import ask_law, refresh
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    AMBIGUOUS,
+    BOUNDS,
+    BRISTLES,
+    CANDIDATES,
+    DECISIONS,
+    FORCED,
+    KEPT,
+    LAW_VALUES,
+    LEVELS,
+    LOAD,
+    MASS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    NEEDED,
+    OPEN,
+    PIVOTINGS,
+    SLIP_FACTORS,
+    SLIPS,
+    TIME,
+    Y,
+)
+
+__all__ = ["decide"]
+
+WAITING = 1
+"""A coordinate at rest that is to be decided."""
+BROKEN = 2
+"""One that slips from now on."""
+PATIENCE = 4
+"""Trials without fewer violations after which one coordinate is changed at a time."""
+RELATIVE = 1e-13
+"""Share of its level by which needed friction may exceed it."""
+STILL = 1e-10
+"""Acceleration, over the largest there is, below which what is pushed to its level stays."""
+AGAINST = 1e-9
+"""The same against its own friction, above which a decision is wrong."""
+TOLERATED = 1e-12
+"""The same within a problem."""
+
+
+def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
+    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards."""
+    mode = whole[whole[MODES] + i]
+    if mode == HELD_FAST:
+        needed = w[whole[NEEDED] + i]
+        back = 0 if needed >= 0.0 else 1
+        levels = whole[BOUNDS] if kinetic else whole[LEVELS]
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + RELATIVE)
+    sign = 1.0 if mode > 0 else -1.0
+    return sign * w[whole[ACCELERATION] + i] < -tolerance
+
+
+def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
+    """Write the friction with which each coordinate would begin to slip, in both directions."""
+    bounds, values = whole[BOUNDS], whole[LAW_VALUES]
+    for i in range(2 * whole[N_COORDINATES]):
+        w[bounds + i] = 0.0
+    for c in range(whole[N_CONTACTS]):
+        i = whole[whole[SLIPS] + c]
+        if whole[whole[OPEN] + c] or whole[whole[BRISTLES] + c] >= 0:
+            continue
+        factor = w[whole[SLIP_FACTORS] + c]
+        mode = whole[whole[MODES] + i]
+        whole[whole[MODES] + i] = HELD_FAST  # a law is asked at rest
+        for k in range(2):
+            side = 1 if (k == 0) == (factor > 0.0) else -1
+            ask_law(c, side, t, w, whole, whole[Y])
+            level = w[values] + w[values + 1] * w[whole[LOAD] + c]
+            w[bounds + 2 * i + k] += abs(factor) * level
+        whole[whole[MODES] + i] = mode
+
+
+def scale_of(w: Vector, whole: Wholes) -> float:
+    """Return the largest acceleration at hand, or that a candidate's friction can make."""
+    n, scale = whole[N_COORDINATES], 0.0
+    for i in range(n):
+        scale = max(scale, abs(w[whole[ACCELERATION] + i]))
+        if whole[whole[CANDIDATES] + i] == WAITING:
+            level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+            scale = max(scale, level / w[whole[MASS] + i * n + i])
+    return scale
+
+
+def boxed(kinetic: bool, t: float, scale: float, w: Vector, whole: Wholes) -> bool:
+    """Solve the boxed problem for all that wait, by block pivoting; return whether it is solved.
+
+    Where blocks make no progress, one coordinate is changed at a time, the last of those that
+    violate their mode (Murty), which comes to an end for a matrix of this kind.
+    """
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    fewest, patience = n + 1, PATIENCE
+    for _ in range(20 + 20 * n):
+        whole[PIVOTINGS] += 1
+        refresh(t, w, whole, whole[Y])
+        if kinetic:
+            kinetic_levels(t, w, whole)
+        count, last = 0, -1
+        for i in range(n):
+            if whole[candidates + i] == WAITING and violates(
+                i, kinetic, TOLERATED * scale, w, whole
+            ):
+                count += 1
+                last = i
+        if count == 0:
+            return True
+        patience = PATIENCE if count < fewest else patience - 1
+        fewest = min(fewest, count)
+        pushed = FORWARD if kinetic else PUSHED
+        for i in range(n):
+            chosen = whole[candidates + i] == WAITING and (patience >= 0 or i == last)
+            if chosen and violates(i, kinetic, TOLERATED * scale, w, whole):
+                if whole[modes + i] == HELD_FAST:
+                    whole[modes + i] = pushed if w[whole[NEEDED] + i] > 0.0 else -pushed
+                else:
+                    whole[modes + i] = HELD_FAST
+    return False
+
+
+def break_away(t: float, scale: float, w: Vector, whole: Wholes) -> bool:
+    """Let those slip that static levels do not hold, one problem after the other.
+
+    Returns whether the answer is one: nobody moves against its own friction.
+    """
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    solved = True
+    more = 1
+    while more > 0:
+        solved = boxed(False, t, scale, w, whole) and solved
+        more = 0
+        for i in range(n):
+            mode = whole[modes + i]
+            if whole[candidates + i] == WAITING and abs(mode) == PUSHED:
+                if abs(w[whole[ACCELERATION] + i]) > STILL * scale:
+                    whole[modes + i] = FORWARD if mode > 0 else BACKWARD
+                    whole[candidates + i] = BROKEN
+                    more += 1
+                else:
+                    whole[modes + i] = HELD_FAST
+    refresh(t, w, whole, whole[Y])
+    for i in range(n):
+        if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
+            against = whole[modes + i] * w[whole[ACCELERATION] + i] < -AGAINST * scale
+            solved = solved and not against
+    return solved
+
+
+def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
+    """Let the worst violator of the static levels slip with kinetic friction, then the next."""
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    worst = 0
+    while worst >= 0:
+        refresh(t, w, whole, whole[Y])
+        worst, excess = -1, RELATIVE
+        for i in range(n):
+            if whole[candidates + i] == WAITING and whole[modes + i] == HELD_FAST:
+                needed = w[whole[NEEDED] + i]
+                level = w[whole[LEVELS] + 2 * i + (0 if needed >= 0.0 else 1)]
+                beyond = abs(needed) / level - 1.0 if level > 0.0 else abs(needed)
+                if beyond > excess:
+                    worst, excess = i, beyond
+        if worst >= 0:
+            whole[modes + worst] = FORWARD if w[whole[NEEDED] + worst] > 0.0 else BACKWARD
+
+
+def begin_decision(whole: Wholes) -> int:
+    """Set the candidates back: forced ones slip, others are held. Return how many wait."""
+    waiting = 0
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[CANDIDATES] + i] != 0:
+            forced = whole[whole[FORCED] + i]
+            whole[whole[MODES] + i] = forced
+            whole[whole[CANDIDATES] + i] = WAITING if forced == 0 else BROKEN
+            waiting += 1 if forced == 0 else 0
+    return waiting
+
+
+def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
+    """Whether letting the worst violator slip first gives another answer than the one at hand."""
+    n, modes, kept = whole[N_COORDINATES], whole[MODES], whole[KEPT]
+    for i in range(n):
+        whole[kept + i] = whole[modes + i]
+    begin_decision(whole)
+    one_by_one(t, w, whole)
+    differs = False
+    for i in range(n):
+        differs = differs or whole[modes + i] != whole[kept + i]
+        whole[modes + i] = whole[kept + i]
+    refresh(t, w, whole, whole[Y])
+    return differs
+
+
+def decide(w: Vector, whole: Wholes) -> bool:
+    """Decide all candidates; return whether there is an answer.
+
+    A candidate, not 0 in CANDIDATES, is at rest. FORCED has the direction of one whose break-away
+    has been reached, and 0 otherwise. Accelerations and all else are those of the answer.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        False where loads that are reactions of strong friction leave no answer.
+    """
+    t = w[TIME]
+    waiting = begin_decision(whole)
+    refresh(t, w, whole, whole[Y])
+    scale = scale_of(w, whole)
+    if waiting == 0:
+        return True
+    whole[DECISIONS] += 1
+    solved = break_away(t, scale, w, whole)
+    if not solved:
+        for i in range(whole[N_COORDINATES]):
+            if whole[whole[CANDIDATES] + i] != 0:
+                whole[whole[CANDIDATES] + i] = WAITING
+                whole[whole[MODES] + i] = HELD_FAST
+        solved = boxed(True, t, scale, w, whole)
+    moved = 0
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
+            moved += 1
+    if solved and waiting > 1 and moved > 0 and is_ambiguous(t, w, whole):
+        whole[AMBIGUOUS] += 1
+    return solved

@@ -1,0 +1,153 @@
+"""Guards of mechanisms with several contacts, and what of them changes in one instant.
+
+Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
+the level ahead less the needed friction, and the level back plus it. Then each contact has its
+law's switches, as far as it slips, and its load; then come the mechanism's own switches, and the
+determinant of the reactions' equations, which ends the run.
+"""
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.assembly import assemble, side_of
+from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.equations import LAW_MARGINS, MARGINS, evaluate
+from stickslip.kernels.state_layout import (
+    CONSTANT_LOADS,
+    FIRST_LIMIT,
+    FLAGS,
+    KINDS,
+    LAW_FLAGS,
+    LAW_ROWS,
+    LAW_SWITCHES,
+    LAW_VALUES,
+    LEVELS,
+    LOAD,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_LIMITS,
+    N_SWITCHES,
+    NEEDED,
+    OPEN,
+    PIVOT,
+    REACTS,
+    SLIP_FACTORS,
+    SLIPS,
+)
+
+__all__ = ["contact_guards", "first_contact_guard", "first_own_switch", "law_flags"]
+
+ALWAYS = 1.0
+"""Value of a guard that nothing watches."""
+LEAST_PIVOT = 1e-6
+"""Determinant of the reactions at which a run ends, 1 being that without friction."""
+
+
+def first_contact_guard(whole: Wholes) -> int:
+    """Return the index of the first guard of the contacts, behind those of the coordinates."""
+    return 2 * whole[N_COORDINATES]
+
+
+def first_own_switch(whole: Wholes) -> int:
+    """Return the index of the guard of the mechanism's first switch."""
+    return first_contact_guard(whole) + whole[N_CONTACTS] * (whole[LAW_SWITCHES] + 1)
+
+
+def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write all guards at a state.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (N_GUARDS,).
+    """
+    n, modes = whole[N_COORDINATES], whole[MODES]
+    assemble(t, w, whole, at)
+    for i in range(n):
+        mode = whole[modes + i]
+        w[to + 2 * i] = ALWAYS
+        w[to + 2 * i + 1] = ALWAYS
+        if mode in (FORWARD, BACKWARD):
+            w[to + 2 * i] = mode * w[at + n + i]
+        elif mode == HELD_FAST:
+            needed = w[whole[NEEDED] + i]
+            w[to + 2 * i] = w[whole[LEVELS] + 2 * i] - needed
+            w[to + 2 * i + 1] = w[whole[LEVELS] + 2 * i + 1] + needed
+    for c in range(whole[N_CONTACTS]):
+        own_guards(c, t, w, whole, at, to + 2 * n + c * (whole[LAW_SWITCHES] + 1))
+    if whole[N_SWITCHES] > 0:
+        values = whole[LAW_VALUES]
+        evaluate(MARGINS, 0, whole[FLAGS], t, w, at, values)
+        place = to + first_own_switch(whole)
+        for j in range(whole[N_SWITCHES]):
+            margin = w[values + j]
+            w[place + j] = margin if whole[FLAGS] & (1 << j) else -margin
+    if whole[N_LIMITS] > 0:
+        w[to + whole[FIRST_LIMIT]] = w[PIVOT] - LEAST_PIVOT
+
+
+def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write the guards of one contact: its law's switches, its load."""
+    switches = whole[LAW_SWITCHES]
+    for j in range(switches + 1):
+        w[to + j] = ALWAYS
+    if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + contact]:
+        load = w[whole[LOAD] + contact]
+        w[to + switches] = -load if whole[whole[OPEN] + contact] else load
+    mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
+    if switches > 0 and mode in (FORWARD, BACKWARD):
+        flags = whole[whole[LAW_FLAGS] + contact]
+        law_margins(contact, flags, t, w, whole, at)
+        for j in range(switches):
+            margin = w[whole[LAW_VALUES] + j]
+            w[to + j] = margin if flags & (1 << j) else -margin
+
+
+def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the margins of the switches of a contact's law, positive where they hold."""
+    coordinate = whole[whole[SLIPS] + contact]
+    side = side_of(contact, w, whole, at)
+    row = whole[whole[LAW_ROWS] + contact]
+    speed = w[whole[SLIP_FACTORS] + contact] * w[at + whole[N_COORDINATES] + coordinate]
+    w[row] = side * speed
+    kind = whole[whole[KINDS] + contact]
+    values = whole[LAW_VALUES]
+    for j in range(whole[LAW_SWITCHES]):
+        w[values + j] = ALWAYS
+    evaluate(LAW_MARGINS + kind, side, flags, t, w, row, values)
+
+
+def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Set the flags of all laws whose contacts slip, nested switches included.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    switches = whole[LAW_SWITCHES]
+    if switches == 0:
+        return
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[MODES] + whole[whole[SLIPS] + c]] not in (FORWARD, BACKWARD):
+            continue
+        for _ in range(switches):
+            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at)
+            flags = 0
+            for j in range(switches):
+                if w[whole[LAW_VALUES] + j] > 0.0:
+                    flags |= 1 << j
+            whole[whole[LAW_FLAGS] + c] = flags

@@ -1,0 +1,338 @@
+"""What steppers ask of a mechanism with several contacts: rates, sizes, work, rest."""
+
+import math
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.assembly import ask_law, assemble, side_of
+from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.equations import POWER, REST, evaluate
+from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    AFFINE,
+    BRISTLE_RATES,
+    BRISTLES,
+    DAMPING,
+    DENSE,
+    DIAGONAL,
+    FLAGS,
+    FORCE,
+    FRACTION,
+    FRICTION,
+    GIVEN,
+    GROSS,
+    LAW_VALUES,
+    LENGTH,
+    LEVELS,
+    LIVELIEST,
+    LOAD,
+    MASS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_DRIVES,
+    N_STATES,
+    OPEN,
+    PIECE,
+    POINT,
+    REST_IS_FINAL,
+    SCALE,
+    SLIP_FACTORS,
+    SLIPS,
+    STEPPER,
+    SUPPLIED,
+    SUPPLIES,
+    TAKEN,
+    TIME,
+    VALUES,
+    WORKS,
+    Y,
+)
+
+__all__ = [
+    "book_contacts",
+    "contact_columns",
+    "contact_power",
+    "contact_rates",
+    "contacts_are_linear",
+    "contacts_rest",
+    "first_contact_sizes",
+    "note_motion",
+]
+
+MODEST = 1e-3
+"""Least speed that counts, over that which the largest kinetic energy would give a coordinate."""
+BEGINNING_SHARE = 1e-6
+"""Least speed that counts at the start, over what the forces at hand give in a run."""
+SHORT_SERIES = 6
+"""A series that ends so early is that of a very short step, over which few nodes do."""
+
+
+def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write the time derivatives of the states.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (N_STATES,).
+    """
+    n = whole[N_COORDINATES]
+    assemble(t, w, whole, at)
+    for i in range(n):
+        w[to + i] = w[at + n + i]
+        w[to + n + i] = w[whole[ACCELERATION] + i]
+    for k in range(whole[N_STATES] - 2 * n):
+        w[to + 2 * n + k] = w[whole[BRISTLE_RATES] + k]
+
+
+def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write friction, then load, then mode of each contact.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (3 N_CONTACTS,).
+    """
+    contacts = whole[N_CONTACTS]
+    assemble(t, w, whole, at)
+    for c in range(contacts):
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        sign = 1 if w[whole[SLIP_FACTORS] + c] > 0.0 else -1
+        is_open = whole[whole[OPEN] + c]
+        w[to + c] = w[whole[FRICTION] + c]
+        w[to + contacts + c] = 0.0 if is_open else w[whole[LOAD] + c]
+        w[to + 2 * contacts + c] = FREE if is_open or mode == FREE else sign * mode
+
+
+def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write the power supplied and that taken by friction.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (2,) [W].
+    """
+    assemble(t, w, whole, at)
+    evaluate(POWER, 0, whole[FLAGS], t, w, at, to)
+    w[to + 1] = 0.0
+    for c in range(whole[N_CONTACTS]):
+        w[to + 1] += w[whole[FRICTION] + c] * slip_rate(c, w, whole, at)
+
+
+def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
+    """Return the slip velocity of a contact."""
+    rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
+    return w[whole[SLIP_FACTORS] + contact] * w[rate]
+
+
+def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
+    """Whether all equations are affine in states and time in the modes at hand.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether the exact series holds.
+    """
+    if not whole[AFFINE]:
+        return False
+    linear = True
+    for c in range(whole[N_CONTACTS]):
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
+            linear = False
+        if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
+            ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
+            linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
+    return linear
+
+
+def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
+    """Set the sizes at the start; what is at rest has those that the forces at hand give.
+
+    Parameters
+    ----------
+    t_end : float
+        End of the run [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n, y, scale = whole[N_COORDINATES], whole[Y], whole[SCALE]
+    assemble(w[TIME], w, whole, y)
+    largest = 0.0
+    for i in range(n):
+        level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+        pull = abs(w[whole[FORCE] + i]) + level
+        largest = max(largest, pull / w[whole[MASS] + i * n + i])
+    for i in range(whole[N_STATES]):
+        w[scale + i] = abs(w[y + i])
+    span = t_end - w[TIME]
+    for i in range(n):
+        speed = BEGINNING_SHARE * largest * span
+        w[scale + n + i] = max(w[scale + n + i], speed)
+        w[scale + i] = max(w[scale + i], BEGINNING_SHARE * w[scale + n + i] * span)
+    w[LIVELIEST] = 0.0
+    note_motion(w, whole)
+
+
+def note_motion(w: Vector, whole: Wholes) -> None:
+    """Give every rate a size: a small part of what the largest kinetic energy would give it.
+
+    A coordinate that starts from rest has no size of its own yet.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n, mass, rates = whole[N_COORDINATES], whole[MASS], whole[Y] + whole[N_COORDINATES]
+    energy = 0.0
+    for i in range(n):
+        row = w[mass + i * n + i] * w[rates + i]
+        if not whole[DIAGONAL]:
+            for j in range(i):
+                row += 2.0 * w[mass + i * n + j] * w[rates + j]
+        energy += row * w[rates + i]
+    w[LIVELIEST] = max(w[LIVELIEST], energy)
+    size = whole[SCALE] + n
+    for i in range(n):
+        least = MODEST * math.sqrt(w[LIVELIEST] / w[mass + i * n + i])
+        w[size + i] = max(w[size + i], least)
+
+
+def book_contacts(w: Vector, whole: Wholes) -> None:
+    """Add the work done in the part of the step that holds.
+
+    In an exact mode a contact's friction is a constant and its damping: the work of the former is
+    that constant times the slip.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    exact = whole[STEPPER] == EXACT
+    if exact:
+        for c in range(whole[N_CONTACTS]):
+            if whole[whole[MODES] + whole[whole[SLIPS] + c]] in (FORWARD, BACKWARD):
+                book_slip(c, w, whole)
+    if exact and not whole[SUPPLIES]:
+        return
+    share, h, point, values = w[FRACTION], w[LENGTH], whole[POINT], whole[VALUES]
+    few = 0.0 < w[whole[DENSE]] <= SHORT_SERIES
+    for node in range(len(FEW_NODES) if few else len(NODES)):
+        x = share * (FEW_NODES[node] if few else NODES[node])
+        weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
+        interpolate(w, whole, x, point)
+        if exact:
+            evaluate(POWER, 0, whole[FLAGS], w[TIME] + x * h, w, point, values)
+        else:
+            contact_power(w[TIME] + x * h, w, whole, point, values)
+            for c in range(whole[N_CONTACTS]):
+                own = w[whole[FRICTION] + c] * slip_rate(c, w, whole, point)
+                w[whole[WORKS] + c] += weight * own
+                w[TAKEN] += weight * own
+                w[GROSS] += weight * abs(own)
+        w[SUPPLIED] += weight * w[values]
+        w[GROSS] += weight * abs(w[values])
+
+
+def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
+    """Add the work of a contact that slips in an exact mode."""
+    i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
+    n, states, dense = whole[N_COORDINATES], whole[N_STATES], whole[DENSE] + 1
+    share, h = w[FRACTION], w[LENGTH]
+    terms = int(w[whole[DENSE]])
+    damping = w[whole[DAMPING] + contact]
+    constant = factor * w[whole[FRICTION] + contact] - damping * w[whole[Y] + n + i]
+    slip, power = 0.0, 1.0
+    for k in range(1, terms + 1):
+        power *= share
+        slip += w[dense + k * states + i] * power
+    work = constant * slip
+    if damping != 0.0:
+        for node in range(len(NODES)):
+            x = share * NODES[node]
+            rate = w[dense + terms * states + n + i]
+            for k in range(terms - 1, -1, -1):
+                rate = rate * x + w[dense + k * states + n + i]
+            work += WEIGHTS[node] * share * h * damping * rate * rate
+    w[whole[WORKS] + contact] += work
+    w[TAKEN] += work
+    w[GROSS] += abs(work)
+
+
+def contacts_rest(w: Vector, whole: Wholes, bounds: Vector) -> bool:
+    """Whether all coordinates are held and no drive can move any of them any more.
+
+    The needed friction is affine in the drives: it is largest at a corner of what they may do.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    bounds : array (pieces N_DRIVES 2,)
+        Least and largest value of each drive from the start of each piece on.
+
+    Returns
+    -------
+    bool
+        Whether the mechanism stays to the end of the run.
+    """
+    n, drives, values = whole[N_COORDINATES], whole[N_DRIVES], whole[VALUES]
+    if not whole[REST_IS_FINAL]:
+        return False
+    for i in range(n):
+        if whole[whole[MODES] + i] != HELD_FAST:
+            return False
+    for corner in range(1 << drives):
+        for k in range(drives):
+            bound = bounds[(whole[PIECE] * drives + k) * 2 + ((corner >> k) & 1)]
+            w[whole[GIVEN] + k] = bound
+            if not abs(bound) < math.inf:
+                return False
+        evaluate(REST, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+        for i in range(n):
+            side = 0 if w[values + i] >= 0.0 else 1
+            if abs(w[values + i]) > w[whole[LEVELS] + 2 * i + side]:
+                return False
+    return True

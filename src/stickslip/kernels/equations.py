@@ -1,0 +1,109 @@
+"""Generated functions of a model, asked by number.
+
+The vector of a run names them at ADDRESS. All read that vector: the numbers of drives and
+parameters, and what stands from the place `at` on. They write to the place `to` and after it.
+
+Where one contact rubs, they are the equations of each mode. Where several do, they are parts of
+the equations, which no mode enters: forces, mass matrix, loads, and each law once per structure.
+"""
+
+from stickslip.kernels.backend import Vector, call_model
+from stickslip.kernels.state_layout import ADDRESS
+
+__all__ = [
+    "CALLED",
+    "CONTACT",
+    "ENERGY",
+    "FIELD",
+    "FIELD_SLOPES",
+    "FORCES",
+    "FORCE_SLOPES",
+    "GEOMETRY",
+    "GUARDS",
+    "GUARD_PARAMETERS",
+    "GUARD_SLOPES",
+    "JACOBIAN",
+    "LAW",
+    "LAW_MARGINS",
+    "LINEAR",
+    "LOADS",
+    "MARGINS",
+    "MASSES",
+    "POWER",
+    "REST",
+    "TIME_SLOPE",
+    "WALLS_OF",
+    "evaluate",
+]
+
+FIELD = 0
+JACOBIAN = 1
+TIME_SLOPE = 2
+GUARDS = 3
+GUARD_SLOPES = 4
+LINEAR = 5
+CONTACT = 6
+POWER = 7
+MARGINS = 8
+REST = 9
+ENERGY = 10
+FIELD_SLOPES = 11
+GUARD_PARAMETERS = 12
+WALLS_OF = 13
+FORCES = 14
+MASSES = 15
+LOADS = 16
+GEOMETRY = 17
+FORCE_SLOPES = 18
+CALLED: tuple[str, ...] = (
+    "field",
+    "jacobian",
+    "time_slope",
+    "guards",
+    "guard_slopes",
+    "linear",
+    "contact",
+    "power",
+    "margins",
+    "rest",
+    "energy",
+    "field_slopes",
+    "guard_parameters",
+    "walls",
+    "forces",
+    "masses",
+    "loads",
+    "geometry",
+    "force_slopes",
+)
+"""Names of the generated functions by these numbers."""
+LAW = 1000
+"""Law k of a model with several contacts has this number and k."""
+LAW_MARGINS = 1_000_000
+"""The margins of its switches have this number and k."""
+
+
+def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:
+    """Call one function of the equations in any mode.
+
+    Reads: `at`.
+    Writes: `to`.
+
+    Parameters
+    ----------
+    name : int
+        Number of the function.
+    mode : int
+        Contact mode: 1 or -1 slip, 0 stick, 2 or -2 pressed against a stop.
+    flags : int
+        Bit j is set where the condition of switch j holds.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result; its length is the function's.
+    """
+    call_model(w, ADDRESS, name, mode, flags, t, at, to)
