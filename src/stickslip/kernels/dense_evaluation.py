@@ -1,16 +1,12 @@
 """A recorded run at any times: its rows hold all that is needed."""
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contact_series import contact_series
-from stickslip.kernels.contacts.assembly import prepare
-from stickslip.kernels.contacts.factors import factorise
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.model_interface import recorded
+from stickslip.kernels.questions import PREPARE, RESTORE, SERIES_FROM, ask, ask_here, ask_of
 from stickslip.kernels.state_layout import (
-    CONSTANT_MASS,
     DENSE,
-    DIAGONAL,
     FLAGS,
     LAW_FLAGS,
     MODE,
@@ -25,6 +21,7 @@ from stickslip.kernels.state_layout import (
     ROW_COLUMNS,
     ROW_DENSE,
     TERMS,
+    TIME,
     VALUES,
     Y,
 )
@@ -99,8 +96,7 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
     for c in range(contacts):
         whole[whole[LAW_FLAGS] + c] = int(log[at + n + c])
         whole[whole[OPEN] + c] = int(log[at + n + contacts + c])
-    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
-        factorise(w, whole)
+    ask_here(RESTORE, w, whole)
 
 
 def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
@@ -133,7 +129,8 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     if whole[N_CONTACTS] > 0:
         restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
     if log[at + ROW_DENSE] > 0.0 and whole[N_CONTACTS] > 0:
-        contact_series(log[at], log[at + 2], w, whole, y)
+        w[TIME] = log[at]
+        ask_of(SERIES_FROM, log[at + 2], w, whole, y, 0)
     elif log[at + ROW_DENSE] > 0.0:
         series_fill(log[at], log[at + 2], w, whole, y)
     else:
@@ -188,7 +185,7 @@ def play(
     row = -1
     piece = 0
     if whole[N_CONTACTS] > 0:
-        prepare(log[0], w, whole)
+        ask(PREPARE, log[0], w, whole)
     for i in range(len(times)):
         t = times[i]
         here = row

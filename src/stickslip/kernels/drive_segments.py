@@ -3,9 +3,10 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.motion import contacts_rest
 from stickslip.kernels.equations import REST, evaluate
+from stickslip.kernels.questions import STAYS, ask_here
 from stickslip.kernels.state_layout import (
+    BOX,
     FLAGS,
     GIVEN,
     MODE,
@@ -118,7 +119,9 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
     y = whole[Y]
     values = whole[VALUES]
     if whole[N_CONTACTS] > 0:
-        return contacts_rest(w, whole, bounds)
+        for k in range(2 * whole[N_DRIVES]):
+            w[whole[BOX] + k] = bounds[whole[PIECE] * whole[N_DRIVES] * 2 + k]
+        return ask_here(STAYS, w, whole) == 1
     if not whole[REST_IS_FINAL] or abs(whole[MODE]) == 1:
         return False
     side = 0.5 * whole[MODE]

@@ -3,15 +3,24 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.motion import first_contact_sizes
-from stickslip.kernels.contacts.transitions import begin_contacts, change_contacts, settle_contacts
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
-from stickslip.kernels.mode_transitions import handle_event, initial_mode, settle, turn_switches
+from stickslip.kernels.mode_transitions import (
+    STALL_LIMIT,
+    count_event,
+    handle_event,
+    initial_mode,
+    settle,
+    turn_switches,
+)
+from stickslip.kernels.questions import BEGIN, CHANGE, FIRST_SIZES, SETTLE, ask, ask_here, ask_of
 from stickslip.kernels.state_layout import (
+    AFFINE,
     BOOKS,
+    CHANGED,
+    CHANGES,
     DENSE,
     DENSE_SIZE,
     EVENT_COLUMNS,
@@ -22,6 +31,7 @@ from stickslip.kernels.state_layout import (
     LOWEST,
     MOST_EVENTS,
     N_CONTACTS,
+    N_COORDINATES,
     N_GUARDS,
     N_STATES,
     RHYTHM,
@@ -55,6 +65,8 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
         w[dense + i] = 0.0
     for i in range(n):
         w[dense + 1 + i] = w[y + i]
+    if whole[AFFINE]:
+        w[dense] = 1.0  # a series, of which the first state is kept
     w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
     record(log, end, w, whole)
 
@@ -103,10 +115,21 @@ def finish_step(
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
+def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
+    """Take the new events of several contacts over into the rows of events."""
+    t = w[TIME]
+    for k in range(whole[CHANGED]):
+        at = whole[EVENTS] * EVENT_COLUMNS
+        for i in range(EVENT_COLUMNS):
+            events[at + i] = w[whole[CHANGES] + k * EVENT_COLUMNS + i]
+        count_event(t, whole, events, STALL_LIMIT + 4 * whole[N_COORDINATES])
+
+
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen."""
     if whole[N_CONTACTS] > 0:
-        change_contacts(guard, w, whole, events)
+        ask_of(CHANGE, w[TIME], w, whole, guard, 0)
+        take_changes(w, whole, events)
     else:
         handle_event(guard, w, whole, events)
 
@@ -114,7 +137,8 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a jump of forces."""
     if whole[N_CONTACTS] > 0:
-        settle_contacts(w, whole, events)
+        ask_here(SETTLE, w, whole)
+        take_changes(w, whole, events)
     else:
         turn_switches(w, whole, events)
         settle(w, whole, events)
@@ -131,8 +155,8 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     lowest = whole[LOWEST]
     enter_pieces(table, w, whole)
     if whole[N_CONTACTS] > 0:
-        begin_contacts(w, whole)
-        first_contact_sizes(t_end, w, whole)
+        ask_here(BEGIN, w, whole)
+        ask(FIRST_SIZES, t_end, w, whole)
         w[RHYTHM] = math.inf
     else:
         initial_mode(w, whole)

@@ -303,7 +303,7 @@ class ContactSizes(Sizes):
             at.N_LIMITS: self.limits,
             at.FIRST_LIMIT: first_limit,
             at.FIRST_WALL: self.guards,
-            at.MOST_EVENTS: self.contacts + 4 + self.switches * self.switches,
+            at.MOST_EVENTS: self.contacts + 4,
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
             + (1 if self.affine else at.TERMS + 1) * self.states
@@ -360,6 +360,8 @@ class ContactSizes(Sizes):
             at.BOUNDS: 2 * n,
             at.REACTION_ROWS: (reacting + 2) * (self.held + reacting + 2),
             at.WORKS: c,
+            at.BOX: 2 * self.drives,
+            at.CHANGES: (c + 4) * at.EVENT_COLUMNS,
         }
 
     @override

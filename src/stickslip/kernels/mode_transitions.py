@@ -39,6 +39,8 @@ from stickslip.kernels.state_layout import (
 )
 
 __all__ = [
+    "STALL_LIMIT",
+    "count_event",
     "handle_event",
     "initial_mode",
     "mode_from_rest",
@@ -149,18 +151,19 @@ def initial_mode(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    set_mode(0, w, whole)
+    whole[FLAGS] = 0
+    set_mode(w, whole)
 
 
-def set_mode(flags: int, w: Vector, whole: Wholes) -> None:
+def set_mode(w: Vector, whole: Wholes) -> None:
     """Set mode and flags for a state, from flags that held before.
 
-    Reads: TIME, Y.
+    Reads: TIME, Y, FLAGS.
     Writes: Y, VALUES, WALLS, MODE, FLAGS.
     """
     y = whole[Y]
     slip = whole[SLIP]
-    flags = set_flags(w[TIME], w, whole, y, flags)
+    flags = set_flags(w[TIME], w, whole, y, whole[FLAGS])
     whole[FLAGS] = flags
     if w[y + slip] > 0.0:
         whole[MODE] = 1
@@ -186,7 +189,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
     if guard >= first_wall:
         if strike(guard - first_wall, w, whole):
             whole[STATUS] = HELD
-        set_mode(flags, w, whole)
+        set_mode(w, whole)
         return 0.0
     if guard >= first_limit:
         whole[STATUS] = LIMITED + guard - first_limit
@@ -295,17 +298,20 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     if beyond > 0:
         note_event(beyond, w, whole, events)
         return
+    guard = -1  # a variable, so that machine code is made once for all of them
     if whole[HAS_BRISTLES] and abs(mode) == 1 and w[y + whole[SLIP]] == 0.0:
         if mode_from_rest(flags, w, whole) != mode:
-            handle_event(STOP, w, whole, events)
-        return
-    guards(t, w, whole, y, values)
-    if w[values + LIFT_OFF] < 0.0:
-        handle_event(LIFT_OFF, w, whole, events)
-    elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
-        handle_event(BREAK_FORWARD, w, whole, events)
-    elif abs(mode) != 1 and w[values + BREAK_BACKWARD] < 0.0:
-        handle_event(BREAK_BACKWARD, w, whole, events)
+            guard = STOP
+    else:
+        guards(t, w, whole, y, values)
+        if w[values + LIFT_OFF] < 0.0:
+            guard = LIFT_OFF
+        elif abs(mode) != 1 and w[values + BREAK_FORWARD] < 0.0:
+            guard = BREAK_FORWARD
+        elif abs(mode) != 1 and w[values + BREAK_BACKWARD] < 0.0:
+            guard = BREAK_BACKWARD
+    if guard >= 0:
+        handle_event(guard, w, whole, events)
 
 
 def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
@@ -349,9 +355,27 @@ def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     events[at + 4] = whole[FLAGS]
     events[at + 5] = margin
     events[at + 6] = 0.0
+    count_event(t, whole, events, STALL_LIMIT)
+
+
+def count_event(t: float, whole: Wholes, events: Vector, most: int) -> None:
+    """Count an event that has been written; too many at one instant end the run.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Rows of events.
+    most : int
+        Events in a row at one instant that a run may have.
+    """
     # an event that a jump of the drives makes is no sign of others without end: time goes on
+    at = whole[EVENTS] * EVENT_COLUMNS
     stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
     whole[STALLS] = whole[STALLS] + 1 if stalled else 0
     whole[EVENTS] += 1
-    if whole[STALLS] > STALL_LIMIT:
+    if whole[STALLS] > most and whole[STATUS] == RUNNING:
         whole[STATUS] = ZENO

@@ -1,13 +1,6 @@
 """The equations of a mechanism with its friction, in the modes and with the flags of the run."""
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.guards import contact_guards
-from stickslip.kernels.contacts.motion import (
-    contact_columns,
-    contact_power,
-    contact_rates,
-    contacts_are_linear,
-)
 from stickslip.kernels.equations import (
     CONTACT,
     ENERGY,
@@ -21,6 +14,15 @@ from stickslip.kernels.equations import (
     POWER,
     TIME_SLOPE,
     evaluate,
+)
+from stickslip.kernels.questions import (
+    COLUMNS,
+    GUARDS_OF,
+    IS_LINEAR,
+    POWERS,
+    RATES,
+    ask_here,
+    ask_of,
 )
 from stickslip.kernels.state_layout import FLAGS, MODE, N_COLUMNS, N_CONTACTS
 
@@ -59,7 +61,7 @@ def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the result (N_STATES,).
     """
     if whole[N_CONTACTS] > 0:
-        contact_rates(t, w, whole, at, to)
+        ask_of(RATES, t, w, whole, at, to)
     else:
         evaluate(FIELD, whole[MODE], whole[FLAGS], t, w, at, to)
 
@@ -128,7 +130,7 @@ def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the result (N_GUARDS,).
     """
     if whole[N_CONTACTS] > 0:
-        contact_guards(t, w, whole, at, to)
+        ask_of(GUARDS_OF, t, w, whole, at, to)
     else:
         evaluate(GUARDS, whole[MODE], whole[FLAGS], t, w, at, to)
 
@@ -175,7 +177,7 @@ def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the result (1,).
     """
     if whole[N_CONTACTS] > 0:
-        w[to] = 1.0 if contacts_are_linear(w, whole) else 0.0
+        w[to] = ask_here(IS_LINEAR, w, whole)
     else:
         evaluate(LINEAR, whole[MODE], whole[FLAGS], t, w, at, to)
 
@@ -200,7 +202,7 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the result (N_COLUMNS,).
     """
     if whole[N_CONTACTS] > 0:
-        contact_columns(t, w, whole, at, to)
+        ask_of(COLUMNS, t, w, whole, at, to)
         return
     evaluate(CONTACT, whole[MODE], whole[FLAGS], t, w, at, to)
     for k in range(2, whole[N_COLUMNS]):  # needed friction and level stand between
@@ -227,7 +229,7 @@ def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the result (2,) [W].
     """
     if whole[N_CONTACTS] > 0:
-        contact_power(t, w, whole, at, to)
+        ask_of(POWERS, t, w, whole, at, to)
     else:
         evaluate(POWER, whole[MODE], whole[FLAGS], t, w, at, to)
 

@@ -22,15 +22,19 @@ __all__ = [
     "ADDRESS",
     "AFFINE",
     "AMBIGUOUS",
+    "ANSWER",
     "BEFORE",
     "BOOKS",
     "BOUNDS",
+    "BOX",
     "BRISTLES",
     "BRISTLE_COUNTS",
     "BRISTLE_RATES",
     "CANDIDATES",
     "CAN_LIFT",
     "CAN_STICK",
+    "CHANGED",
+    "CHANGES",
     "CHOLESKY",
     "CLOSED",
     "CONSTANT_LOADS",
@@ -127,6 +131,7 @@ __all__ = [
     "SAMPLES",
     "SCALE",
     "SERIES",
+    "SEVERAL",
     "SIZE",
     "SLIP",
     "SLIPS",
@@ -187,18 +192,20 @@ LENGTH = 8
 GROSS = 9
 LOST = 10
 
-# Where the equations are: an address, or the functions themselves.
+# Where the equations are, and what works them out where several contacts rub: addresses, or the
+# functions themselves.
 ADDRESS = 11
+SEVERAL = 12
 
 # With several contacts: largest kinetic energy, mean time between events, determinant of the
 # reactions' equations over that without friction, and the latter.
-LIVELIEST = 12
-RHYTHM = 13
-PIVOT = 14
-FRICTIONLESS = 15
+LIVELIEST = 13
+RHYTHM = 14
+PIVOT = 15
+FRICTIONLESS = 16
 
 # A guard as a polynomial, its intervals.
-POLYNOMIAL = 16
+POLYNOMIAL = 17
 ROOM = POLYNOMIAL + SERIES + 1
 NUMBERS = ROOM + (DEEPEST + 2) * INTERVAL
 """Where the numbers begin that the equations read."""
@@ -221,74 +228,77 @@ BOOKS = 10
 DECISIONS = 11
 PIVOTINGS = 12
 AMBIGUOUS = 13
-WHOLES = 14
+# What they answered, and the rows of events that they left.
+ANSWER = 14
+CHANGED = 15
+WHOLES = 16
 """Length of the state; sizes and places follow."""
 
 # Sizes: states, coordinates, guards, switches, limits, columns beside the states, hard stops,
 # drives; index of the slip velocity; what the model can do, 1 or 0; index of the guard of the first
 # limit and of the first hard stop; most events of one step; columns of a row.
-N_STATES = 14
-N_COORDINATES = 15
-N_GUARDS = 16
-N_SWITCHES = 17
-N_LIMITS = 18
-N_COLUMNS = 19
-N_WALLS = 20
-N_DRIVES = 21
-SLIP = 22
-CAN_STICK = 23
-CAN_LIFT = 24
-HAS_BRISTLES = 25
-REST_IS_FINAL = 26
-FIRST_LIMIT = 27
-FIRST_WALL = 28
-MOST_EVENTS = 29
-WALL_COLUMNS = 30
+N_STATES = 16
+N_COORDINATES = 17
+N_GUARDS = 18
+N_SWITCHES = 19
+N_LIMITS = 20
+N_COLUMNS = 21
+N_WALLS = 22
+N_DRIVES = 23
+SLIP = 24
+CAN_STICK = 25
+CAN_LIFT = 26
+HAS_BRISTLES = 27
+REST_IS_FINAL = 28
+FIRST_LIMIT = 29
+FIRST_WALL = 30
+MOST_EVENTS = 31
+WALL_COLUMNS = 32
 """Columns of a hard stop: position, restitution, mass that its impulse meets, then for each
 coordinate the change of its rate over that of the stopped one."""
-DENSE_SIZE = 31
-ROW_COLUMNS = 32
+DENSE_SIZE = 33
+ROW_COLUMNS = 34
 
 # Places in `w`: values of the drives given from outside; state, new state, sizes reached, state at
 # the end of a run, a point inside a step, room for values of functions; stages, matrix, its
 # pivots, df/dt, dense output; guards at points of a step, their largest sizes, the least of those
 # that end runs, their slopes; hard stops; the end.
-GIVEN = 33
-Y = 34
-Y1 = 35
-SCALE = 36
-END = 37
-POINT = 38
-VALUES = 39
-STAGES = 40
-MATRIX = 41
-PIVOTS = 42
-DRIFT = 43
-DENSE = 44
-SAMPLED = 45
-REACHED = 46
-LOWEST = 47
-SLOPES = 48
-WALLS = 49
-SIZE = 50
+GIVEN = 35
+Y = 36
+Y1 = 37
+SCALE = 38
+END = 39
+POINT = 40
+VALUES = 41
+STAGES = 42
+MATRIX = 43
+PIVOTS = 44
+DRIFT = 45
+DENSE = 46
+SAMPLED = 47
+REACHED = 48
+LOWEST = 49
+SLOPES = 50
+WALLS = 51
+SIZE = 52
 
 # Mechanisms with several contacts: contacts, 0 where the equations are those of the modes of one;
 # held coordinates, contacts whose load is their reaction; entries of mass matrix, slopes of the
 # forces along the states and in time; most switches of a law; what the parts of the equations are,
 # 1 or 0: a mass matrix that is constant, or diagonal too, loads that are constant, forces that are
 # affine, power that anything puts in.
-N_CONTACTS = 51
-N_HELD = 52
-N_REACTIONS = 53
-N_MASSES = 54
-N_SLOPES = 55
-N_TIME_SLOPES = 56
-LAW_SWITCHES = 57
-CONSTANT_MASS = 58
-DIAGONAL = 59
-CONSTANT_LOADS = 60
-AFFINE = 61
-SUPPLIES = 62
+N_CONTACTS = 53
+N_HELD = 54
+N_REACTIONS = 55
+N_MASSES = 56
+N_SLOPES = 57
+N_TIME_SLOPES = 58
+LAW_SWITCHES = 59
+CONSTANT_MASS = 60
+DIAGONAL = 61
+CONSTANT_LOADS = 62
+AFFINE = 63
+SUPPLIES = 64
 
 # Places in `whole` of tables: row and column of each entry of the mass matrix and of each slope,
 # row of each slope in time; of each contact the coordinate along which it slips, its law, its
@@ -296,26 +306,26 @@ SUPPLIES = 62
 # the bristles there, whether its law depends on the direction; whether anything can hold a
 # coordinate; then of each coordinate its mode, of each contact its law's flags and whether it is
 # open, and room for decisions.
-MASS_ROWS = 63
-MASS_COLUMNS = 64
-SLOPE_ROWS = 65
-SLOPE_COLUMNS = 66
-TIME_ROWS = 67
-SLIPS = 68
-KINDS = 69
-BRISTLES = 70
-REACTS = 71
-LAW_ROWS = 72
-LAW_BRISTLES = 73
-DIRECTIONAL = 74
-RIGID = 75
-MODES = 76
-LAW_FLAGS = 77
-OPEN = 78
-CANDIDATES = 79
-FORCED = 80
-BEFORE = 81
-CLOSED = 82
+MASS_ROWS = 65
+MASS_COLUMNS = 66
+SLOPE_ROWS = 67
+SLOPE_COLUMNS = 68
+TIME_ROWS = 69
+SLIPS = 70
+KINDS = 71
+BRISTLES = 72
+REACTS = 73
+LAW_ROWS = 74
+LAW_BRISTLES = 75
+DIRECTIONAL = 76
+RIGID = 77
+MODES = 78
+LAW_FLAGS = 79
+OPEN = 80
+CANDIDATES = 81
+FORCED = 82
+BEFORE = 83
+CLOSED = 84
 
 # Places in `w`: factors of the contacts' slips; what they, and the reactions, do to held
 # coordinates; forces, mass matrix, its factors, accelerations, needed friction, levels forward and
@@ -323,36 +333,40 @@ CLOSED = 82
 # factor of the load, its levels as the same for both directions, its damping; rates of bristles,
 # values of a law; the series of needed friction, slopes of the forces, roots of the guards, bounds
 # of the polynomials, rows of the reactions' equations, work taken at each contact.
-SLIP_FACTORS = 83
-HELD_SLIPS = 84
-HELD_NORMALS = 85
-FORCE = 86
-MASS = 87
-CHOLESKY = 88
-ACCELERATION = 89
-NEEDED = 90
-LEVELS = 91
-FRICTION = 92
-LOAD = 93
-FRICTION_CONSTANT = 94
-FRICTION_FACTOR = 95
-LEVEL_CONSTANT = 96
-LEVEL_FACTOR = 97
-DAMPING = 98
-BRISTLE_RATES = 99
-LAW_VALUES = 100
-NEEDED_SERIES = 101
-SLOPE_VALUES = 102
-ROOTS = 103
-BOUNDS = 104
-REACTION_ROWS = 105
-WORKS = 106
+SLIP_FACTORS = 85
+HELD_SLIPS = 86
+HELD_NORMALS = 87
+FORCE = 88
+MASS = 89
+CHOLESKY = 90
+ACCELERATION = 91
+NEEDED = 92
+LEVELS = 93
+FRICTION = 94
+LOAD = 95
+FRICTION_CONSTANT = 96
+FRICTION_FACTOR = 97
+LEVEL_CONSTANT = 98
+LEVEL_FACTOR = 99
+DAMPING = 100
+BRISTLE_RATES = 101
+LAW_VALUES = 102
+NEEDED_SERIES = 103
+SLOPE_VALUES = 104
+ROOTS = 105
+BOUNDS = 106
+REACTION_ROWS = 107
+WORKS = 108
 
 # Places in `whole`: number of bristle states of each contact, room for modes.
-BRISTLE_COUNTS = 107
-KEPT = 108
+BRISTLE_COUNTS = 109
+KEPT = 110
 
-HEADER = 109
+# Places in `w`: bounds of the drives, rows of events that are new.
+BOX = 111
+CHANGES = 112
+
+HEADER = 113
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

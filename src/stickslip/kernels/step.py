@@ -3,13 +3,13 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contact_series import contact_series_step, first_contact_crossing
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, reverses, rises
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
 from stickslip.kernels.model_interface import jacobian
+from stickslip.kernels.questions import CROSSING, SERIES_STEP, ask_here, ask_of
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
     FIRST_WALL,
@@ -26,6 +26,7 @@ from stickslip.kernels.state_layout import (
     STEPPER,
     STRIDE,
     TIME,
+    VALUES,
     Y,
 )
 from stickslip.kernels.stepper_selection import watch_stiffness
@@ -57,7 +58,8 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     t = w[TIME]
     if whole[STEPPER] == EXACT:
         if whole[N_CONTACTS] > 0:
-            return contact_series_step(t, h, w, whole)
+            ask_of(SERIES_STEP, h, w, whole, y, whole[VALUES])
+            return w[whole[VALUES]]
         return series_step(t, h, w, whole, y)
     if whole[STEPPER] == STIFF:
         error = rodas_step(t, h, w, whole, rtol)
@@ -204,7 +206,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
             return NO_GUARD
         if exact:
             if whole[N_CONTACTS] > 0:
-                guard = first_contact_crossing(w, whole)
+                guard = ask_here(CROSSING, w, whole)
                 shorter = 0.0
             else:
                 guard = first_crossing(w[TIME], h, w, whole)

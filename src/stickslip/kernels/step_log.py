@@ -1,12 +1,12 @@
 """The books of a run: rows of steps, work done, violations found."""
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.motion import book_contacts, note_motion
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import STOP
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.guard_roots import NO_GUARD, guard_values, reverses
 from stickslip.kernels.model_interface import power
+from stickslip.kernels.questions import BOOK, MOTION, ask_here
 from stickslip.kernels.state_layout import (
     DENSE,
     FLAGS,
@@ -65,7 +65,7 @@ def add_work(w: Vector, whole: Wholes) -> None:
     share = w[FRACTION]
     h = w[LENGTH]
     if whole[N_CONTACTS] > 0:
-        book_contacts(w, whole)
+        ask_here(BOOK, w, whole)
         return
     few = 0.0 < w[whole[DENSE]] <= FEW_TERMS
     for node in range(len(FEW_NODES) if few else len(NODES)):
@@ -186,7 +186,7 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     for i in range(n):
         w[scale + i] = max(w[scale + i], abs(w[y + i]))
     if whole[N_CONTACTS] > 0:
-        note_motion(w, whole)
+        ask_here(MOTION, w, whole)
     w[TIME] = end
     if share > 0.0:
         audit(guard, w, whole)

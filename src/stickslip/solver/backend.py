@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.formulation import Model
 from stickslip.kernels.header import Sizes
-from stickslip.kernels.state_layout import ADDRESS, BOOKS, SIZE
+from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE
 from stickslip.solver.compile.modules import load, load_compiled
 
 __all__ = ["Runner", "runner_of"]
@@ -24,6 +24,8 @@ class Runner:
     """The kernels that are called."""
     equations: Any
     """Address of the compiled equations, or their functions."""
+    contacts: Any
+    """Address of what works out the equations of several contacts, or the function."""
     compiled: bool
     """Whether kernels and equations are machine code."""
     sizes: Sizes
@@ -73,9 +75,9 @@ class Runner:
         for place, number in zip(self.places, numbers, strict=True):
             w[place] = number
         if self.compiled:
-            w[ADDRESS:].view(np.int64)[0] = self.equations
+            w[ADDRESS : SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
         else:
-            w[ADDRESS] = self.equations
+            w[ADDRESS], w[SEVERAL] = self.equations, self.contacts
         return w
 
 
@@ -99,4 +101,4 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
         What calls the kernels.
     """
     tier = load_compiled(model, ensembles=ensembles) if compiled else load(model)
-    return Runner(tier.kernels, tier.equations, compiled, model.sizes, model.places)
+    return Runner(tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places)

@@ -59,7 +59,7 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["accelerate", "ask_law", "assemble", "prepare", "refresh", "side_of"]
+__all__ = ["accelerate", "ask_law", "assemble", "prepare", "refactor", "refresh", "side_of"]
 
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
@@ -380,6 +380,20 @@ def determinant(w: Vector, rows: int, count: int) -> float:
     return product
 
 
+def refactor(w: Vector, whole: Wholes) -> None:
+    """Factorise a constant mass matrix for the modes at hand.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
+        factorise(w, whole)
+
+
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
 
@@ -394,8 +408,7 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     at : int
         Place in `w` of the state.
     """
-    if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
-        factorise(w, whole)
+    refactor(w, whole)
     assemble(t, w, whole, at)
 
 

@@ -11,6 +11,7 @@ from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIG
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     AFFINE,
+    BOX,
     BRISTLE_RATES,
     BRISTLES,
     DAMPING,
@@ -34,7 +35,6 @@ from stickslip.kernels.state_layout import (
     N_DRIVES,
     N_STATES,
     OPEN,
-    PIECE,
     POINT,
     REST_IS_FINAL,
     SCALE,
@@ -299,10 +299,11 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     w[GROSS] += abs(work)
 
 
-def contacts_rest(w: Vector, whole: Wholes, bounds: Vector) -> bool:
+def contacts_rest(w: Vector, whole: Wholes) -> bool:
     """Whether all coordinates are held and no drive can move any of them any more.
 
-    The needed friction is affine in the drives: it is largest at a corner of what they may do.
+    The needed friction is affine in the drives: it is largest at a corner of what they may do from
+    now on, which stands in BOX.
 
     Parameters
     ----------
@@ -310,8 +311,6 @@ def contacts_rest(w: Vector, whole: Wholes, bounds: Vector) -> bool:
         Vector of the run.
     whole : array (WHOLES,)
         Whole numbers of the run.
-    bounds : array (pieces N_DRIVES 2,)
-        Least and largest value of each drive from the start of each piece on.
 
     Returns
     -------
@@ -326,7 +325,7 @@ def contacts_rest(w: Vector, whole: Wholes, bounds: Vector) -> bool:
             return False
     for corner in range(1 << drives):
         for k in range(drives):
-            bound = bounds[(whole[PIECE] * drives + k) * 2 + ((corner >> k) & 1)]
+            bound = w[whole[BOX] + 2 * k + ((corner >> k) & 1)]
             w[whole[GIVEN] + k] = bound
             if not abs(bound) < math.inf:
                 return False

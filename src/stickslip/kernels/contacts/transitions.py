@@ -9,25 +9,16 @@ from stickslip.kernels.contacts.guards import (
     first_own_switch,
     law_flags,
 )
-from stickslip.kernels.enums import (
-    BACKWARD,
-    EXACT,
-    FORWARD,
-    FREE,
-    HELD_FAST,
-    LIFTED_OFF,
-    LIMITED,
-    RUNNING,
-    ZENO,
-)
+from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, LIFTED_OFF, LIMITED
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
     BEFORE,
     CANDIDATES,
+    CHANGED,
+    CHANGES,
     CLOSED,
     CONSTANT_LOADS,
     EVENT_COLUMNS,
-    EVENTS,
     FIRST_LIMIT,
     FLAGS,
     FORCED,
@@ -47,10 +38,8 @@ from stickslip.kernels.state_layout import (
     REACTS,
     RIGID,
     ROOTS,
-    ROUNDING,
     SLIP_FACTORS,
     SLIPS,
-    STALLS,
     STATUS,
     STEPPER,
     TIME,
@@ -60,14 +49,12 @@ from stickslip.kernels.state_layout import (
 
 __all__ = ["begin_contacts", "change_contacts", "settle_contacts"]
 
-CHANGES = -1
+OF_MODES = -1
 """Guard of an event in which modes change, in its record."""
 TOGETHER = 4e-15
 """Time between two falls that are one, over the larger of the present time and the step."""
 REACHED_ZERO = 1e-13
 """Share of its largest value below which a guard has fallen too, where it is sampled."""
-STALLED = 100
-"""Events at one instant after which a run is given up as Zeno, and 4 more for each coordinate."""
 
 
 def begin_contacts(w: Vector, whole: Wholes) -> None:
@@ -174,7 +161,7 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
     only_bristles(whole)
 
 
-def settle_contacts(w: Vector, whole: Wholes, events: Vector) -> None:
+def settle_contacts(w: Vector, whole: Wholes) -> None:
     """Decide anew after a jump of forces or loads, and write down what changes.
 
     Parameters
@@ -183,17 +170,16 @@ def settle_contacts(w: Vector, whole: Wholes, events: Vector) -> None:
         Vector of the run.
     whole : array (WHOLES,)
         Whole numbers of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
     """
+    whole[CHANGED] = 0
     remember(whole)
     open_and_close(w, whole)
     none_forced(whole)
     settle_modes(w, whole)
-    write_changes(w, whole, events)
+    write_changes(w, whole)
 
 
-def change_contacts(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
+def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
 
     Parameters
@@ -204,12 +190,11 @@ def change_contacts(guard: int, w: Vector, whole: Wholes, events: Vector) -> Non
         Vector of the run.
     whole : array (WHOLES,)
         Whole numbers of the run.
-    events : array (rows EVENT_COLUMNS,)
-        Rows of events.
     """
+    whole[CHANGED] = 0
     if guard >= whole[FIRST_LIMIT]:
         whole[STATUS] = LIMITED + guard - whole[FIRST_LIMIT]
-        write_event(guard, 0, 0, 0, 0.0, w, whole, events)
+        write_event(guard, 0, 0, 0, 0.0, w, whole)
         return
     remember(whole)
     none_forced(whole)
@@ -223,12 +208,12 @@ def change_contacts(guard: int, w: Vector, whole: Wholes, events: Vector) -> Non
     if guard >= first_own_switch(whole):
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
-        write_event(guard, 0, 0, 0, 0.0, w, whole, events)
+        write_event(guard, 0, 0, 0, 0.0, w, whole)
     elif guard >= first_contact_guard(whole):
-        lifted = switch_or_open(guard, w, whole, events)
+        lifted = switch_or_open(guard, w, whole)
     follow_openings(w, whole)
     settle_modes(w, whole)
-    write_changes(w, whole, events)
+    write_changes(w, whole)
     if lifted >= 0:
         whole[STATUS] = LIFTED_OFF
 
@@ -256,16 +241,16 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
             whole[whole[MODES] + i] = -mode
 
 
-def switch_or_open(guard: int, w: Vector, whole: Wholes, events: Vector) -> int:
+def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
     """Turn a switch of a law, or open or close a contact; return what lifts off, or -1."""
     wide = whole[LAW_SWITCHES] + 1
     contact, which = divmod(guard - first_contact_guard(whole), wide)
     if which < whole[LAW_SWITCHES]:
         whole[whole[LAW_FLAGS] + contact] ^= 1 << which
-        write_event(guard, contact, 0, 0, 0.0, w, whole, events)
+        write_event(guard, contact, 0, 0, 0.0, w, whole)
         return -1
     if whole[whole[REACTS] + contact]:
-        write_event(guard, contact, 0, 0, 0.0, w, whole, events)
+        write_event(guard, contact, 0, 0, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1
@@ -279,7 +264,7 @@ def mode_of(contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: 
     return coordinate_mode if coordinate_mode == FREE else sign * coordinate_mode
 
 
-def write_changes(w: Vector, whole: Wholes, events: Vector) -> None:
+def write_changes(w: Vector, whole: Wholes) -> None:
     """Write an event for each contact whose mode has changed, in their order."""
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
@@ -291,7 +276,7 @@ def write_changes(w: Vector, whole: Wholes, events: Vector) -> None:
                 needed = w[whole[NEEDED] + i]
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
-            write_event(CHANGES, c, before, after, margin, w, whole, events)
+            write_event(OF_MODES, c, before, after, margin, w, whole)
 
 
 def write_event(
@@ -302,23 +287,17 @@ def write_event(
     margin: float,
     w: Vector,
     whole: Wholes,
-    events: Vector,
 ) -> None:
-    """Write one row of the events."""
-    t = w[TIME]
-    at = whole[EVENTS] * EVENT_COLUMNS
+    """Write one row of the events that are new."""
+    at = whole[CHANGES] + whole[CHANGED] * EVENT_COLUMNS
     flags = whole[FLAGS]
     if guard >= first_contact_guard(whole) and guard < first_own_switch(whole):
         flags = whole[whole[LAW_FLAGS] + contact]
-    events[at] = t
-    events[at + 1] = before
-    events[at + 2] = after
-    events[at + 3] = guard
-    events[at + 4] = flags
-    events[at + 5] = margin
-    events[at + 6] = contact
-    stalled = whole[EVENTS] > 0 and t - events[at - EVENT_COLUMNS] <= ROUNDING * abs(t)
-    whole[STALLS] = whole[STALLS] + 1 if stalled else 0
-    whole[EVENTS] += 1
-    if whole[STALLS] > STALLED + 4 * whole[N_COORDINATES] and whole[STATUS] == RUNNING:
-        whole[STATUS] = ZENO
+    w[at] = w[TIME]
+    w[at + 1] = before
+    w[at + 2] = after
+    w[at + 3] = guard
+    w[at + 4] = flags
+    w[at + 5] = margin
+    w[at + 6] = contact
+    whole[CHANGED] += 1

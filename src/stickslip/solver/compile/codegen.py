@@ -7,7 +7,9 @@ module, which is compiled once for all equations and calls them by their address
 
 import ast
 import functools
+import importlib
 import inspect
+import pkgutil
 import platform
 import re
 from importlib.metadata import version
@@ -15,73 +17,16 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from stickslip import kernels
 from stickslip.formulation import Model
-from stickslip.kernels import (
-    batch,
-    bernstein,
-    dense_evaluation,
-    dense_output,
-    dop853,
-    dop853_tableau,
-    drive_segments,
-    driver,
-    enums,
-    equations,
-    error_scale,
-    gauss_legendre,
-    guard_roots,
-    hard_stops,
-    itp,
-    linear_events,
-    lu,
-    mode_transitions,
-    model_interface,
-    radau_tableau,
-    reducers,
-    rodas5p,
-    rodas5p_tableau,
-    sensitivities,
-    state_layout,
-    step,
-    step_log,
-    stepper_selection,
-    taylor_series,
-)
 from stickslip.kernels.equations import CALLED, LAW, LAW_MARGINS
 
-__all__ = ["equations_text", "kernels_text", "numbered", "plain_text"]
+__all__ = ["contacts_text", "equations_text", "kernels_text", "numbered", "plain_text"]
 
-KERNELS = (
-    enums,
-    state_layout,
-    equations,
-    model_interface,
-    dense_output,
-    hard_stops,
-    mode_transitions,
-    error_scale,
-    dop853_tableau,
-    dop853,
-    lu,
-    rodas5p_tableau,
-    rodas5p,
-    taylor_series,
-    itp,
-    guard_roots,
-    bernstein,
-    linear_events,
-    drive_segments,
-    stepper_selection,
-    step,
-    gauss_legendre,
-    step_log,
-    driver,
-    dense_evaluation,
-    reducers,
-    radau_tableau,
-    sensitivities,
-    batch,
-)
+FIRST = ("state_layout", "enums")
+"""Modules of the kernels whose constants others build on."""
+PYTHON = ("backend", "entries", "header")
+"""Modules that differ between the tiers, or that only Python runs."""
 LAW_FUNCTION = re.compile(r"law_(\d+)")
 MARGINS_FUNCTION = re.compile(r"law_margins_(\d+)")
 """Names of the functions of laws, one for each structure."""
@@ -135,6 +80,19 @@ def enter_sense(log, count, events, number, times, table, dtable, own, q, w, who
         log, count, events, number, times, table, dtable, own, q, pointer(w), pointer(whole), out
     )
 """
+CONTACTS = """
+from numba import cfunc
+
+SIGNATURE = types.void(
+    types.int64, types.float64, types.CPointer(types.float64), types.CPointer(types.int64),
+    types.int64, types.int64
+)
+
+
+@cfunc(SIGNATURE, cache=True)
+def contacts(name, t, w, whole, at, to):
+    answer(name, t, w, whole, at, to)
+"""
 EQUATIONS = """
 from numba import cfunc, njit, types
 
@@ -144,6 +102,16 @@ SIGNATURE = types.void(
     types.int64, types.int64
 )
 """
+
+
+def _modules() -> list[ModuleType]:
+    """Return all modules of the kernels, those first on which others build."""
+    prefix = f"{kernels.__name__}."
+    names = [found.name for found in pkgutil.walk_packages(kernels.__path__, prefix)]
+    own = [name for name in names if name.removeprefix(prefix) not in PYTHON]
+    order = {prefix + name: i for i, name in enumerate(FIRST)}
+    own.sort(key=lambda name: (order.get(name, len(order)), name))
+    return [importlib.import_module(name) for name in own]
 
 
 @functools.cache
@@ -200,9 +168,19 @@ def plain_text(model: Model) -> str:
 @functools.cache
 def kernels_text() -> str:
     """Return the text of the compiled kernels."""
+    return _joined(_compiled_kernels(), ENTRIES)
+
+
+@functools.cache
+def contacts_text() -> str:
+    """Return the text of what works out the equations of several contacts, as one function."""
+    return _joined(_compiled_kernels(), CONTACTS)
+
+
+def _compiled_kernels() -> str:
     before = Path(__file__).with_name("numba_prelude.py").read_text("utf-8")
-    kernels = _marked(_joined(*(_body(kernel) for kernel in KERNELS)))
-    return _joined(_head(True), before, kernels, ENTRIES)
+    text = _marked(_joined(*(_body(kernel) for kernel in _modules())))
+    return _joined(_head(True), before, text)
 
 
 @functools.lru_cache(maxsize=256)

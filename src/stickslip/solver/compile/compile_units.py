@@ -6,12 +6,15 @@ from types import ModuleType
 from typing import Any
 
 from stickslip.formulation import Model
-from stickslip.solver.compile.codegen import equations_text, kernels_text
+from stickslip.solver.compile.codegen import contacts_text, equations_text, kernels_text
 from stickslip.solver.compile.module_cache import is_kept, keep, locked, module_of
 
 __all__ = ["CompileUnit", "parts_of"]
 
 EQUATIONS = "equations"
+CONTACTS = "contacts"
+"""Functions that are called by their address; they are compiled when their module is executed."""
+BY_ADDRESS = (EQUATIONS, CONTACTS)
 RUNS = ("enter_run", "enter_play")
 ENSEMBLES = ("enter_batch",)
 SENSES = ("enter_sense",)
@@ -25,7 +28,14 @@ TAKES = {
     "enter_batch_sensed": "iVVVVVVVVffiVWVVVVVVVViV",
 }
 """Arguments of the entries: (V)ectors of reals, of (W)holes, and single re(f)als and whole (i)."""
-SECONDS = {EQUATIONS: 1, RUNS[0]: 2, ENSEMBLES[0]: 3, SENSES[0]: 5, SENSED_ENSEMBLES[0]: 9}
+SECONDS = {
+    EQUATIONS: 1,
+    CONTACTS: 10,
+    RUNS[0]: 2,
+    ENSEMBLES[0]: 3,
+    SENSES[0]: 5,
+    SENSED_ENSEMBLES[0]: 9,
+}
 KERNELS = 10
 """What compiling takes, for a message; kernels have a part that all their entries share."""
 
@@ -82,7 +92,7 @@ class CompileUnit:
 def _compile(module: ModuleType, entry: str) -> bool:
     """Load or compile one function; return whether it was compiled."""
     function: Any = getattr(module, entry)
-    if entry == EQUATIONS:
+    if entry in BY_ADDRESS:
         return not function.cache_hits  # it was compiled when the module was executed
     signature = _signature(entry)
     function.compile(signature)
@@ -99,7 +109,7 @@ def _signature(entry: str) -> tuple[Any, ...]:
 def _files(module: ModuleType, entry: str) -> list[Path]:
     """Return the files that hold the machine code of a function."""
     function: Any = getattr(module, entry)
-    cache = function._cache if entry == EQUATIONS else function.stats  # numba has no other way
+    cache = function._cache if entry in BY_ADDRESS else function.stats  # numba has no other way
     return list(Path(cache.cache_path).glob(f"{module.__name__}.{entry}-*.nb[ic]"))
 
 
@@ -126,5 +136,7 @@ def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Compil
         entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())
     else:
         entries = (RUNS if runs else ()) + (ENSEMBLES if ensembles else ())
-    kernels = CompileUnit(model.title, kernels_text(), entries)
-    return [kernels, CompileUnit(model.title, equations_text(model), (EQUATIONS,))]
+    own = [CompileUnit(model.title, equations_text(model), (EQUATIONS,))]
+    if model.contacts:
+        own.insert(0, CompileUnit(model.title, contacts_text(), (CONTACTS,)))
+    return [CompileUnit(model.title, kernels_text(), entries), *own]

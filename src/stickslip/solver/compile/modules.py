@@ -9,7 +9,14 @@ from typing import Any, TypeAlias
 
 from stickslip.formulation import Model
 from stickslip.kernels import entries
-from stickslip.solver.compile.codegen import equations_text, kernels_text, numbered, plain_text
+from stickslip.kernels.contacts.answers import answer
+from stickslip.solver.compile.codegen import (
+    contacts_text,
+    equations_text,
+    kernels_text,
+    numbered,
+    plain_text,
+)
 from stickslip.solver.compile.compile_units import CompileUnit, parts_of
 from stickslip.solver.compile.messages import notice
 from stickslip.solver.compile.module_cache import cache_directory, module_of
@@ -39,6 +46,8 @@ class Tier:
     """The kernels: `stickslip.kernels.entries`, or the compiled module of the same functions."""
     equations: Any
     """The equations: functions by their number, or the address of the compiled ones."""
+    contacts: Any
+    """What works out the equations of several contacts, or its address."""
 
 
 @functools.lru_cache(maxsize=256)
@@ -73,7 +82,8 @@ def load(model: Model) -> Tier:
     """Return the plain tier of a model."""
     functions = plain_equations(model)
     numbers = numbered(model)
-    return Tier(entries, {numbers[name]: own for name, own in functions.items() if name in numbers})
+    known = {numbers[name]: own for name, own in functions.items() if name in numbers}
+    return Tier(entries, known, answer)
 
 
 @functools.lru_cache(maxsize=256)
@@ -100,7 +110,11 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Tier:
     for part in parts:
         part.load()
     equations = module_of(equations_text(model), compiled=True)
-    return Tier(module_of(kernels_text(), compiled=True), int(equations.equations.address))
+    contacts = 0
+    if model.contacts:
+        contacts = int(module_of(contacts_text(), compiled=True).contacts.address)
+    kernels = module_of(kernels_text(), compiled=True)
+    return Tier(kernels, int(equations.equations.address), contacts)
 
 
 def is_loaded(model: Model, *, ensembles: bool = False) -> bool:

@@ -47,6 +47,24 @@ def call_model(typing_context, w, place, name, mode, flags, t, at, to):
     return types.void(w, types.int64, *integers, types.float64, types.int64, types.int64), generate
 
 
+@intrinsic
+def call_contacts(typing_context, w, place, whole, name, t, at, to):
+    """Call what works out the equations of several contacts, by its address in the vector."""
+
+    def generate(context, builder, signature, arguments):
+        vector, place, wholes, name, t, at, to = arguments
+        whole, real = ir.IntType(64), ir.DoubleType()
+        places = builder.bitcast(vector, whole.as_pointer())
+        address = builder.load(builder.gep(places, [place]))
+        kind = ir.FunctionType(ir.VoidType(), [whole, real, vector.type, wholes.type, whole, whole])
+        function = builder.inttoptr(address, kind.as_pointer())
+        builder.call(function, [name, t, vector, wholes, at, to])
+        return cgutils.get_null_value(ir.IntType(8).as_pointer())
+
+    integer = types.int64
+    return types.void(w, integer, whole, integer, types.float64, integer, integer), generate
+
+
 @jit
 def vector(size):
     """Return an array of zeros."""

@@ -47,6 +47,7 @@ from stickslip.kernels.state_layout import (
     SLOPE_COLUMNS,
     SLOPE_ROWS,
     SLOPE_VALUES,
+    TIME,
     TIME_ROWS,
     Y1,
     Y,
@@ -62,13 +63,13 @@ STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
 
-def contact_series(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
+def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output, and the series of needed friction, from the state at `at`.
+
+    It begins at TIME.
 
     Parameters
     ----------
-    t : float
-        Time [s].
     h : float
         Length of the step [s].
     w : array (SIZE,)
@@ -78,6 +79,7 @@ def contact_series(t: float, h: float, w: Vector, whole: Wholes, at: int) -> Non
     at : int
         Place in `w` of the state.
     """
+    t = w[TIME]
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
     assemble(t, w, whole, at)
@@ -145,13 +147,11 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
             w[row + i] = total
 
 
-def contact_series_step(t: float, h: float, w: Vector, whole: Wholes) -> float:
+def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
     Parameters
     ----------
-    t : float
-        Time [s].
     h : float
         Length of the step [s].
     w : array (SIZE,)
@@ -165,7 +165,7 @@ def contact_series_step(t: float, h: float, w: Vector, whole: Wholes) -> float:
         Size of the last terms over what is allowed: the step is good up to 1.
     """
     states = whole[N_STATES]
-    contact_series(t, h, w, whole, whole[Y])
+    contact_series(h, w, whole, whole[Y])
     interpolate(w, whole, 1.0, whole[Y1])
     error = 0.0
     if w[whole[DENSE]] >= SERIES:
