@@ -5,6 +5,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
+from stickslip.errors import InputError
 from stickslip.formulation.code_printer import Case, function
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
@@ -73,6 +74,11 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
     if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
+        if slopes:
+            raise InputError(
+                f"{type(mechanism).__name__} has several contacts, for which this version has no"
+                " sensitivities: take differences of two runs."
+            )
         return contact_model(mechanism, law)
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)

@@ -249,7 +249,7 @@ def _check_order(law: FrictionLaw | Laws, prefix: str, columns: Mapping[str, Arr
     for path, quantity, value in parameters(law, prefix):
         if quantity.at_least is None:
             continue
-        floor = f"{prefix}.{quantity.at_least}"
+        floor = f"{path.rpartition('.')[0]}.{quantity.at_least}"
         low = columns.get(floor, np.array(values[floor]))
         below = np.atleast_1d(columns.get(path, np.array(value)) < low)
         if below.any():

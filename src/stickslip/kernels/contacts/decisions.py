@@ -102,19 +102,22 @@ def scale_of(w: Vector, whole: Wholes) -> float:
     return scale
 
 
-def boxed(kinetic: bool, t: float, scale: float, w: Vector, whole: Wholes) -> bool:
+def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) -> bool:
     """Solve the boxed problem for all that wait, by block pivoting; return whether it is solved.
+
+    `fresh` says that everything is worked out for the modes at hand.
 
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     fewest, patience = n + 1, PATIENCE
-    for _ in range(20 + 20 * n):
+    for trial in range(20 + 20 * n):
         whole[PIVOTINGS] += 1
-        refresh(t, w, whole, whole[Y])
+        if trial > 0 or not fresh:
+            refresh(w[TIME], w, whole, whole[Y])
         if kinetic:
-            kinetic_levels(t, w, whole)
+            kinetic_levels(w[TIME], w, whole)
         count, last = 0, -1
         for i in range(n):
             if whole[candidates + i] == WAITING and violates(
@@ -137,27 +140,30 @@ def boxed(kinetic: bool, t: float, scale: float, w: Vector, whole: Wholes) -> bo
     return False
 
 
-def break_away(t: float, scale: float, w: Vector, whole: Wholes) -> bool:
+def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     """Let those slip that static levels do not hold, one problem after the other.
 
-    Returns whether the answer is one: nobody moves against its own friction.
+    Everything is worked out for the modes at hand, before and after. Returns whether the answer is
+    one: nobody moves against its own friction.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
-    solved = True
-    more = 1
+    solved, fresh, more = True, True, 1
     while more > 0:
-        solved = boxed(False, t, scale, w, whole) and solved
+        solved = boxed(False, fresh, scale, w, whole) and solved
         more = 0
+        fresh = True
         for i in range(n):
             mode = whole[modes + i]
             if whole[candidates + i] == WAITING and abs(mode) == PUSHED:
+                fresh = False
                 if abs(w[whole[ACCELERATION] + i]) > STILL * scale:
                     whole[modes + i] = FORWARD if mode > 0 else BACKWARD
                     whole[candidates + i] = BROKEN
                     more += 1
                 else:
                     whole[modes + i] = HELD_FAST
-    refresh(t, w, whole, whole[Y])
+    if not fresh:
+        refresh(w[TIME], w, whole, whole[Y])
     for i in range(n):
         if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
             against = whole[modes + i] * w[whole[ACCELERATION] + i] < -AGAINST * scale
@@ -231,17 +237,17 @@ def decide(w: Vector, whole: Wholes) -> bool:
     t = w[TIME]
     waiting = begin_decision(whole)
     refresh(t, w, whole, whole[Y])
-    scale = scale_of(w, whole)
     if waiting == 0:
         return True
+    scale = scale_of(w, whole)
     whole[DECISIONS] += 1
-    solved = break_away(t, scale, w, whole)
+    solved = break_away(scale, w, whole)
     if not solved:
         for i in range(whole[N_COORDINATES]):
             if whole[whole[CANDIDATES] + i] != 0:
                 whole[whole[CANDIDATES] + i] = WAITING
                 whole[whole[MODES] + i] = HELD_FAST
-        solved = boxed(True, t, scale, w, whole)
+        solved = boxed(True, False, scale, w, whole)
     moved = 0
     for i in range(whole[N_COORDINATES]):
         if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:

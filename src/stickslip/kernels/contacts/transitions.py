@@ -128,8 +128,9 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     if not decide(w, whole):
         whole[STATUS] = LIMITED
-    law_flags(w[TIME], w, whole, whole[Y])
-    refresh(w[TIME], w, whole, whole[Y])
+    if whole[LAW_SWITCHES] > 0:
+        law_flags(w[TIME], w, whole, whole[Y])
+        refresh(w[TIME], w, whole, whole[Y])
 
 
 def open_and_close(w: Vector, whole: Wholes) -> None:
@@ -211,7 +212,8 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         write_event(guard, 0, 0, 0, 0.0, w, whole)
     elif guard >= first_contact_guard(whole):
         lifted = switch_or_open(guard, w, whole)
-    follow_openings(w, whole)
+    if not whole[CONSTANT_LOADS]:
+        follow_openings(w, whole)
     settle_modes(w, whole)
     write_changes(w, whole)
     if lifted >= 0:

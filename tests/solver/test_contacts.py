@@ -1,0 +1,363 @@
+"""Mechanisms with several contacts against closed forms and independent references."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from tests.contact_cases import (
+    Arm,
+    Disc,
+    RubbingCart,
+    TwoFeet,
+    belt,
+    chain,
+    clutches,
+    coulomb,
+    decay,
+    plates,
+)
+
+from stickslip import EventDriven, Stribeck, ensemble, simulate
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.results import Status
+
+ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
+BENT = {"shoulder": 1.2, "elbow": 0.8}
+ROUNDING = 5e-13
+"""Ten times the differences between the references and the study that they were made for."""
+
+
+def run_of(mechanism, laws, t_end, y0=None, **settings):
+    """Simulate in plain Python; every run must be certified."""
+    run = simulate(
+        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="python", **settings)
+    )
+    assert run.certificate.stick_drift == 0.0
+    return run
+
+
+def changes(run):
+    return [(e.t, e.contact, e.from_mode, e.to_mode) for e in run.events]
+
+
+def assert_changes(run, expected, tolerance=ROUNDING):
+    """Compare the first changes with expected ones (time, contact, before, after)."""
+    for found, (t, *what) in zip(changes(run), expected, strict=False):
+        assert found[1:] == tuple(what)
+        assert found[0] == pytest.approx(t, abs=tolerance)
+
+
+def test_two_blocks_on_a_belt():
+    mechanism = chain(2)(coupling=1.2, stiffness=1.0, speed=0.1)
+    run = run_of(mechanism, {"x1": coulomb(0.8, 1.2), "x2": coulomb(1.0, 1.6)}, 100.0)
+    expected = [
+        (12.0, "x1", 0, -1),
+        (13.173165382902, "x2", 0, -1),
+        (15.824802347452, "x2", -1, 0),
+        (16.899887745347, "x1", -1, 0),
+        (24.156583805901, "x2", 0, -1),
+        (24.713701291792, "x1", 0, -1),
+        (27.715601104454, "x1", -1, 0),
+        (28.424900150430, "x2", -1, 0),
+        (37.258265873467, "x1", 0, -1),
+        (37.474747473004, "x2", 0, -1),
+        (40.830444053253, "x2", -1, 0),
+        (40.993806784030, "x1", -1, 0),
+    ]
+    assert len(run.events) == 28
+    assert_changes(run, expected, 1e-12)
+    assert run["x1"][-1] == pytest.approx(-9.156578295256672, abs=4e-14)
+    assert run["x2"][-1] == pytest.approx(-9.038212618484783, abs=4e-14)
+    # what friction took at each contact is its kinetic level times the slip, to rounding
+    assert run.certificate.work["x1"] == pytest.approx(-0.8 * run["x1"][-1], rel=1e-14)
+    assert run.certificate.work["x2"] == pytest.approx(-1.0 * run["x2"][-1], rel=1e-14)
+
+
+def test_coupled_clutches_open_close_and_lock_as_in_closed_form():
+    mechanism, laws, start = clutches()
+    run = run_of(mechanism, laws, 1.5, start, tolerance=1e-12)
+    moving = [one for one in changes(run) if one[2:] != (2, 0)]
+    times = {round(t, 9): (name, after) for t, name, _, after in moving}
+    expected = {
+        0.70962147469374666: ("clutch-2", 0),
+        0.79166235915481601: ("clutch-1", 0),
+        0.83110850613765324: ("clutch-1", None),
+        0.90685019279787972: ("clutch-1", 0),
+        1.0002958598946387: ("clutch-1", None),
+        1.1439674924731660: ("clutch-3", 0),
+        1.25: ("clutch-1", 2),
+    }
+    for t, (name, after) in expected.items():
+        assert round(t, 9) in times, (t, times)
+        assert times[round(t, 9)][0] == name
+        assert after is None or times[round(t, 9)][1] == after
+    speeds = np.cumsum([run[name][-1] for name in ("w", "u1", "u2", "u3")])
+    angles = np.cumsum([run[name][-1] for name in ("phi", "r1", "r2", "r3")])
+    locked = 2.463187166649595445
+    np.testing.assert_allclose(speeds, [3.2470582724187950, locked, locked, locked], rtol=1e-10)
+    np.testing.assert_allclose(
+        angles,
+        [7.4861190991143100, 4.1071374163294776, 2.7104644362313807, 1.1737438776005176],
+        rtol=1e-10,
+    )
+
+
+def test_ten_blocks_on_a_belt():
+    mechanism, laws = belt(10)
+    run = run_of(mechanism, laws, 40.0)
+    assert len(run.events) == 84
+    assert_changes(run, [(10.1804, "x5", 0, -1)])
+    assert run.events[-1].t == pytest.approx(39.9248065060, abs=1e-10)
+    for name, value in (("x1", -3.427310976699), ("x10", -3.267046770092)):
+        assert run[name][-1] == pytest.approx(value, abs=1e-12)
+    assert run["v1"][-1] == pytest.approx(-0.216300001243, abs=1e-12)
+    total = sum(abs(run[f"x{i}"][-1]) for i in range(1, 11))
+    assert total == pytest.approx(33.2967458706, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("n", "events", "rest"), [(2, 34, 3.4006953165259), (10, 160, 3.6272709839596)]
+)
+def test_coupled_blocks_come_to_rest(n, events, rest):
+    mechanism, laws, start = decay(n)
+    run = run_of(mechanism, laws, 10.0, start)
+    assert len(run.events) == events
+    assert run.events[-1].t == pytest.approx(rest, abs=ROUNDING)
+    if n == 10:
+        assert run["x1"][-1] == pytest.approx(0.018857517895138, abs=3e-15)
+        assert run["x10"][-1] == pytest.approx(-0.015876996463554, abs=3e-15)
+
+
+def test_an_arm_whose_shoulder_turns_and_held_elbow_breaks_in_one_instant():
+    run = run_of(Arm(), ARM, 7.2, BENT)
+    expected = [
+        (0.180631115300, "elbow", 1, -1),
+        (0.600560195691, "elbow", -1, 1),
+        (0.844137703384, "elbow", 1, -1),
+        (0.879135477095, "shoulder", -1, 1),
+        (1.118850690991, "elbow", -1, 1),
+        (1.536241927959, "elbow", 1, -1),
+        (1.653221625362, "elbow", -1, 0),
+        (1.655020218989, "elbow", 0, 1),
+        (1.749618177860, "shoulder", 1, -1),
+    ]
+    assert_changes(run, expected, 1e-11)
+    end = run_of(Arm(), ARM, 6.0, BENT)
+    assert end["shoulder"][-1] == pytest.approx(-0.5660082511329, abs=3e-12)
+    assert end["elbow"][-1] == pytest.approx(-0.4030025089844, abs=3e-12)
+    assert end["shoulder_dot"][-1] == pytest.approx(0.2564940308014, abs=3e-12)
+    assert end["elbow_dot"][-1] == 0.0
+    together = [e.contact for e in run.events if abs(e.t - 6.7939804445575) < 1e-11]
+    assert together == ["shoulder", "elbow"]
+    # another decision was possible there, and the certificate says so
+    assert run.certificate.ambiguous >= 1
+    assert any("another decision" in warning for warning in run.certificate.warnings)
+
+
+def test_a_cart_whose_wheels_rub_under_their_reaction():
+    laws = {"wheels": coulomb(0.05, 0.08), "pivot": coulomb(0.01, 0.015)}
+    run = run_of(RubbingCart(), laws, 6.0, {"theta": 1.5})
+    expected = [
+        (0.053605432583, "wheels", 0, 1),
+        (0.444874008545, "wheels", 1, -1),
+        (0.593498034586, "pivot", -1, 1),
+        (1.097431573088, "wheels", -1, 1),
+        (1.161067038664, "pivot", 1, -1),
+    ]
+    assert len(run.events) == 21
+    assert_changes(run, expected, 1e-11)
+    last = [e.t for e in run.events if e.contact == "wheels"][-1]
+    assert last == pytest.approx(4.612765334804, abs=1e-11)
+    for name, value in (("x", -0.0748188604520), ("theta", -0.1592091101027)):
+        assert run[name][-1] == pytest.approx(value, abs=6e-12)
+    # the reaction carries the weight and what the pendulum pulls
+    assert run["normal_force:wheels"].min() > 0.0
+
+
+def test_two_feet_share_their_friction_by_what_they_carry():
+    laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+    run = run_of(TwoFeet(), laws, 3.0, {"x": 0.9})
+    times = sorted({round(e.t, 12) for e in run.events})
+    quarter = math.pi / 5.0  # half a period of a mass on a spring, whatever the friction
+    np.testing.assert_allclose(times[-3:], [quarter, 2 * quarter, 3 * quarter], atol=1e-12)
+    at = run.at([quarter, 2 * quarter, 3 * quarter])
+    turns = [-0.64774285714286, 0.32668831168831, -0.07443116883117]
+    np.testing.assert_allclose(at["x"], turns, atol=2e-13)
+    end = run.at([2.5])
+    assert end["normal_force:front"][0] == pytest.approx(8.96446753246753, abs=1e-11)
+    assert end["normal_force:rear"][0] == pytest.approx(10.65553246753247, abs=1e-11)
+    assert abs(end["friction:front"][0]) == pytest.approx(2.4655593, abs=1e-6)
+    assert abs(end["friction:rear"][0]) == pytest.approx(1.2559991, abs=1e-6)
+
+
+def test_pads_at_two_radii_share_what_holds_the_disc():
+    laws = {"inner": coulomb(0.4, 0.5), "outer": coulomb(0.3, 0.4)}
+    run = run_of(Disc(), laws, 8.0, {"omega": 20.0})
+    kinetic = 0.1 * 40.0 + 0.12 * 24.0
+    # momentum 0.5 * 20 = kinetic * t - 1.5 t^2 / 2
+    stop = (kinetic - math.sqrt(kinetic**2 - 2.0 * 1.5 * 10.0)) / 1.5
+    leave = (0.1 * 50.0 + 0.12 * 32.0) / 1.5
+    assert [e.t for e in run.events] == pytest.approx([stop, stop, leave, leave], abs=1e-13)
+    held = run.at([4.0])
+    share = 6.0 / (0.1 * 50.0 + 0.12 * 32.0)
+    assert held["friction:inner"][0] == pytest.approx(50.0 * share, rel=1e-13)
+    assert held["friction:outer"][0] == pytest.approx(32.0 * share, rel=1e-13)
+    assert run["phi"][-1] == pytest.approx(29.998614147705, abs=1e-12)
+    assert run["omega"][-1] == pytest.approx(14.9152, abs=1e-12)
+
+
+def test_four_plates_change_in_one_instant():
+    mechanism, laws, start = plates(5)
+    run = run_of(mechanism, laws, 10.0, start)
+    assert run.status is Status.AT_REST
+    assert len(run.events) == 19
+    for moment in (1.035602997230, 1.738084470335):
+        assert len([e for e in run.events if abs(e.t - moment) < 1e-11]) == 4
+    assert run.events[-1].t == pytest.approx(3.143047416543, abs=1e-11)
+    places = [0.3250229735843, -0.4023756675690, 0.0802731019416, 0.0431602535399, -0.0522982800728]
+    found = [run[f"r{i}"][-1] for i in range(1, 6)]
+    np.testing.assert_allclose(found, places, atol=3e-12)
+
+
+# Invariants
+
+
+def test_uncoupled_copies_move_as_one_alone():
+    alone = run_of(chain(1)(stiffness=4.0), coulomb(0.5, 0.6), 5.0, {"x1": 1.0})
+    laws = {f"x{i}": coulomb(0.5, 0.6) for i in (1, 2, 3)}
+    run = run_of(chain(3)(stiffness=4.0), laws, 5.0, {f"x{i}": 1.0 for i in (1, 2, 3)})
+    for i in (1, 2, 3):
+        own = [e.t for e in run.events if e.contact == f"x{i}"]
+        assert own == pytest.approx([e.t for e in alone.events], abs=1e-14)
+        assert run[f"x{i}"][-1] == pytest.approx(alone["x1"][-1], abs=1e-14)
+
+
+def test_a_mirrored_chain_moves_as_its_mirror_image():
+    mechanism, laws, start = decay(4)
+    names = [f"x{i}" for i in range(1, 5)]
+    turned = {name: laws[other] for name, other in zip(names, names[::-1], strict=True)}
+    back = {f"v{i}": start[f"v{5 - i}"] for i in range(1, 5)}
+    one, other = run_of(mechanism, laws, 10.0, start), run_of(mechanism, turned, 10.0, back)
+    assert len(one.events) == len(other.events)
+    for name, mirror in zip(names, names[::-1], strict=True):
+        assert one[name][-1] == pytest.approx(other[mirror][-1], abs=1e-12)
+
+
+def test_the_other_direction_is_the_negative_of_it():
+    one = run_of(Arm(), ARM, 3.0, BENT)
+    other = run_of(Arm(), ARM, 3.0, {name: -value for name, value in BENT.items()})
+    assert [e.t for e in one.events] == [e.t for e in other.events]
+    for name in one.states:
+        np.testing.assert_array_equal(one[name], -other[name])
+
+
+def test_a_run_that_is_cut_and_continued_ends_where_it_would_have():
+    whole = run_of(Arm(), ARM, 4.0, BENT)
+    first = run_of(Arm(), ARM, 1.7, BENT)
+    second = run_of(Arm(), ARM, 2.3, {name: first[name][-1] for name in first.states})
+    for name in whole.states:
+        assert second[name][-1] == pytest.approx(whole[name][-1], abs=1e-9)
+
+
+def test_friction_stays_within_its_levels_and_never_drives():
+    run = run_of(Arm(), ARM, 6.0, BENT).sampled(2000)
+    for name, law in ARM.items():
+        friction, rate = run[f"friction:{name}"], run[f"{name}_dot"]
+        assert np.all(np.abs(friction) <= law.static_coefficient * (1.0 + 1e-12))
+        assert np.all(friction * rate >= 0.0)
+        held = run[f"mode:{name}"] == 0
+        assert np.all(rate[held] == 0.0)
+
+
+def test_laws_with_a_stribeck_peak_and_a_shared_law():
+    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.4, stribeck_velocity=0.1)
+    shared = run_of(Arm(), law, 3.0, BENT)
+    own = run_of(Arm(), {"shoulder": law, "elbow": law}, 3.0, BENT)
+    np.testing.assert_array_equal(shared["elbow"], own["elbow"])
+
+
+def test_a_contact_without_a_law_does_not_rub():
+    run = run_of(Arm(), {"shoulder": None, "elbow": coulomb(0.12, 0.2)}, 2.0, BENT)
+    assert "friction:shoulder" not in run.names
+    assert {e.contact for e in run.events} == {"elbow"}
+
+
+# Tiers and ensembles
+
+
+@pytest.mark.parametrize("case", ["arm", "plates", "clutches", "cart"])
+def test_both_tiers_agree_to_the_last_bit(case):
+    mechanism, laws, start, t_end = {
+        "arm": (Arm(), ARM, BENT, 3.0),
+        "plates": (*plates(5), 4.0),
+        "clutches": (*clutches(), 1.5),
+        "cart": (
+            RubbingCart(), {"wheels": coulomb(0.05, 0.08), "pivot": coulomb(0.01, 0.015)},
+            {"theta": 1.5}, 3.0,
+        ),
+    }[case]  # fmt: skip
+    runs = [
+        simulate(mechanism, laws, t_end=t_end, y0=start, solver=EventDriven(tier=tier))
+        for tier in ("python", "compiled")
+    ]
+    assert changes(runs[0]) == changes(runs[1])
+    for name in runs[0].names:
+        np.testing.assert_array_equal(runs[0][name], runs[1][name])
+
+
+def test_an_ensemble_varies_the_law_of_one_contact():
+    levels = np.array([0.15, 0.2, 0.25])
+    runs = ensemble(
+        Arm(), ARM, {"friction.elbow.static_coefficient": levels}, t_end=2.0, y0=BENT,
+        solver=EventDriven(tier="python"),
+    )  # fmt: skip
+    assert runs.certified.all()
+    for value, found in zip(levels, runs["shoulder"], strict=True):
+        laws = ARM | {"elbow": coulomb(0.12, float(value))}
+        assert found == run_of(Arm(), laws, 2.0, BENT)["shoulder"][-1]
+
+
+def test_an_ensemble_varies_a_law_that_contacts_share():
+    levels = np.array([0.2, 0.3])
+    runs = ensemble(
+        Arm(), coulomb(0.1, 0.4), {"friction.kinetic_coefficient": levels}, t_end=1.0, y0=BENT,
+        solver=EventDriven(tier="python"),
+    )  # fmt: skip
+    for value, found in zip(levels, runs["elbow"], strict=True):
+        assert found == run_of(Arm(), coulomb(float(value), 0.4), 1.0, BENT)["elbow"][-1]
+
+
+# What cannot be done is said
+
+
+def test_a_contact_without_a_name_or_law_is_named():
+    with pytest.raises(InputError, match="no law is given for the contact 'elbow'"):
+        simulate(Arm(), {"shoulder": coulomb(0.1)}, t_end=1.0)
+    with pytest.raises(UnknownNameError, match="elbow"):
+        simulate(Arm(), ARM | {"elbo": coulomb(0.1)}, t_end=1.0)
+
+
+def test_loads_that_two_feet_do_not_determine_are_refused():
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class OneSupport(TwoFeet):
+        def held(self):
+            return ("y",)
+
+        def kinetic_energy(self, q, q_dot):
+            return super().kinetic_energy({**q, "phi": 0.0}, {**q_dot, "phi": 0.0})
+
+        def contacts(self):
+            return tuple(
+                dataclasses.replace(one, slip="x", normal="y") for one in super().contacts()
+            )
+
+    laws = {"front": coulomb(0.6), "rear": coulomb(0.2)}
+    with pytest.raises(InputError, match="loads of front, rear are not determined"):
+        simulate(OneSupport(), laws, t_end=1.0)
+
+
+def test_sensitivities_of_several_contacts_are_refused_by_name():
+    run = run_of(Arm(), ARM, 1.0, BENT)
+    with pytest.raises(InputError, match="several contacts"):
+        run.sensitivity("elbow", "friction.elbow.kinetic_coefficient")
