@@ -77,6 +77,7 @@ INSIDE = {
     "check_given": "validation",
     "check_horizon": "records.fit",
     "check_rest": "travels.fit",
+    "choice_of": "records.fitting",
     "choose_route": "records.route_choice",
     "compared": "trials.comparison",
     "compile_for": "travels.precompile",

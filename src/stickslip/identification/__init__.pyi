@@ -53,6 +53,7 @@ from stickslip.identification.records.fit import Score as Score
 from stickslip.identification.records.fit import check_horizon as check_horizon
 from stickslip.identification.records.fit import settled as settled
 from stickslip.identification.records.fitting import ROUTES as ROUTES
+from stickslip.identification.records.fitting import choice_of as choice_of
 from stickslip.identification.records.fitting import fit_record as fit_record
 from stickslip.identification.records.fitting import fit_records as fit_records
 from stickslip.identification.records.fitting import route_of as route_of

@@ -1,9 +1,10 @@
 """Which estimates of a fit may be quoted one by one."""
 
+from typing import Any
+
 import numpy as np
 
-from stickslip.identification import TOGETHER, Estimate, RecordFit, TravelFit, uncertainties_of
-from stickslip.quantities import vary
+from stickslip.identification import TOGETHER, Estimate, Fit, RecordFit
 from stickslip.selection.limits import limit_text
 
 __all__ = ["half_of", "limit_of", "limits_of", "moved_by_errors", "settled_estimates", "traded"]
@@ -14,14 +15,14 @@ def half_of(estimate: Estimate) -> float:
     return 0.5 * (estimate.high - estimate.low)
 
 
-def limit_of(fit: RecordFit | TravelFit, estimate: Estimate) -> str:
+def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
     """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
 
     It is the record or the readings, or the uncertainty of the mechanism.
 
     Parameters
     ----------
-    fit : RecordFit or TravelFit
+    fit : Fit
         The fit, with its record or readings.
     estimate : Estimate
         One of its estimates, with the sources of its interval.
@@ -33,20 +34,10 @@ def limit_of(fit: RecordFit | TravelFit, estimate: Estimate) -> str:
     """
     if not estimate.sources:
         return ""
-    if isinstance(fit, TravelFit):
-        of_trials = [(one.mechanism, {**one.shared, **one.doubts}) for one in fit.trials]
-        readings = "the readings" if len(fit.trials) > 1 else "the reading"
-        return limit_text(estimate, of_trials, readings)
-    mechanism, measurement = fit.mechanism, fit.measurement
-    pairs = zip(measurement.records(), uncertainties_of(mechanism, measurement), strict=True)
-    stated = [
-        (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
-        for record, (own, shared) in pairs
-    ]
-    return limit_text(estimate, stated, "the record")
+    return limit_text(estimate, fit.rig_uncertainties, fit.readings)
 
 
-def limits_of(fit: RecordFit | TravelFit) -> tuple[str, ...]:
+def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
     """Return what limits each interval of a fit, with the path of the parameter."""
     limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
     return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)

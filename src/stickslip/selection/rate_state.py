@@ -325,7 +325,7 @@ def _verdict(
         words=rate_state_wording(ordered, rival, steps, checks, fault=fault, by_steps=by_steps),
         candidates=tuple(ordered),
         best=None if fault else ordered[0],
-        nearest=ordered[0],
+        not_recommended=ordered[0] if fault else None,
         ranked=len(ordered) > 1 and rival is None,
         checks=checks,
         by_steps=by_steps,

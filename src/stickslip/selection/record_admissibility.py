@@ -161,7 +161,7 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
     """
     fit = candidate.fit
     assert fit is not None
-    if fit.problem.quantity == "friction":
+    if not fit.problem.simulates:
         measured = fit.problem.measured
         centre = 0.0 if one_way(fit.measurement) else float(np.mean(measured))
         return float(np.sqrt(np.mean((measured - centre) ** 2)))

@@ -276,7 +276,7 @@ def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
 
 def route_text(fit: RecordFit) -> str:
     """Return how a record was fitted where that is unusual, and why; empty where it is not."""
-    way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
+    way = "shorter simulated segments" if fit.problem.simulates else "inverse dynamics"
     return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
 
 

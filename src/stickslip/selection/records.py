@@ -29,9 +29,9 @@ from stickslip.identification import (
     Route,
     RouteChoice,
     arguments,
-    asked_for,
     better_route,
     check_horizon,
+    choice_of,
     choose_route,
     compared,
     fit_record,
@@ -161,12 +161,12 @@ def select_records(
     checks = checked(mechanism, measurement, validate)
     route = route or way_for(purpose, measurement)
     chosen = _laws(laws, measurement)
-    if route is None:
-        route = choose_route(
-            mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings
-        )
-    settings = route.settings if isinstance(route, RouteChoice) else settings
-    fitted, tried = _tried(parameters, measurement, route, settings, chosen, progress, executor)
+    choice = (
+        choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
+        if route is None
+        else choice_of(route, measurement, settings)
+    )
+    fitted, tried = _tried(parameters, measurement, choice, chosen, progress, executor)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
@@ -175,14 +175,13 @@ def select_records(
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     judged = _with_contained(judged, chosen)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
-    return replace(found, settings=settings or RecordSettings())
+    return replace(found, settings=choice.settings)
 
 
 def _tried(
     parameters: Parameters[None],
     measurement: Measurement,
-    route: str | RouteChoice,
-    settings: RecordSettings | None,
+    choice: RouteChoice,
     chosen: Sequence[CandidateSpec],
     watch: RecordWatch | None,
     executor: Executor | None,
@@ -196,14 +195,13 @@ def _tried(
             measurement=_without_stated(measurement, name),
             route=name,
             reason=reason,
-            settings=settings,
+            settings=choice.settings,
         )
 
-    choice = route if isinstance(route, RouteChoice) else None
-    fitted = by(asked_for(route) or "", choice.reason if choice else "")
+    fitted = by(choice.route, choice.reason)
     tried = fitted_side_by_side(fitted, chosen, watch, executor)
     fits = [one.fit for one in tried if one.fit]
-    if choice is None or choice.alternative is None or not to_compare(choice, fits):
+    if choice.alternative is None or not to_compare(choice, fits):
         return fitted, tried
     try:
         others = fitted_side_by_side(by(choice.alternative, ""), chosen, watch, executor)
@@ -665,8 +663,8 @@ def _scored(best: RecordCandidate, plan: Plan) -> str:
     """Return what is scored, in words; a block that leaves nothing to fit to is not."""
     assert best.fit is not None
     assert best.validation is not None
-    count, scored = len(best.validation.losses), best.fit.problem.quantity
+    count, problem = len(best.validation.losses), best.fit.problem
     blocks = f"{count} held-out block{'s' if count > 1 else ''}, root mean square"
-    if scored == "friction":
-        return f"friction on {blocks}"
-    return f"{scored} over {quantity(plan.horizon, 's', 2)} on {blocks}"
+    if not problem.simulates:
+        return f"{problem.quantity} on {blocks}"
+    return f"{problem.quantity} over {quantity(plan.horizon, 's', 2)} on {blocks}"

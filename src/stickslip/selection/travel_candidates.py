@@ -72,7 +72,7 @@ def try_law(
     _, given = _seen(trials[0], law, t_end)
     candidate = TravelCandidate(
         name=name, title=law.title, law=law, given=given, fit=None, run=None, criteria=None,
-        score=None, score_error=None, ordinary=ordinary,
+        ordinary=ordinary,
     )  # fmt: skip
     names = payable(law, trials) if free is None else free
     needed = [f"friction.{one}" for one in required_of(type(law))] if ordinary else []

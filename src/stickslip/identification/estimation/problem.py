@@ -2,17 +2,19 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self, final
+from typing import Any, NamedTuple, Protocol, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.trajectory import Trajectory
 
 __all__ = [
     "STEEPEST",
     "FixedParameterProblem",
+    "FrictionSamples",
     "LeastSquaresProblem",
     "Problem",
     "RecordProblem",
@@ -181,6 +183,19 @@ class Problem(ABC):
         """
 
 
+class FrictionSamples(NamedTuple):
+    """Friction that a law is compared with, along a stretch of the measured motion."""
+
+    time: Array | None
+    """Times (n,) [s]; None in a table."""
+    velocity: Array
+    """Slip velocities (n,) [m/s]."""
+    friction: Array
+    """Friction forces (n,) [N]."""
+    load: Array
+    """Normal forces (n,) [N]."""
+
+
 class RecordProblem(Problem):
     """A problem whose rows are samples of a record, which predictions stand beside."""
 
@@ -198,6 +213,33 @@ class RecordProblem(Problem):
     def simulates(self) -> bool:
         """Whether motion is predicted from its start; else friction along the measured motion."""
         return False
+
+    @property
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        """Friction along the measured motion, by stretch; empty where motion is simulated."""
+        return ()
+
+    @property
+    def held_offset(self) -> float | None:
+        """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
+        return None
+
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:  # noqa: ARG002
+        """Return the segments simulated again from their fitted states, each with its certificate.
+
+        Times of a run count from the start of its segment. There are none along measured motion.
+
+        Parameters
+        ----------
+        seen : ResidualJacobian
+            An answer with the fitted states.
+
+        Returns
+        -------
+        tuple of Trajectory
+            The runs that reached their end.
+        """
+        return ()
 
     @property
     def few(self) -> "RecordProblem | None":

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.experiments import LawEstimates, Measurement, levels_at
 from stickslip.formatting import joined, number, percent, signed_percent
 from stickslip.identification.estimation.parameters import FreeParameters
@@ -25,6 +26,9 @@ from stickslip.identification.features.problem import SETTLING
 from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
 
@@ -71,6 +75,10 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_feature_errors(self, ax))
 
     @override
     def law_estimates(self) -> LawEstimates:

@@ -13,7 +13,11 @@ from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, FrictionLaw, towards
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
-from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
+from stickslip.identification.estimation.problem import (
+    FrictionSamples,
+    RecordProblem,
+    ResidualJacobian,
+)
 from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
@@ -131,6 +135,24 @@ class ForceMap(RecordProblem):
     @override
     def measured(self) -> Array:
         return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
+
+    @property
+    @override
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        return tuple(
+            FrictionSamples(
+                time=one.path.time if one.timed else None,
+                velocity=one.path.velocity,
+                friction=one.friction,
+                load=one.path.load,
+            )
+            for one in self.stretches
+        )
+
+    @property
+    @override
+    def held_offset(self) -> float:
+        return float(self.offset)
 
     def along(self, stretches: Sequence[MotionSegment], measurement: Measurement) -> "ForceMap":
         """Return the same along other stretches, with the constant force that records set.

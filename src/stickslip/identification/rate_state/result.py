@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.experiments import LawEstimates, Measurement
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
@@ -29,6 +30,9 @@ from stickslip.identification.rate_state.slider import SliderHistory, simulate_v
 from stickslip.identification.results import Estimate, Fit, estimates_for
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = [
     "Profile",
@@ -136,6 +140,10 @@ class RateStateFit(Fit[RateState]):
     """The least cost found, and what each start came to."""
     inference: Inference
     """Covariance of the fitted values, those that were held included."""
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_coefficient(self, ax))
 
     @property
     def best(self) -> ResidualJacobian:

@@ -4,12 +4,13 @@ import math
 import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, Self, final
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.errors import ParameterError
 from stickslip.experiments import (
     QUANTITIES,
@@ -35,9 +36,14 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.series.applied_force import inside
+from stickslip.identification.travels.model import uncertainties_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from stickslip.display import Drawing, Target
 
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
 
@@ -181,6 +187,34 @@ class RecordFit(Fit[Law_co]):
     """What stated uncertainties of the mechanism make of the residuals; intervals hold it."""
     model_errors: tuple[ModelError, ...] = ()
     """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
+
+    @property
+    def friction_was_measured(self) -> bool:
+        """Whether friction itself was measured and fitted, with no force that acts beside it."""
+        return self.route == "force-map"
+
+    @property
+    def offset(self) -> float:
+        """The constant force that stands beside friction [N], fitted or held."""
+        for estimate in self.estimates:
+            if estimate.path in {"mechanism.offset", "measurement.offset.friction"}:
+                return estimate.value
+        held = self.problem.held_offset
+        return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
+
+    @property
+    @override
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        mechanism, records = self.mechanism, self.measurement.records()
+        pairs = zip(records, uncertainties_of(mechanism, self.measurement), strict=True)
+        return [
+            (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+            for record, (own, shared) in pairs
+        ]
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_friction_map(self, ax))
 
     @property
     def restarts(self) -> OptimizeResult:

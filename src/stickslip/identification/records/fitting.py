@@ -323,10 +323,43 @@ def _route(
     settings: RecordSettings | None,
 ) -> RouteChoice:
     """Return the route, its settings and why it was chosen; as asked for if it was."""
-    if isinstance(route, RouteChoice):
-        return route
     if route is None:
         return choose_route(mechanism, measurement, vary=[LAW, *unknown], settings=settings)
+    return choice_of(route, measurement, settings)
+
+
+def choice_of(
+    route: str | RouteChoice, measurement: Measurement, settings: RecordSettings | None = None
+) -> RouteChoice:
+    """Return the choice of a route that was asked for; one that was made is kept.
+
+    Parameters
+    ----------
+    route : str or RouteChoice
+        Name of a route of records, or a choice with settings of its own.
+    measurement : Measurement
+        The records.
+    settings : RecordSettings, optional
+        Settings of a route that is given by its name; the usual ones if not given.
+
+    Returns
+    -------
+    RouteChoice
+        The route with its settings.
+
+    Raises
+    ------
+    InputError
+        If the route is none of records.
+
+    Examples
+    --------
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> choice_of("force-map", table).settings.starts
+    4
+    """
+    if isinstance(route, RouteChoice):
+        return route
     return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
 
 
@@ -397,7 +430,7 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
 
     Residuals that are the noise of the sensor show none, whatever a test finds in them.
     """
-    if fit.route == "force-map":  # no force that inertia would balance
+    if fit.friction_was_measured:  # no force that inertia would balance
         return fit
     if drives_itself(fit.mechanism, fit.measurement):  # nor one that was recorded
         return fit

@@ -234,11 +234,8 @@ class Shooting(RecordProblem):
             found.append(one.measured - predicted)
         return np.concatenate(found)
 
+    @override
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
-        """Return the segments simulated again from their fitted states, each with its certificate.
-
-        Times of a run count from the start of its segment.
-        """
         law, mechanisms = self._changed(seen.values)
         found = []
         for k, one in enumerate(self.segments):

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
-from stickslip.identification import SEPARABLE, RecordFit, Shooting
+from stickslip.identification import SEPARABLE, RecordFit
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
@@ -86,8 +86,6 @@ def _worst(costs: Sequence[float]) -> str:
 
 def _runs(fit: RecordFit) -> list[KeyValue]:
     """Return what the runs of the segments say of themselves; nothing where none are simulated."""
-    if not isinstance(fit.problem, Shooting):
-        return []
     runs = fit.problem.runs(fit.found.best)
     known = [run.certificate for run in runs]
     if not known:

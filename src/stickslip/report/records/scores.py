@@ -124,7 +124,7 @@ def _how(verdict: RecordVerdict) -> str:
         f"The record of {quantity(plan.length, 's')} is divided into {plan.folds} blocks, {gap} on"
         " both sides of each. Every candidate is fitted to the other blocks"
     )
-    if verdict.quantity == "friction":
+    if not verdict.simulates:
         return f"{text} and predicts the friction force in {block}."
     return (
         f"{text} and predicts the {verdict.quantity} in {block}, in segments of"
