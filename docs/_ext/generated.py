@@ -240,7 +240,7 @@ def route_table() -> Iterator[str]:
             route.measured,
             ", ".join(f"`{name}`" for name in route.names),
             (route.__doc__ or "").partition("\n")[0],
-            ", ".join(f"`{name}`" for name in sorted(route.uses)),
+            ", ".join(f"`{name}`" for name in sorted(route.uses | route.settings)),
             "yes" if route.simulated else "no",
         )
         for route in routes()

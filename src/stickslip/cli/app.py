@@ -43,7 +43,6 @@ from stickslip.cli.options import (
 from stickslip.cli.subcommands import data, profile
 
 if TYPE_CHECKING:
-    from stickslip.identification import RouteName
     from stickslip.selection import PurposeName
 
 __all__ = ["app"]
@@ -123,7 +122,7 @@ def select(
     how = fitted(
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
         horizon=horizon,
-        route=cast("RouteName | None", route),
+        route=route,
     )
     asked = CommandInputs(
         data=data or [],
@@ -179,7 +178,7 @@ def fit(
     )
     how = FitOptions(
         horizon=horizon,
-        route=cast("RouteName | None", route),
+        route=route,
         segment=segment,
         hold=hold,
         starts=starts,

@@ -89,7 +89,7 @@ def run(
         write_file(output, result.to_toml().encode())
     if as_json:
         content = {
-            "rig": rig.title,
+            "rig": rig.heading,
             "digest": found.digest,
             **result.to_dict(),
             "checks": checks.to_dict(),

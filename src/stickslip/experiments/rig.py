@@ -132,6 +132,11 @@ class Rig:
     digest: str = ""
     path: str = ""
 
+    @property
+    def heading(self) -> str:
+        """The title; the kind of mechanism if there is none."""
+        return self.title or self.mechanism.title
+
     def __post_init__(self) -> None:
         """Check that laws, trials and mechanism fit each other."""
         if not isinstance(self.mechanism, Mechanism):

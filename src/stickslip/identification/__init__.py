@@ -92,7 +92,6 @@ INSIDE = {
     "expected_fit": "travels.several_travels",
     "far_above_dry": "results",
     "fit_record": "records.fitting",
-    "fit_steps": "rate_state.fit",
     "fit_trials": "travels.fit",
     "form_of": "rate_state.fit",
     "free_of": "features.fit",

@@ -37,7 +37,6 @@ from stickslip.identification.profile_likelihood import largest_allowed as large
 from stickslip.identification.rate_state.fit import Drift as Drift
 from stickslip.identification.rate_state.fit import STARTS as STARTS
 from stickslip.identification.rate_state.fit import fit_rate_state as fit_rate_state
-from stickslip.identification.rate_state.fit import fit_steps as fit_steps
 from stickslip.identification.rate_state.fit import form_of as form_of
 from stickslip.identification.rate_state.fit import with_profile as with_profile
 from stickslip.identification.rate_state.problem import serves as serves

@@ -23,7 +23,7 @@ from stickslip.identification import (
     SubsetProblem,
     arguments,
     bounds_met,
-    fit_steps,
+    fit_rate_state,
     form_of,
     improve,
     simulate_velocity_steps,
@@ -224,7 +224,7 @@ def _candidate(
         return replace(found, dropped=LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     try:
-        fit = fit_steps(
+        fit = fit_rate_state(
             mechanism,
             one.law,
             measurement,
@@ -232,6 +232,7 @@ def _candidate(
             drift=drift,
             starts=starts,
             seed=seed,
+            profile=False,
             progress=report,
         )
     except (ConvergenceError, SimulationError) as error:

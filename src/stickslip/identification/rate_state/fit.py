@@ -37,7 +37,7 @@ from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments, check_given
 from stickslip.mechanisms import Mechanism, TowedBlock
 
-__all__ = ["STARTS", "Drift", "fit_rate_state", "fit_steps", "form_of", "with_profile"]
+__all__ = ["STARTS", "Drift", "fit_rate_state", "form_of", "with_profile"]
 
 Array: TypeAlias = NDArray[np.float64]
 Drift: TypeAlias = Literal["auto", "none", "linear"]
@@ -76,6 +76,7 @@ def fit_rate_state(
     lowest_evolution_effect: float = 0.0,
     starts: int = STARTS,
     seed: int = 0,
+    profile: bool = True,
     progress: Watch | None = None,
 ) -> RateStateFit:
     """Fit rate-and-state friction to a record with steps of the speed of the load point.
@@ -111,6 +112,9 @@ def fit_rate_state(
         after a step.
     starts, seed : int
         Number of starts of the search, and seed of those that are drawn.
+    profile : bool
+        Whether fits at other evolution effects widen the intervals, and fits to less of the way
+        give `RateStateFit.windows`. Without, intervals are those of the jackknife alone.
     progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -148,76 +152,6 @@ def fit_rate_state(
     (True, True)
     """
     check_given("fit_rate_state", mechanism, measurement)
-    return with_profile(
-        fit_steps(
-            mechanism,
-            law,
-            measurement,
-            vary=vary,
-            fixed=fixed,
-            before=before,
-            after=after,
-            drift=drift,
-            lowest_evolution_effect=lowest_evolution_effect,
-            starts=starts,
-            seed=seed,
-            progress=progress,
-        )
-    )
-
-
-def fit_steps(
-    mechanism: Mechanism,
-    law: RateState | type[RateState] | str,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    before: float | None = None,
-    after: float | None = None,
-    drift: Drift = "auto",
-    lowest_evolution_effect: float = 0.0,
-    starts: int = STARTS,
-    seed: int = 0,
-    progress: Watch | None = None,
-) -> RateStateFit:
-    """Fit as `fit_rate_state` does, without fits at other evolution effects and windows.
-
-    Parameters
-    ----------
-    mechanism : TowedBlock
-        Stiffness of spring and machine, and the load where none was measured.
-    law : RateState, type or str
-        The law, as for `fit_rate_state`.
-    measurement : Measurement
-        One record with ``time``, ``pull`` and ``friction``.
-    vary : str or sequence of str, optional
-        Parameters to fit.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI].
-    before, after : float, optional
-        Way of the load point [m] before the first and after the last step that is used.
-    drift : {"auto", "none", "linear"}
-        Whether friction changes steadily with the way of the load point.
-    lowest_evolution_effect : float
-        Lower bound of b.
-    starts, seed : int
-        Number of starts of the search, and seed of those that are drawn.
-    progress : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RateStateFit
-        The fit, without `windows`; its intervals are those of the jackknife alone.
-
-    Raises
-    ------
-    InputError
-        If the record, the mechanism or a name cannot be used.
-    ConvergenceError
-        If the slider runs away from every start.
-    """
     if drift not in ("auto", "none", "linear"):
         raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
     asked = _asked(mechanism, law, measurement, vary, fixed)
@@ -231,7 +165,8 @@ def fit_steps(
     found = search(slider, starts=starts, seed=seed, tried=_tried(slider), watch=progress)
     if drift != "none" and not found.cancelled:
         slider, found = _drifting(slider, found, unknowns[1], progress, always=drift == "linear")
-    return result_of(asked.block, measurement, slider, found)
+    fit = result_of(asked.block, measurement, slider, found)
+    return with_profile(fit) if profile else fit
 
 
 def with_profile(fit: RateStateFit) -> RateStateFit:

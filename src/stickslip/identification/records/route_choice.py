@@ -37,10 +37,12 @@ __all__ = [
     "unexplained_share",
 ]
 
-RouteName: TypeAlias = Literal[
+OwnRouteName: TypeAlias = Literal[
     "shooting", "force-map", "inverse-dynamics", "features", "rate-state"
 ]
-"""What `fit` and `select` may be asked for."""
+RouteName: TypeAlias = OwnRouteName | str
+"""What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
+"""
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""

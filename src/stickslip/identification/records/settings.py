@@ -1,7 +1,7 @@
 """How records are fitted."""
 
 import numbers
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import get_args
 
 from stickslip.errors import ParameterError, UnknownNameError
@@ -33,6 +33,11 @@ class RecordSettings:
     """Starts of the search."""
     seed: int = 0
     """Of the jitter of further starts."""
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Names of the settings that differ from the usual ones."""
+        return tuple(f.name for f in fields(self) if getattr(self, f.name) != f.default)
 
     def __post_init__(self) -> None:
         """Check all: a hold that is not known would pass for ``"zero"``."""

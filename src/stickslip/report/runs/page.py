@@ -59,8 +59,8 @@ def run_page(about: RunReport) -> str:
     sections = made_sections(*(partial(make, about) for make in SECTIONS))
     return render(
         Page(
-            title=f"{about.rig.title or about.rig.mechanism.name}: {about.law.title} friction",
-            subject=about.rig.path or about.rig.title,
+            title=f"{about.rig.heading}: {about.law.title} friction",
+            subject=about.rig.path or about.rig.heading,
             sections=sections,
             footer=colophon(about.versions),
             kicker="simulation report",

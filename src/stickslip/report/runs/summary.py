@@ -12,7 +12,7 @@ __all__ = ["opening_section"]
 def opening_section(about: RunReport) -> Section:
     """Return the headline with its numbers, and what the run cannot tell."""
     opening = Opening(
-        kicker=f"{about.rig.title or about.rig.mechanism.name}, {about.law.title} friction",
+        kicker=f"{about.rig.heading}, {about.law.title} friction",
         verdict=_headline(about),
         lede=_lede(about),
         facts=_facts(about),
