@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
@@ -125,8 +126,10 @@ def select_travels(
             )
         )
     candidates.sort(key=lambda c: list(named).index(c.name))
+    marks = assumed or {}
+    candidates = [replace(c, marked=tuple(marks.get(c.name, ()))) for c in candidates]
     if scored:
-        candidates = _freed(candidates, trials, assumed or {}, t_end, progress)
+        candidates = _freed(candidates, trials, t_end, progress)
     candidates, best, against = (
         _ranked(candidates, trials, t_end, progress)
         if scored
@@ -208,7 +211,6 @@ def _repeats_of(
 def _freed(
     candidates: Sequence[TravelCandidate],
     trials: Sequence[Trial],
-    assumed: Mapping[str, Sequence[str]],
     t_end: float,
     watch: Watch | None,
 ) -> list[TravelCandidate]:
@@ -224,7 +226,7 @@ def _freed(
     simpler = [other for other in candidates if not other.invented]
     found = []
     for c in candidates:
-        free = _to_free(c, assumed.get(c.name, ()), settings)
+        free = _to_free(c, settings)
         if free and c.fit is not None:
             others = [other for other in simpler if other is not c]
             freed = try_law(
@@ -232,13 +234,13 @@ def _freed(
                 free=free, watch=watch,
             )  # fmt: skip
             better = not freed.dropped and (c.invented or misfit(freed) < WORTH * misfit(c))
-            found.append(freed if better else c)
+            found.append(replace(freed, marked=c.marked) if better else c)
         else:
             found.append(c)
     return found
 
 
-def _to_free(candidate: TravelCandidate, assumed: Sequence[str], settings: int) -> list[str]:
+def _to_free(candidate: TravelCandidate, settings: int) -> list[str]:
     """Return the paths to fit where ordinary or assumed values may be wrong.
 
     Of assumed values those come first that move the travel most.
@@ -246,7 +248,7 @@ def _to_free(candidate: TravelCandidate, assumed: Sequence[str], settings: int) 
     if candidate.invented:
         paths = [f"friction.{name}" for name in required_of(type(candidate.law))]
         return paths if len(paths) < settings else []
-    moving = [name for name in assumed if candidate.influence.get(name, 0.0) > 0.0]
+    moving = [name for name in candidate.marked if candidate.influence.get(name, 0.0) > 0.0]
     if not moving or candidate.fit is None:
         return []
     moving.sort(key=lambda name: -candidate.influence[name])
