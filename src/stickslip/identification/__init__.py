@@ -71,6 +71,7 @@ INSIDE = {
     "arguments": "validation",
     "as_good": "features.scores",
     "asked_for": "records.route_choice",
+    "balanced": "force_map.force_balance",
     "better_route": "records.route_choice",
     "bounds_met": "rate_state.result",
     "by_features": "features.features",

@@ -31,6 +31,7 @@ from stickslip.identification.features.scores import error_of_score as error_of_
 from stickslip.identification.features.scores import room_of as room_of
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
+from stickslip.identification.force_map.force_balance import balanced as balanced
 from stickslip.identification.force_map.problem import ForceMap as ForceMap
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed

@@ -75,6 +75,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
 
     second: Score | None = None
     """Error on the record given to validate, if there is one."""
+    refuted: str = ""
+    """Which value that was given the record contradicts, as a clause; empty if it does not."""
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     aic: float = math.nan

@@ -231,6 +231,8 @@ def _verdict(
     trials: TrialComparison | None,
 ) -> str:
     name = friction_of(best.title)
+    if best.refuted:
+        return f"{capital(best.refuted)}. Measure the value again, or leave it out."
     if fault:
         return f"No law explains this record: {fault}."
     if best.dropped:

@@ -57,6 +57,7 @@ from stickslip.selection.choice import (
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
+from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import fitted_side_by_side, takes_long
@@ -423,8 +424,13 @@ def _judged(
     if not math.isfinite(validation.score):
         reason = "not scored: its simulation of a held-out block failed"
         return replace(candidate, dropped=reason, second=second)
+    refuted = refuted_by_record(candidate.fit)
     return replace(
-        candidate, validation=validation, dropped=objection(candidate.fit), second=second
+        candidate,
+        validation=validation,
+        dropped="; ".join(filter(None, [refuted, objection(candidate.fit)])),
+        refuted=refuted,
+        second=second,
     )
 
 
@@ -508,7 +514,8 @@ def _verdict(
     least = max(stated, ROUNDING * variation)
     scored = [_objected(c, scored, least) for c in scored]
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
-    closest = choose(searched or scored, uncertainty=least)
+    sound = [c for c in searched if not c.refuted]
+    closest = choose(sound or searched or scored, uncertainty=least)
     closest = _doubted(closest, scored)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
@@ -625,7 +632,11 @@ def _objected(
 ) -> RecordCandidate:
     """Return a candidate without objections that an F test over simpler laws has answered."""
     assert candidate.fit is not None
-    if candidate.dropped and shown_over_simpler(candidate, scored, uncertainty=uncertainty):
+    if (
+        candidate.dropped
+        and not candidate.refuted
+        and shown_over_simpler(candidate, scored, uncertainty=uncertainty)
+    ):
         return replace(candidate, dropped=objection(candidate.fit, shown=True))
     return candidate
 
@@ -635,9 +646,10 @@ def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> Record
 
     Where something speaks against every law, parameters that are not identified are a doubt too; a
     law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
-    So does a law whose search failed: its values are not those of the least error.
+    So does a law whose search failed: its values are not those of the least error; and one with a
+    given value that the record contradicts.
     """
-    if best.fit is not None and best.fit.search_failure:
+    if best.refuted or (best.fit is not None and best.fit.search_failure):
         return best
     if best.dropped and not (best.weak and all(c.dropped for c in scored)):
         return replace(best, dropped="", doubt=best.dropped)

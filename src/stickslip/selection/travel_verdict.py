@@ -48,6 +48,8 @@ class TravelCandidate(Candidate[TravelFit]):
     """How far each parameter taken as given moves the travel [m] when changed by half."""
     assumed: tuple[str, ...] = ()
     """Names of the parameters that were neither measured nor fitted."""
+    refuted: str = ""
+    """Which value that was given the readings contradict, as a sentence; empty if they do not."""
     marked: tuple[str, ...] = ()
     """Names of the parameters whose values were given as assumed."""
     invented: tuple[str, ...] = ()

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import lower_first
 from stickslip.friction import LAWS, FrictionLaw, law_type
 from stickslip.identification import (
     Laws,
@@ -14,6 +15,7 @@ from stickslip.identification import (
     Trial,
     arguments,
     compile_for,
+    payable,
     required_of,
     standard_errors,
     starting_law,
@@ -30,6 +32,7 @@ from stickslip.selection.design.discriminating_settings import (
     propose,
     separations,
 )
+from stickslip.selection.given_levels import refuted_by_travels
 from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
@@ -130,6 +133,7 @@ def select_travels(
     candidates = [replace(c, marked=tuple(marks.get(c.name, ()))) for c in candidates]
     if scored:
         candidates = _freed(candidates, trials, t_end, progress)
+    candidates = [_refuted(c, trials, t_end) for c in candidates]
     candidates, best, against = (
         _ranked(candidates, trials, t_end, progress)
         if scored
@@ -238,6 +242,24 @@ def _freed(
         else:
             found.append(c)
     return found
+
+
+def _refuted(candidate: TravelCandidate, trials: Sequence[Trial], t_end: float) -> TravelCandidate:
+    """Return a candidate without its fit where the readings refute what was given of it."""
+    if candidate.ordinary:
+        return candidate
+    law, held = candidate.law, candidate.assumed
+    if candidate.fit is None:
+        free = payable(law, trials)
+        paths = [path for path, _, _ in parameters(law, "friction")]
+        held = tuple(path.rpartition(".")[2] for path in paths if path not in free)
+    else:
+        law = candidate.fit.law
+    said = refuted_by_travels(law, held, trials, t_end=t_end)
+    if not said:
+        return candidate
+    why = lower_first(said)
+    return replace(candidate, fit=None, run=None, criteria=None, refuted=said, dropped=why)
 
 
 def _to_free(candidate: TravelCandidate, settings: int) -> list[str]:
