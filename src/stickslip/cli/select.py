@@ -99,6 +99,8 @@ def run(
     ------
     Exit
         If no law is recommended, or a criterion fails with `enforce`.
+    InputError
+        If an option has no effect on what was measured.
     ToldExit
         If the page could not be drawn.
     """

@@ -32,7 +32,6 @@ from stickslip.identification.features.scores import room_of as room_of
 from stickslip.identification.force_map.data import TIMELESS as TIMELESS
 from stickslip.identification.force_map.data import load_along as load_along
 from stickslip.identification.force_map.force_balance import balanced as balanced
-from stickslip.identification.force_map.problem import ForceMap as ForceMap
 from stickslip.identification.profile_likelihood import Allowed as Allowed
 from stickslip.identification.profile_likelihood import largest_allowed as largest_allowed
 from stickslip.identification.rate_state.fit import Drift as Drift
@@ -82,7 +81,6 @@ from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identification.series.start_values import load_of as load_of
-from stickslip.identification.shooting.multiple_shooting import Shooting as Shooting
 from stickslip.identification.shooting.segments import LEAST as LEAST
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.travels.fit import check_rest as check_rest

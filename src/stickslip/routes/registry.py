@@ -158,6 +158,11 @@ def unused_text(route: AnyRoute, users: Iterable[AnyRoute]) -> str:
     users : iterable of Route
         Routes that use the option.
 
+    Returns
+    -------
+    str
+        The end of the sentence.
+
     Examples
     --------
     >>> unused_text(route_named("travel"), [route_named("features")])

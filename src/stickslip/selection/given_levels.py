@@ -78,6 +78,11 @@ def level_text(mechanism: Mechanism, friction: float, load: float) -> str:
     load : float
         Normal force [N].
 
+    Returns
+    -------
+    str
+        Its share of the load in N/N, or the force or torque where no load is known.
+
     Examples
     --------
     >>> from stickslip import Axis, SpringBlock

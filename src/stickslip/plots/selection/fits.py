@@ -199,7 +199,20 @@ def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
 
 
 def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
-    """Plot measured less predicted travel, by trial."""
+    """Plot measured less predicted travel, by trial.
+
+    Parameters
+    ----------
+    fit : TravelFit
+        A fit to travels.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
     errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
     pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
     rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
@@ -208,7 +221,20 @@ def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
 
 
 def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
-    """Plot relative errors of the features of stick-slip, held out where they can be."""
+    """Plot relative errors of the features of stick-slip, held out where they can be.
+
+    Parameters
+    ----------
+    fit : FeatureFit
+        A fit to features of stick-slip.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
     kind = "held-out" if fit.held_out_errors else "fitted"
     found = fit.held_out_errors or fit.errors
     rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
@@ -216,7 +242,20 @@ def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
 
 
 def plot_coefficient(fit: RateStateFit, ax: Target = None) -> Axes:
-    """Plot the coefficient of friction over time, measured and fitted."""
+    """Plot the coefficient of friction over time, measured and fitted.
+
+    Parameters
+    ----------
+    fit : RateStateFit
+        A fit to velocity steps.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
     shown = sampled(len(fit.time))
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
@@ -270,7 +309,25 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
 
 
 def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
-    """Plot held-out errors of the laws that have one."""
+    """Plot held-out errors of the laws that have one.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` returns, on any route.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel, the law to use in blue.
+
+    Raises
+    ------
+    InputError
+        If no law has one.
+    """
     best = verdict.best.name if verdict.best else ""
     rows = [
         Interval(
