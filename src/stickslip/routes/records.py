@@ -83,8 +83,8 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
             return options
         measurement = request.measurement
         asked = options.route or way_for(options.purpose, measurement)
-        faulty = check(measurement, mechanism=request.mechanism).worst == "error"
-        if asked is not None or faulty:  # what is faulty is refused where it is fitted
+        # what is faulty is refused where it is fitted
+        if asked is not None or check(measurement, mechanism=request.mechanism).worst == "error":
             choice = RouteChoice(route=route_of(measurement, asked), settings=settings)
             return replace(options, route=choice)
         chosen = Parameters.of(
