@@ -23,8 +23,8 @@ from stickslip import Axis, CoulombViscous
 from stickslip.catalogue import dataset
 from stickslip.errors import InputError
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.start_values import Scales, scales_of
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.identification.shooting.segments import segments_of
 

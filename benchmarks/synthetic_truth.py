@@ -34,7 +34,7 @@ from stickslip import (
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict

@@ -10,7 +10,7 @@ from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, 
 from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.records.route_choice import choose_route
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.mechanisms import Prescribed, Torque
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)

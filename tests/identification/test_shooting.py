@@ -11,13 +11,13 @@ from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.start_values import (
     joined,
     law_unknowns,
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.initial_states import CLEARLY
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of

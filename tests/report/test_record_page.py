@@ -25,17 +25,17 @@ from stickslip.friction import DirectionDependent
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report import Paragraph, Section, render
 from stickslip.report.core.documents import Origin
-from stickslip.report.core.markup import equation_parts
+from stickslip.report.core.markup import equation_parts, typeset
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.loops import turns_of
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
-from stickslip.report.records.texts import rival_of, typeset
+from stickslip.report.records.texts import rival_of
 from stickslip.routes.page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence

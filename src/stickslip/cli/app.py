@@ -512,9 +512,10 @@ def warmup(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of rig files."""
-    from stickslip.cli.schema import run
+    from stickslip.cli.console import document, print_json
+    from stickslip.experiments import rig_schema
 
-    run()
+    print_json(document("rig-schema", rig_schema()))
 
 
 @app.command()
@@ -525,9 +526,9 @@ def cite(
     as_json: Json = False,
 ) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
-    from stickslip.cli.cite import run
+    from stickslip.cli.models import cite
 
-    run(laws or [], as_json=as_json)
+    cite(laws or [], as_json=as_json)
 
 
 app.add_typer(data, name="data")

@@ -52,7 +52,7 @@ INSIDE = {
     "read_number": "units",
     "refuse_faults": "preconditions",
     "refuse_lack": "preconditions",
-    "refuse_same": "second_records",
+    "refuse_same": "preconditions",
     "refuse_unused": "preconditions",
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",

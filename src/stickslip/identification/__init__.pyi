@@ -1,8 +1,8 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
-from stickslip.identification.estimates import SEPARABLE as SEPARABLE
-from stickslip.identification.estimates import TOGETHER as TOGETHER
-from stickslip.identification.estimates import step_intervals as step_intervals
 from stickslip.identification.estimation.containment import FittedLaw as FittedLaw
+from stickslip.identification.estimation.estimates import SEPARABLE as SEPARABLE
+from stickslip.identification.estimation.estimates import TOGETHER as TOGETHER
+from stickslip.identification.estimation.estimates import step_intervals as step_intervals
 from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identification.estimation.levenberg_marquardt import improve as improve
@@ -69,22 +69,24 @@ from stickslip.identification.records.route_choice import asked_for as asked_for
 from stickslip.identification.records.route_choice import better_route as better_route
 from stickslip.identification.records.route_choice import choose_route as choose_route
 from stickslip.identification.records.route_choice import to_compare as to_compare
-from stickslip.identification.records.settings import RecordSettings as RecordSettings
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
+from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import far_above_dry as far_above_dry
 from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from stickslip.identification.series.start_values import load_of as load_of
+from stickslip.identification.settings import LEAST as LEAST
+from stickslip.identification.settings import RecordSettings as RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting as Shooting
-from stickslip.identification.shooting.segments import LEAST as LEAST
 from stickslip.identification.shooting.segments import with_drive as with_drive
 from stickslip.identification.travels.fit import check_rest as check_rest
+from stickslip.identification.travels.fit import compile_for as compile_for
 from stickslip.identification.travels.fit import fit_travels as fit_travels
 from stickslip.identification.travels.fit import fit_trials as fit_trials
 from stickslip.identification.travels.fit import payable as payable
@@ -96,8 +98,6 @@ from stickslip.identification.travels.model import quantities_read as quantities
 from stickslip.identification.travels.model import standard_errors as standard_errors
 from stickslip.identification.travels.model import trials_of as trials_of
 from stickslip.identification.travels.model import uncertainties_of as uncertainties_of
-from stickslip.identification.travels.precompile import compile_for as compile_for
-from stickslip.identification.travels.propagation import READINGS as READINGS
 from stickslip.identification.travels.propagation import covariance_of as covariance_of
 from stickslip.identification.travels.result import TravelFit as TravelFit
 from stickslip.identification.travels.several_travels import expected_fit as expected_fit

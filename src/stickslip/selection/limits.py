@@ -3,11 +3,49 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.formatting import capital, percent, quantity
-from stickslip.identification import READINGS, Estimate
+from stickslip.identification import READINGS, Estimate, RecordFit, TravelFit, uncertainties_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import parameters
+from stickslip.quantities import parameters, vary
 
-__all__ = ["limit_text"]
+__all__ = ["limit_of", "limit_text", "limits_of"]
+
+
+def limit_of(fit: RecordFit | TravelFit, estimate: Estimate) -> str:
+    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+
+    It is the record or the readings, or the uncertainty of the mechanism.
+
+    Parameters
+    ----------
+    fit : RecordFit or TravelFit
+        The fit, with its record or readings.
+    estimate : Estimate
+        One of its estimates, with the sources of its interval.
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
+    if not estimate.sources:
+        return ""
+    if isinstance(fit, TravelFit):
+        of_trials = [(one.mechanism, {**one.shared, **one.doubts}) for one in fit.trials]
+        readings = "the readings" if len(fit.trials) > 1 else "the reading"
+        return limit_text(estimate, of_trials, readings)
+    mechanism, measurement = fit.mechanism, fit.measurement
+    pairs = zip(measurement.records(), uncertainties_of(mechanism, measurement), strict=True)
+    stated = [
+        (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+        for record, (own, shared) in pairs
+    ]
+    return limit_text(estimate, stated, "the record")
+
+
+def limits_of(fit: RecordFit | TravelFit) -> tuple[str, ...]:
+    """Return what limits each interval of a fit, with the path of the parameter."""
+    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
+    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
 
 
 def limit_text(

@@ -11,11 +11,6 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import (
     Checks,
     Measurement,
-    check,
-    refuse_lack,
-    refuse_same,
-    refuse_unused,
-    told,
     with_doubts,
 )
 from stickslip.formatting import quantity
@@ -35,15 +30,16 @@ from stickslip.identification import (
     choose_route,
     compared,
     fit_record,
-    inside,
     to_compare,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
-from stickslip.selection.applicability import one_way, unsuited_by
+from stickslip.selection.applicability import checked, one_way, unsuited_by
 from stickslip.selection.candidates import (
+    LEFT_OUT,
     REFERENCE,
     CandidateSpec,
+    Watch,
     contains,
     control,
     specifications,
@@ -75,29 +71,18 @@ from stickslip.selection.record_verdict import (
 from stickslip.selection.record_wording import outcomes, record_wording
 
 __all__ = [
-    "LEFT_OUT",
     "PURPOSES",
     "PurposeName",
-    "RecordWatch",
-    "checked",
     "select_records",
     "way_for",
 ]
 
-RecordWatch: TypeAlias = Callable[[str, float], object]
-"""Called with a candidate and the least residual so far, not a number before it begins.
-
-False ends the search of a candidate that has begun, and leaves out one that has not. Judging, of
-which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is never cut short: what
-was compared on other blocks than the rest could not be ranked.
-"""
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
-LEFT_OUT = "skipped: the search was stopped"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
@@ -117,7 +102,7 @@ def select_records(
     route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`.
@@ -184,7 +169,7 @@ def _tried(
     route: str | RouteChoice,
     settings: RecordSettings | None,
     chosen: Sequence[CandidateSpec],
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
     """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
@@ -285,47 +270,6 @@ def _has_control(fit: RecordFit) -> bool:
     )
 
 
-def checked(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    validate: Measurement | None = None,
-    which: str = "This record",
-) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The record.
-    validate : Measurement, optional
-        A second record, which must have the same quantities and other samples.
-    which : str
-        Subject of the error's first sentence.
-
-    Returns
-    -------
-    Checks
-        Findings on the record, none of which is an error.
-
-    Raises
-    ------
-    InputError
-        If the record, or the second one, cannot decide.
-    """
-    if validate is not None:
-        refuse_lack(measurement, validate, which="the second record")
-        refuse_unused(validate, inside(mechanism, validate))
-        refuse_same(measurement, validate)
-        checked(mechanism, validate, which="The second record")
-    checks = check(measurement, mechanism=mechanism)
-    if checks.worst == "error":
-        wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {told(wrong)}")
-    return checks
-
-
 def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
     """Return the fits there are, at least one."""
     fits = [candidate.fit for candidate in tried if candidate.fit]
@@ -347,7 +291,7 @@ def _candidate(
     one: CandidateSpec,
     contained: Sequence[FittedLaw] = (),
     rival: float = 0.0,
-    watch: RecordWatch | None = None,
+    watch: Watch | None = None,
     *,
     parameters: Parameters[None],
     measurement: Measurement,
@@ -442,7 +386,7 @@ def _all_judged(
     work: Callable[[RecordCandidate], RecordCandidate],
     tried: Sequence[RecordCandidate],
     controlled: Callable[[], RecordCandidate] | None,
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[list[RecordCandidate], RecordCandidate | None]:
     """Return the candidates judged, and the control; each is told before it is waited for."""

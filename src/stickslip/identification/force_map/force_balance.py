@@ -36,7 +36,7 @@ from stickslip.identification.series.inverse_dynamics import (
     mass_of,
     positions_of,
 )
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 

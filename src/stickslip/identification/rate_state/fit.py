@@ -33,7 +33,7 @@ from stickslip.identification.rate_state.result import (
     rate_of,
     result_of,
 )
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments, check_given
 from stickslip.mechanisms import Mechanism, TowedBlock
 

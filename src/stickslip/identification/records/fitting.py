@@ -11,17 +11,17 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, laws
-from stickslip.identification.estimates import (
-    bounds_met,
-    estimates_of,
-    offset_left_out,
-    sentences_of,
-)
 from stickslip.identification.estimation.containment import (
     FittedLaw,
     reachable,
     search_failure,
     starts_from,
+)
+from stickslip.identification.estimation.estimates import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
 )
 from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import infer
@@ -39,12 +39,11 @@ from stickslip.identification.records.route_choice import (
     choose_route,
     to_compare,
 )
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.residuals.tests import model_errors
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary

@@ -20,7 +20,6 @@ from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, map_along
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
@@ -30,6 +29,7 @@ from stickslip.identification.series.start_values import (
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.mechanisms import Mechanism

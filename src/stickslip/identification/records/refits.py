@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Measurement, rows_of
-from stickslip.identification.estimates import bounds_met
+from stickslip.identification.estimation.estimates import bounds_met
 from stickslip.identification.estimation.halves import Halves, blocks_of_half
 from stickslip.identification.estimation.jackknife import Displaced, infer
 from stickslip.identification.estimation.levenberg_marquardt import improve

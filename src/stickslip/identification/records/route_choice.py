@@ -20,8 +20,8 @@ from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
 from stickslip.identification.records.problems import ProblemRequest, Route, prepared, simulated
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import driven, drives_itself
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism

@@ -20,7 +20,7 @@ from stickslip.identification.residuals.effects import Effect, Signals
 from stickslip.identification.residuals.gains import beside
 from stickslip.identification.results import Estimate
 from stickslip.identification.series.inverse_dynamics import mass_of, positions_of
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 

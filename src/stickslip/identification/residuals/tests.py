@@ -50,7 +50,7 @@ from stickslip.identification.residuals.gains import (
 from stickslip.identification.residuals.peaks import peaks_of
 from stickslip.identification.residuals.wording import finding_of
 from stickslip.identification.results import Estimate
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["model_errors"]

@@ -13,7 +13,7 @@ from stickslip.display import InPanels, Summary, summary_of_table
 from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification.estimates import bounds_met, estimates_of
+from stickslip.identification.estimation.estimates import bounds_met, estimates_of
 from stickslip.identification.estimation.jackknife import Displaced, infer, quantile_of
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.problem import (
@@ -25,7 +25,7 @@ from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.route_choice import RouteName
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.trials.condition_lines import ConditionLine, line_over
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity, homogeneity, rows_of

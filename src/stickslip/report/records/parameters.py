@@ -16,13 +16,10 @@ from stickslip.identification import (
 )
 from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.records.texts import (
-    label_of,
-    symbols_of,
-    typeset,
-)
+from stickslip.report.records.texts import symbols_of
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["parameters_section"]

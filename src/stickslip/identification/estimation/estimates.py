@@ -12,8 +12,7 @@ from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.results import Estimate
-from stickslip.identification.travels.propagation import READINGS
+from stickslip.identification.results import READINGS, Estimate
 from stickslip.mechanisms import Mechanism
 
 __all__ = [
