@@ -12,6 +12,8 @@ __all__ = [
     "ConformanceError",
     "ConvergenceError",
     "InputError",
+    "MovedError",
+    "MovedImportError",
     "ParameterError",
     "RenamedError",
     "SimulationError",
@@ -66,6 +68,18 @@ class UnknownNameError(InputError, LookupError):
 
 class RenamedError(InputError, TypeError):
     """An argument has the name or the place that it had once; the message gives the new one."""
+
+
+class MovedError(RenamedError, AttributeError):
+    """A package no longer has a name; the message says which package has it now.
+
+    It is an `AttributeError`, so that ``hasattr``, ``getattr`` with a default, ``inspect``,
+    ``pickle`` and editors take the name for any other that is missing.
+    """
+
+
+class MovedImportError(RenamedError, ImportError):
+    """The same of ``from package import name``, where an `AttributeError` would be swallowed."""
 
 
 class TracingError(StickslipError, TypeError):
