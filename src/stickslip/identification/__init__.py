@@ -31,7 +31,6 @@ HOMES = {
 }
 
 INSIDE = {
-    "called": "validation",
     "AGREE": "estimation.levenberg_marquardt",
     "Allowed": "profile_likelihood",
     "AnyLaw": "validation",
@@ -53,7 +52,7 @@ INSIDE = {
     "QUANTILE": "features.result",
     "READINGS": "results",
     "ROUTES": "records.fitting",
-    "Route": "records.problems",
+    "RecordRouteName": "records.problems",
     "RouteChoice": "records.route_choice",
     "RouteName": "records.route_choice",
     "SEPARABLE": "estimation.estimates",
@@ -74,6 +73,7 @@ INSIDE = {
     "better_route": "records.route_choice",
     "bounds_met": "rate_state.result",
     "by_features": "features.features",
+    "called": "validation",
     "check_given": "validation",
     "check_horizon": "records.fit",
     "check_rest": "travels.fit",
@@ -112,11 +112,11 @@ INSIDE = {
     "positive_root": "estimation.root_search",
     "quantities_read": "travels.model",
     "reads_as_forces": "records.level_units",
+    "record_route_name": "records.fitting",
     "refitted": "records.refits",
     "refuse_uncertainties": "features.features",
     "required_of": "travels.start_values",
     "room_of": "features.scores",
-    "route_of": "records.fitting",
     "serves": "rate_state.problem",
     "settled": "records.fit",
     "standard_errors": "travels.model",

@@ -55,11 +55,11 @@ from stickslip.identification.records.fit import settled as settled
 from stickslip.identification.records.fitting import ROUTES as ROUTES
 from stickslip.identification.records.fitting import fit_record as fit_record
 from stickslip.identification.records.fitting import fit_records as fit_records
-from stickslip.identification.records.fitting import route_of as route_of
+from stickslip.identification.records.fitting import record_route_name as record_route_name
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
-from stickslip.identification.records.problems import Route as Route
+from stickslip.identification.records.problems import RecordRouteName as RecordRouteName
 from stickslip.identification.records.refits import interleaved as interleaved
 from stickslip.identification.records.refits import positions_of as positions_of
 from stickslip.identification.records.refits import refitted as refitted

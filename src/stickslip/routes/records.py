@@ -21,7 +21,7 @@ from stickslip.identification import (
     choose_route,
     compared,
     fit_records,
-    route_of,
+    record_route_name,
 )
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
@@ -86,7 +86,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         asked = options.route or way_for(options.purpose, measurement)
         faulty = check(measurement, mechanism=request.mechanism).worst == "error"
         if asked is not None or faulty:  # what is faulty is refused where it is fitted
-            choice = RouteChoice(route=route_of(measurement, asked), settings=settings)
+            choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
             return replace(options, route=choice)
         chosen = Parameters.of(
             request.mechanism, law, request.vary, request.fixed, measurement=measurement

@@ -29,8 +29,6 @@ HOMES = {
 }
 
 INSIDE = {
-    "friction_of": "wording",
-    "restarts_text": "record_wording",
     "Experiment": "design.experiments",
     "LEVEL": "choice",
     "LIKELY": "choice",
@@ -48,6 +46,7 @@ INSIDE = {
     "Wording": "verdict",
     "error_text": "record_wording",
     "feature_laws": "features",
+    "friction_of": "wording",
     "in_sentence": "wording",
     "known_by": "sheet_tables",
     "largest_step": "fixed_step_comparison",
@@ -57,6 +56,7 @@ INSIDE = {
     "moved_by_errors": "identifiable",
     "predictor_of": "next_measurements",
     "rate_state_laws": "rate_state",
+    "restarts_text": "record_wording",
     "rounded_step": "fixed_step_comparison",
     "route_text": "record_wording",
     "score_scale": "verdict",

@@ -20,8 +20,8 @@ from stickslip.identification import (
     FittedLaw,
     Parameters,
     RecordFit,
+    RecordRouteName,
     RecordSettings,
-    Route,
     RouteChoice,
     arguments,
     asked_for,
@@ -202,7 +202,7 @@ def _tried(
     ]
 
 
-def way_for(purpose: str | None, measurement: Measurement) -> Route | None:
+def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
     Parameters

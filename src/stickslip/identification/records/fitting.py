@@ -30,7 +30,12 @@ from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import in_forces, turned_as
-from stickslip.identification.records.problems import FitSetup, ProblemRequest, Route, prepared
+from stickslip.identification.records.problems import (
+    FitSetup,
+    ProblemRequest,
+    RecordRouteName,
+    prepared,
+)
 from stickslip.identification.records.propagation import displacements
 from stickslip.identification.records.refits import halves_of
 from stickslip.identification.records.route_choice import (
@@ -48,7 +53,7 @@ from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "route_of"]
+__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "record_route_name"]
 
 Array = NDArray[np.float64]
 
@@ -64,10 +69,10 @@ DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
 
-ROUTES: tuple[Route, ...] = ("shooting", "force-map", "inverse-dynamics")
+ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
 
 
-def route_of(measurement: Measurement, route: str | None = None) -> Route:
+def record_route_name(measurement: Measurement, route: str | None = None) -> RecordRouteName:
     """Return how a measurement is fitted: as asked, or as its quantities suggest.
 
     Parameters
@@ -91,7 +96,7 @@ def route_of(measurement: Measurement, route: str | None = None) -> Route:
 
     Examples
     --------
-    >>> route_of(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
+    >>> record_route_name(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
     'force-map'
     """
     if route is not None:
@@ -291,7 +296,7 @@ def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
 
 
 def _searched(
-    way: Route,
+    way: RecordRouteName,
     wanted: ProblemRequest,
     contained: Sequence[FittedLaw],
     watch: Watch | None,
@@ -326,10 +331,14 @@ def _route(
         return route
     if route is None:
         return choose_route(mechanism, measurement, vary=[LAW, *unknown], settings=settings)
-    return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
+    return RouteChoice(
+        route=record_route_name(measurement, route), settings=settings or RecordSettings()
+    )
 
 
-def _simpler_fits(way: Route, wanted: ProblemRequest, watch: Watch | None) -> tuple[FittedLaw, ...]:
+def _simpler_fits(
+    way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
+) -> tuple[FittedLaw, ...]:
     """Fit the laws that a law contains at first hand, and those that they contain.
 
     The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
@@ -480,7 +489,7 @@ def _lengthened(
 
 
 def _finished(
-    route: Route,
+    route: RecordRouteName,
     measurement: Measurement,
     ready: FitSetup,
     found: OptimizeResult,

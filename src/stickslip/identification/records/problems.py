@@ -35,12 +35,12 @@ from stickslip.identification.shooting.segments import measured_quantity, segmen
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["FitSetup", "ProblemRequest", "Route", "prepared", "simulated"]
+__all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulated"]
 
 Array = NDArray[np.float64]
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
-Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
+RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,7 +163,7 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
 
 
-def prepared(route: Route, wanted: ProblemRequest) -> FitSetup:
+def prepared(route: RecordRouteName, wanted: ProblemRequest) -> FitSetup:
     """Return the problem of a route.
 
     Parameters
@@ -312,7 +312,7 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-PROBLEMS: Mapping[Route, Callable[[ProblemRequest], FitSetup]] = {
+PROBLEMS: Mapping[RecordRouteName, Callable[[ProblemRequest], FitSetup]] = {
     "shooting": simulated,
     "force-map": _mapped,
     "inverse-dynamics": _derived,

@@ -19,7 +19,12 @@ from stickslip.formatting import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
-from stickslip.identification.records.problems import ProblemRequest, Route, prepared, simulated
+from stickslip.identification.records.problems import (
+    ProblemRequest,
+    RecordRouteName,
+    prepared,
+    simulated,
+)
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
@@ -63,13 +68,13 @@ SHORTER = (0.5, 0.25, 0.125)
 class RouteChoice:
     """How a record is fitted, and why."""
 
-    route: Route
+    route: RecordRouteName
     """The route."""
     settings: RecordSettings
     """Settings with the length of segments that serves."""
     reason: str = ""
     """Why it is not simulated segments of the usual length; empty if it is."""
-    alternative: Route | None = None
+    alternative: RecordRouteName | None = None
     """Route that may serve better, to be compared once laws are fitted; None if none may."""
 
 
