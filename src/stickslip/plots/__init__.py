@@ -1,4 +1,4 @@
-"""Figures: the only room that knows matplotlib, which is loaded when a name is first asked for."""
+"""Figures: the only subpackage that uses matplotlib, which is loaded when a name is first asked for."""
 
 from stickslip.lazy import attach
 
@@ -129,7 +129,7 @@ INSIDE = {
     "symbol_label": "core.theme",
     "thinned": "selection.fit_data",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
