@@ -1,6 +1,6 @@
 """Check the numpydoc sections of public functions and classes: python -m tools.docstrings.
 
-In the subpackages listed here, a public function or method of two or more arguments has the sections
+In the subpackages listed here, a public function or method of two or more arguments has sections
 Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
 they stand, have the names of the signature, in its order; each has a type and says something. A
 public class tells the arguments of its `__init__` in a section Parameters, and its fields there, in
@@ -214,7 +214,7 @@ def exempt(module: str) -> bool:
 
 
 def of_subpackages(subpackages: Iterable[str]) -> Iterator[str]:
-    """Yield a line for each fault in some subpackages of the package."""
+    """Yield a line for each fault in some subpackages."""
     for module, path in structure.sources().items():
         subpackage = module.partition(".")[2].partition(".")[0]
         if subpackage in subpackages and not exempt(module):

@@ -110,7 +110,8 @@ def select(
 
     Every law is fitted to the measurements, and the verdict names the law to use.
 
-    While laws are fitted to a record, Ctrl-C once stops with the best so far; twice cancels.
+    While laws are fitted to a record, press Ctrl-C once to stop with the best fit so far, twice
+    to cancel.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import CommandInputs, FitOptions
@@ -168,7 +169,7 @@ def fit(
 
     The parameters are printed with their confidence intervals.
 
-    While a record is fitted, Ctrl-C once stops with the best so far; twice cancels.
+    While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
@@ -387,7 +388,7 @@ def sweep(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Mean velocity over a parameter grid.
+    """Compute the mean velocity over a parameter grid.
 
     Simulates a driven rig at every point of the grid; writes a table and a figure.
     """
@@ -410,7 +411,7 @@ def plan(
         typer.Option(
             "--between",
             metavar="LOW..HIGH",
-            help="Settings that the rig can take, e.g. 40mm..100mm; default: those of the trials"
+            help="Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials"
             " and the rig file, or 0.4 to 1 times the value in the rig file.",
         ),
     ] = None,

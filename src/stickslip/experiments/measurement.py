@@ -383,7 +383,7 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
         raise InputError("Measurement.time (t) [s] must be an array of at least 2 times.")
     if not sizes:
         raise InputError(
-            f"Measurement.time (t) has no samples to go with it: give one of {', '.join(SAMPLED)}"
+            f"Measurement.time (t) is given without samples: give one of {', '.join(SAMPLED)}"
             " with as many values."
         )
     if set(sizes.values()) != {time.size}:

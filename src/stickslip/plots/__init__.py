@@ -1,4 +1,4 @@
-"""Figures: the only subpackage that uses matplotlib, which is loaded when a name is first asked for."""
+"""Figures: the only subpackage that uses matplotlib, loaded when a name is first asked for."""
 
 from stickslip.lazy import attach
 

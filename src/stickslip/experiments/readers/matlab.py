@@ -46,7 +46,7 @@ def read_mat(path: Path, wanted: Collection[str] = ()) -> pd.DataFrame:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
         raise InputError(
-            f"{path}: has no vector of numbers; it contains"
+            f"{path}: contains no numeric vector; contents:"
             f" {', '.join(listed[:MOST_LISTED]) or 'nothing'}{more}. Save time and signals as"
             " vectors of equal length."
         )

@@ -183,7 +183,8 @@ def _estimates(
     for name, ends in table.intervals.items():
         if len(ends) != 2:
             raise ParameterError(
-                f"{file}: estimates.intervals.{name} must be a lower and an upper end, got {ends}."
+                f"{file}: estimates.intervals.{name} must be a lower and an upper bound, got"
+                f" {ends}."
             )
     given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
     given["covariance"] = tuple(map(tuple, table.covariance))
