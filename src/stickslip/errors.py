@@ -130,6 +130,7 @@ RENAMED = {
     "free": "`free` was renamed to `vary`: vary=['kinetic_coefficient']; other parameters are held",
     "known": "`known` was renamed to `fixed`: fixed={'viscous_coefficient': 0.4}",
     "evolution": "`evolution` is now part of the law: 'rate-and-state' or 'rate-and-state-slip'",
+    "doubts": "`doubts` was renamed to `parameter_uncertainties`",
     "watch": "`watch` was renamed to `progress`, called with the same values",
     "compiling": "`compiling` was renamed to `progress`, called with 'compiling: ...' and a share",
 }

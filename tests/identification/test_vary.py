@@ -231,8 +231,9 @@ FORMER = [
     (sample_posterior, (None,), ("watch",)),
     (optimise_profile, (PendulumCart, Coulomb, Limits), ("watch",)),
     (audit, (), ("watch",)),
+    (plan, (BLOCK, None), ("doubts",)),
 ]
-NEW = {"free": "vary", "unknown": "vary", "known": "fixed"}
+NEW = {"free": "vary", "unknown": "vary", "known": "fixed", "doubts": "parameter_uncertainties"}
 
 
 @pytest.mark.parametrize(

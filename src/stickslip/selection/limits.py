@@ -71,7 +71,9 @@ def limit_text(
     --------
     >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    >>> reading = Measurement(travel=0.2, uncertainty=0.001, doubts={"stiffness": 3.0})
+    >>> reading = Measurement(
+    ...     travel=0.2, uncertainty=0.001, parameter_uncertainties={"stiffness": 3.0}
+    ... )
     >>> (level,) = fit(rig, Coulomb, reading).estimates
     >>> limit_text(level, [(rig, {"mechanism.stiffness": 3.0})], "the reading")
     ' The stiffness (3 %) contributes more to its uncertainty than the reading.'

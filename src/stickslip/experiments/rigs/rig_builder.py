@@ -86,7 +86,7 @@ def read_rig(
         given=known.given,
         assumed=known.assumed,
         vary=_varied(table.mechanism),
-        doubts=_doubts(table.mechanism),
+        parameter_uncertainties=_doubts(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
@@ -297,7 +297,11 @@ def _filed(
     for record in found.records():
         check_record(mechanism, record, label)
     return tuple(
-        replace(record, conditions={**record.conditions, **trial.conditions}, doubts=doubts)
+        replace(
+            record,
+            conditions={**record.conditions, **trial.conditions},
+            parameter_uncertainties=doubts,
+        )
         for record in found.records()
     )
 
@@ -345,7 +349,7 @@ def _record(
     record = Measurement(
         **given,
         overrides=settings,
-        doubts=doubts,
+        parameter_uncertainties=doubts,
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
     check_record(mechanism, record, label)

@@ -300,7 +300,9 @@ def _asked(
     form = form_of(law)
     kind = RateState if isinstance(law, str) else law
     chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
-    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    stated = [
+        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
+    ]
     if stated:
         raise InputError(
             f"the uncertainty of {stated[0]} is not propagated into intervals of rate-and-state"
