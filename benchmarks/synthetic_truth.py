@@ -82,7 +82,7 @@ def coverage(
     limits : mapping of str to float, optional
         By path what the law comes to with more data, where it does not hold.
     """
-    plain = infer(found.found.best, found.scale).half_widths
+    plain = infer(found.optimum.best, found.scale).half_widths
     naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
     drawn = np.percentile(found.bootstrap(seed=0), [2.5, 97.5], axis=0)
     rows = []

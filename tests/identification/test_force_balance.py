@@ -291,7 +291,7 @@ def test_segments_are_numbered_on_across_gaps_and_trials():
     seen = (T < 8.0) | (T > 9.0)
     holed = Measurement(time=T[seen], position=X[seen], force=record.force[seen])
     found = derived(Axis(inertia=J), CoulombViscous, Measurement(trials=(holed, record)))
-    numbers = np.unique(found.found.best.segment)
+    numbers = np.unique(found.optimum.best.segment)
     np.testing.assert_array_equal(numbers, np.arange(len(found.problem.spans)))
     assert set(found.problem.spans[:, 0]) == {0.0, 1.0}
     first = found.problem.spans[found.problem.spans[:, 0] == 0.0]

@@ -72,7 +72,7 @@ def test_restarts_of_a_free_decay_are_those_of_its_first_search():
     noisy = dataclasses.replace(record, position=record.position + noise)
     found = fit(rig, CoulombViscous, noisy, settings=RecordSettings(starts=2))
     told = found.to_dict()
-    assert len(found.found.costs) == 1  # in longer segments it goes on from the best
+    assert len(found.optimum.costs) == 1  # in longer segments it goes on from the best
     assert len(found.restarts.costs) == len(told["restarts"]) == 2
     assert told["restarts_agreeing"] == 2
     # the residual of shorter segments, each with a state of its own, is no larger
@@ -83,11 +83,11 @@ def test_a_free_decay_that_is_stopped_in_longer_segments_says_so():
     rig, _, record = decay()
     seen: list[float] = []
     whole = fit(rig, CoulombViscous, record, settings=QUICK, progress=seen.append)
-    assert not whole.found.cancelled
-    assert whole.found.evaluations == len(seen)
+    assert not whole.optimum.cancelled
+    assert whole.optimum.evaluations == len(seen)
     left = iter(range(len(seen) - 2, -1, -1))  # stops one evaluation before the end
     cut = fit(rig, CoulombViscous, record, settings=QUICK, progress=lambda _: next(left) > 0)
-    assert cut.found.cancelled
+    assert cut.optimum.cancelled
     assert cut.to_dict()["cancelled"]
 
 

@@ -148,7 +148,7 @@ def test_every_estimate_on_the_page_ends_where_its_interval_does(verdict, html):
 
 
 def test_checks_and_search_stand_on_the_page(verdict, html):
-    text, found = text_of(html), verdict.best.fit.found
+    text, found = text_of(html), verdict.best.fit.optimum
     for sentence in verdict.checks.sentences:
         assert plain(sentence) in text
     assert f"{found.agreeing} of {len(found.costs)} starts" in text
@@ -499,8 +499,8 @@ def test_the_caption_of_the_scores_states_the_rule(html):
 )  # fmt: skip
 def test_starts_that_disagree_are_said_in_numbers_of_the_search(verdict, costs, said):
     fit = verdict.best.fit
-    found = dataclasses.replace(fit.found, costs=costs)
-    best = dataclasses.replace(verdict.best, fit=dataclasses.replace(fit, found=found))
+    found = dataclasses.replace(fit.optimum, costs=costs)
+    best = dataclasses.replace(verdict.best, fit=dataclasses.replace(fit, optimum=found))
     section = certificate_section(dataclasses.replace(verdict, best=best))
     (text,) = [item.value for item in section.blocks[0].items if item.key == "Restarts"]
     assert said in plain(text)
@@ -641,8 +641,8 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
     assert quiet.startswith("No test finds a dependence")
-    best = fit.found.best.with_residual(100.0 * fit.residual)
-    loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    best = fit.optimum.best.with_residual(100.0 * fit.residual)
+    loud = dataclasses.replace(fit, optimum=dataclasses.replace(fit.optimum, best=best))
     heading, caption = residual_heading(verdict, loud)
     assert re.match(r"Residuals \d+ times the sensor noise", heading)
     assert "because of an unmeasured disturbance or a model error" in caption
@@ -670,7 +670,7 @@ def test_residuals_that_follow_speed_have_a_trend(verdict):
     fit = verdict.best.fit
     rows = rows_of(fit)
     sped = fit.residual + 2.0 * np.std(fit.residual) * np.sign(rows.velocity)
-    best = fit.found.best.with_residual(sped)
-    moved = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    best = fit.optimum.best.with_residual(sped)
+    moved = dataclasses.replace(fit, optimum=dataclasses.replace(fit.optimum, best=best))
     assert "velocity" in _panels(moved, 1e3)[1]
     assert _panels(fit, 1e3)[1] == []

@@ -85,6 +85,6 @@ def largest_allowed(fit: RecordFit, name: str) -> Allowed | None:
 def _rise(fit: RecordFit, path: str, value: float) -> float:
     """Return by what share the sum of squares rises where a parameter is held."""
     try:
-        return float(fit.profile(path, [value])[0]) / fit.found.best.cost - 1.0
+        return float(fit.profile(path, [value])[0]) / fit.optimum.best.cost - 1.0
     except ConvergenceError:
         return math.inf

@@ -43,7 +43,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
         All reasons, separated by semicolons.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
-    seen = fit.found.best
+    seen = fit.optimum.best
     steps = step_intervals(fit.unknowns, seen, fit.inference)
     for estimate in fit.estimates:
         if not estimate.path.startswith("friction."):

@@ -343,7 +343,7 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
         if quantity.scale == "slope" and fields[name].default == 0.0
         if fit.at_bounds.get(f"friction.{name}") == "lower"
     ]
-    if not spare or fit.found.cancelled:
+    if not spare or fit.optimum.cancelled:
         return fit
     free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
     law = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
@@ -356,7 +356,7 @@ def _judged(
     """Add held-out errors and objections."""
     if candidate.fit is None:
         return candidate
-    if candidate.fit.found.hopeless:
+    if candidate.fit.optimum.hopeless:
         return replace(candidate, dropped=HOPELESS)
     try:
         validation = cross_validate(candidate.fit, plan)

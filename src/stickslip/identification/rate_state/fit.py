@@ -243,7 +243,7 @@ def with_profile(fit: RateStateFit) -> RateStateFit:
         fit.mechanism,
         fit.measurement,
         slider,
-        fit.found,
+        fit.optimum,
         profile=_profile(slider, best),
         windows=_windows(slider, best),
     )

@@ -132,7 +132,7 @@ class RateStateFit(Fit[RateState]):
     """Times [s] and positions [m] between which the load point moves steadily."""
     problem: Slider
     """The record as residuals."""
-    found: OptimizeResult
+    optimum: OptimizeResult
     """The least cost found, and what each start came to."""
     inference: Inference
     """Covariance of the fitted values, those that were held included."""
@@ -140,12 +140,12 @@ class RateStateFit(Fit[RateState]):
     @property
     def best(self) -> ResidualJacobian:
         """Residuals and slopes at the fitted values."""
-        return self.found.best
+        return self.optimum.best
 
     @property
     def starts_agreeing(self) -> int:
         """How many starts came to the least cost."""
-        return self.found.agreeing
+        return self.optimum.agreeing
 
     @property
     def stiffness(self) -> float:
@@ -385,7 +385,7 @@ def result_of(
         fitted=fitted,
         load_point={"time": record.path.time, "position": record.path.position},
         problem=slider,
-        found=found,
+        optimum=found,
         inference=inference,
     )
     return replace(fit, sentences=_sentences(fit, found), remarks=_remarks(fit))

@@ -161,7 +161,7 @@ class RecordFit(Fit[Law_co]):
     """The record as residuals."""
     build: ProblemBuilder = field(repr=False)
     """Makes the same problem of other records."""
-    found: OptimizeResult
+    optimum: OptimizeResult
     """Least cost and where it is; of a free decay, those of the last and longest segments."""
     inference: Inference
     """Covariance, condition and effective sample size."""
@@ -185,7 +185,7 @@ class RecordFit(Fit[Law_co]):
     @property
     def restarts(self) -> OptimizeResult:
         """The search that began from all starts."""
-        return self.found if self.first is None else self.first
+        return self.optimum if self.first is None else self.first
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -223,29 +223,29 @@ class RecordFit(Fit[Law_co]):
     @property
     def values(self) -> Array:
         """Best values of the unknowns (p,)."""
-        return self.found.best.values
+        return self.optimum.best.values
 
     @property
     def rms(self) -> float:
         """Root mean square of the residuals, in the unit of the quantity compared."""
-        return self.found.best.rms
+        return self.optimum.best.rms
 
     @property
     def residual(self) -> Array:
         """Measured less predicted (n,), what is local to segments taken out."""
-        return self.found.best.residual
+        return self.optimum.best.residual
 
     @property
     def fitted_law(self) -> FittedLaw:
         """The fit as searches of richer laws begin from it."""
         values = dict(zip(self.unknowns.paths, self.values.tolist(), strict=True))
-        best = self.found.best
+        best = self.optimum.best
         return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
 
     @property
     def scale(self) -> Array:
         """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
-        return scale_of(self.unknowns, self.found.best.values, self.at_bounds)
+        return scale_of(self.unknowns, self.optimum.best.values, self.at_bounds)
 
     def predict(
         self, measurement: Measurement | None = None, *, horizon: float | None = None
@@ -321,7 +321,7 @@ class RecordFit(Fit[Law_co]):
         self, measurement: Measurement | None, horizon: float | None
     ) -> tuple[RecordProblem, ResidualJacobian]:
         if measurement is None and horizon is None:
-            return self.problem, self.found.best
+            return self.problem, self.optimum.best
         if horizon is not None:
             check_horizon(horizon)
         if measurement is not None:
@@ -353,7 +353,7 @@ class RecordFit(Fit[Law_co]):
         unknowns = self.unknowns
         low, high = unknowns.limits()
         steps = bootstrap(
-            self.found.best, self.scale, draws=draws, seed=seed, held=self.inference.held
+            self.optimum.best, self.scale, draws=draws, seed=seed, held=self.inference.held
         )
         at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
         found = np.array([unknowns.values(one) for one in at])
@@ -385,7 +385,7 @@ class RecordFit(Fit[Law_co]):
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
-        found, restarts = self.found, self.restarts
+        found, restarts = self.optimum, self.restarts
         rows = len(restarts.best.residual)
         return {
             "law": self.law.name,

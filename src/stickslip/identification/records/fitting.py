@@ -517,7 +517,7 @@ def _finished(
         measurement=measurement,
         problem=ready.problem,
         build=ready.build,
-        found=found,
+        optimum=found,
         first=None if searched is found else searched,
         inference=inference,
         displaced=moved,
@@ -532,8 +532,8 @@ def _finished(
 
 def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
-    best = fit.found.best
-    halves = None if fit.found.cancelled else halves_of(fit)
+    best = fit.optimum.best
+    halves = None if fit.optimum.cancelled else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
     estimates = estimates_of(told, best, inference, fit.at_bounds)
     return replace(

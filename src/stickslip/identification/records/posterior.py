@@ -200,7 +200,7 @@ class _Target:
         self.high = np.minimum(high, middle + WIDE * self.spread)
         rows = len(fit.residual)
         share = min(fit.inference.effective / rows, 1.0)
-        self.weight = 0.5 * share * rows / fit.found.best.cost
+        self.weight = 0.5 * share * rows / fit.optimum.best.cost
 
     def values(self, free: Array) -> Array:
         """Return values (p,) for the free coordinates."""
@@ -212,7 +212,7 @@ class _Target:
         """Return the logarithm of the posterior, less its largest value."""
         if np.any(free < self.low) or np.any(free > self.high):
             return -math.inf
-        best = self.fit.found.best
+        best = self.fit.optimum.best
         self.runs += 1
         seen = self.fit.problem.linearise(self.values(free), best, slopes=False)
         return -self.weight * (seen.cost - best.cost) if math.isfinite(seen.cost) else -1e300

@@ -101,7 +101,7 @@ def _displaced_in(fit: RecordFit, half: ResidualJacobian) -> list[Displaced]:
     """
     if _decays(fit):
         return []
-    rows = np.isin(fit.found.best.segment, half.segment)
+    rows = np.isin(fit.optimum.best.segment, half.segment)
     return [one.of(rows) for one in fit.displaced]
 
 
@@ -141,7 +141,7 @@ def _refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | N
     seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
     if not seen.any():
         return None
-    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
+    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.optimum.best)
     end, _ = improve(part, fit.values, rounds=ROUNDS, flat=FLAT)
     return end
 

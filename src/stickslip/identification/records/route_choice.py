@@ -95,7 +95,7 @@ def unexplained_share(fit: RecordFit) -> float:
     Of simulated segments, that of their motion about a straight line, as their first position and
     velocity are fitted; of friction, that of its variation about its mean.
     """
-    return math.sqrt(fit.found.best.cost / max(fit.problem.variation, 1e-300))
+    return math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
 
 
 def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
@@ -145,7 +145,7 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     bool
         True if the alternative is to be fitted as well.
     """
-    if choice.alternative is None or any(fit.found.cancelled for fit in fits):
+    if choice.alternative is None or any(fit.optimum.cancelled for fit in fits):
         return False
     return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 

@@ -293,7 +293,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
     own = [i for i, path in enumerate(joint.unknowns.paths) if path.startswith(LAW)]
     if not own:
         raise InputError("trials cannot be compared by a law without fitted parameters.")
-    best, spans = joint.found.best, joint.problem.spans
+    best, spans = joint.optimum.best, joint.problem.spans
     record_of = spans[:, 0].astype(int)
     records = joint.measurement.records()
     trials, failed = [], {}
@@ -328,7 +328,7 @@ def _alone(
 ) -> TrialEstimates:
     """Fit the law to one trial, from the joint optimum; all else is kept."""
     problem: SubsetProblem | FixedParameterProblem = SubsetProblem(
-        joint.problem, segments.tolist(), joint.found.best
+        joint.problem, segments.tolist(), joint.optimum.best
     )
     for i in reversed(range(len(joint.unknowns))):
         if i not in own:
@@ -337,7 +337,7 @@ def _alone(
     end, _ = improve(problem, joint.values[list(own)])
     unknowns = problem.unknowns
     bounds = bounds_met(unknowns, end.values)
-    rows = np.isin(joint.found.best.segment, segments)
+    rows = np.isin(joint.optimum.best.segment, segments)
     moved = [one.of(rows) for one in joint.displaced]
     inference = infer(end, scale_of(unknowns, end.values, bounds), displaced=moved)
     alone = {one.path for one in moved if not one.shared}

@@ -223,7 +223,7 @@ def _hidden(verdict: RecordVerdict) -> KeyValue | None:
 
 def _undetermined(fit: RecordFit) -> str:
     """Return the path of a step or an exponent of a law that is not settled, "" if all are."""
-    steps = step_intervals(fit.unknowns, fit.found.best, fit.inference)
+    steps = step_intervals(fit.unknowns, fit.optimum.best, fit.inference)
     for estimate in fit.estimates[: len(fit.unknowns)]:
         is_step = estimate.path in steps and steps[estimate.path][1] <= 0.0
         shapes = estimate.quantity.structural or estimate.path in steps
