@@ -80,7 +80,7 @@ def ours(starts: int) -> Peer:
         REPEATS,
     )
     half = found.inference.half_widths
-    order = [found.unknowns.paths.index(found.estimate(name).path) for name in
+    order = [found.free_parameters.paths.index(found.estimate(name).path) for name in
              ("inertia", "kinetic_coefficient", "viscous_coefficient", "offset")]  # fmt: skip
     return Peer(
         name=f"stickslip, {starts} start{'s' if starts > 1 else ''}",

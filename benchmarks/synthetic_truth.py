@@ -222,7 +222,7 @@ def judge(
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
             long = fitted(rig, more, law=law, starts=1, route=route)
-            limits = dict(zip(long.unknowns.paths, long.values.tolist(), strict=True))
+            limits = dict(zip(long.free_parameters.paths, long.values.tolist(), strict=True))
         row |= {
             "correlation_time": rig.correlation_time,
             "over_noise": found.rms / rig.noise if route == ROUTES[0] else None,

@@ -116,7 +116,7 @@ def test_starts_race_on_some_rows_and_the_best_goes_on_with_all():
 class Valleys(LeastSquaresProblem):
     """Two valleys: costs of 1 at -1 and of 25 at 1, between them a ridge."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         (FreeParameter(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
     )
 
@@ -145,7 +145,7 @@ def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
 class Rosenbrock(LeastSquaresProblem):
     """A curved valley, along which a descent of five steps is on its way."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         tuple(
             FreeParameter(path=f"friction.{n}", quantity=Quantity(n), start=v, low=-9.0, high=9.0)
             for n, v in (("x", -1.2), ("y", 1.0))
@@ -164,7 +164,7 @@ class Rosenbrock(LeastSquaresProblem):
 
 def test_starts_do_not_agree_before_they_have_arrived():
     alone = search(Rosenbrock(), starts=1)
-    twice = search(Rosenbrock(), starts=1, tried=[Rosenbrock.unknowns.start])
+    twice = search(Rosenbrock(), starts=1, tried=[Rosenbrock.free_parameters.start])
     # the bottom is at 0.25; after five steps both starts are at 2.9, and agree
     assert alone.best.cost < 0.5
     assert twice.best.cost < 0.5
@@ -173,7 +173,7 @@ def test_starts_do_not_agree_before_they_have_arrived():
 class Valley(LeastSquaresProblem):
     """Exponential decay: from far too fast a rate no slope leads back."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         (
             FreeParameter(
                 path="friction.rate",

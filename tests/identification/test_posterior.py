@@ -38,7 +38,7 @@ class _Linear:
 def linear(fit):
     """The fit with that problem in place of its own."""
     stand_in = dataclasses.replace(fit, problem=fit.problem)
-    object.__setattr__(stand_in, "problem", _WithUnknowns(_Linear(fit), fit.unknowns))
+    object.__setattr__(stand_in, "problem", _WithUnknowns(_Linear(fit), fit.free_parameters))
     return stand_in
 
 
@@ -62,8 +62,8 @@ def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, linear, sam
 
 
 class _WithUnknowns:
-    def __init__(self, inner, unknowns):
-        self.inner, self.unknowns = inner, unknowns
+    def __init__(self, inner, free_parameters):
+        self.inner, self.free_parameters = inner, free_parameters
 
     def linearise(self, values, near=None, *, slopes=True):
         return self.inner.linearise(values, near, slopes=slopes)

@@ -17,7 +17,7 @@ def table():
 
 def test_the_end_of_a_linear_fit_is_that_of_its_normal_equations():
     found = fit(Axis(inertia=1.0), CoulombViscous, table())
-    paths = list(found.unknowns.paths)
+    paths = list(found.free_parameters.paths)
     slopes = found.optimum.best.slopes
     index = paths.index("friction.viscous_coefficient")
     inverse = np.linalg.inv(slopes.T @ slopes)[index, index]

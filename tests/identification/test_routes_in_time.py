@@ -162,8 +162,8 @@ def test_what_a_record_does_not_tell_is_no_number_in_any_draw():
     v = np.linspace(0.05, 0.5, 200)
     friction = 3.0 + 4.0 * v + 0.1 * np.random.default_rng(3).normal(size=v.size)
     found = fit(Axis(inertia=1.0), DirectionDependent, Measurement(velocity=v, friction=friction))
-    lost = [not np.isfinite(found.estimate(path).high) for path in found.unknowns.paths]
-    backward = ["backward" in path for path in found.unknowns.paths]
+    lost = [not np.isfinite(found.estimate(path).high) for path in found.free_parameters.paths]
+    backward = ["backward" in path for path in found.free_parameters.paths]
     assert lost == backward  # nothing slips backward
     np.testing.assert_array_equal(np.isnan(found.bootstrap(draws=50)), np.tile(backward, (50, 1)))
 

@@ -155,7 +155,11 @@ def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
 
 def _levels(found):
     return [
-        next(i for i, path in enumerate(found.unknowns.paths) if way in path and "kinetic" in path)
+        next(
+            i
+            for i, path in enumerate(found.free_parameters.paths)
+            if way in path and "kinetic" in path
+        )
         for way in ("forward", "backward")
     ]
 

@@ -626,7 +626,7 @@ def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
     record = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
     found = fit(Axis(inertia=1.0), DirectionDependent, record)
     covariance = np.diag(np.diag(found.inference.covariance))
-    back = [i for i, path in enumerate(found.unknowns.paths) if "backward" in path]
+    back = [i for i, path in enumerate(found.free_parameters.paths) if "backward" in path]
     covariance[back, back[::-1]] = -0.99 * np.prod(found.inference.errors[back])
     held = dataclasses.replace(found.inference, covariance=covariance)
     (line,) = levels_at_speed(dataclasses.replace(found, inference=held))

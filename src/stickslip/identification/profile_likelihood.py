@@ -62,7 +62,7 @@ def largest_allowed(fit: RecordFit, name: str) -> Allowed | None:
     True
     """
     estimate = fit.estimate(name)
-    freedom = max(fit.inference.effective - len(fit.unknowns), 1.0)
+    freedom = max(fit.inference.effective - len(fit.free_parameters), 1.0)
     rise = float(quantile_of(np.array(freedom))) ** 2 / freedom
     first = FIRST * abs(estimate.value)
     if estimate.bounded and 0.0 < estimate.high - estimate.value < 10.0 * first:

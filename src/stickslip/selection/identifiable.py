@@ -16,8 +16,8 @@ def traded(fit: RecordFit) -> frozenset[str]:
     """Return the paths of what trades off with another unknown: only together they are known."""
     table = np.abs(fit.inference.of_record.correlation)
     found = set()
-    for i, one in enumerate(fit.unknowns.paths):
-        for j, other in enumerate(fit.unknowns.paths[:i]):
+    for i, one in enumerate(fit.free_parameters.paths):
+        for j, other in enumerate(fit.free_parameters.paths[:i]):
             if table[i, j] > TOGETHER:
                 found |= {one, other}
     return frozenset(found)
@@ -30,7 +30,7 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
     """
     found: set[str] = set()
     for error in fit.model_errors:
-        found |= set(fit.unknowns.paths if error.moved is None else error.moved)
+        found |= set(fit.free_parameters.paths if error.moved is None else error.moved)
     return frozenset(found)
 
 

@@ -266,7 +266,7 @@ def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
 def _has_control(fit: RecordFit) -> bool:
     """Whether a fit without friction has anything to look for."""
     return fit.problem.simulates and any(
-        path.startswith("mechanism.") for path in fit.unknowns.paths
+        path.startswith("mechanism.") for path in fit.free_parameters.paths
     )
 
 
@@ -323,7 +323,9 @@ def _candidate(
         fit = replace(_without_spare(whole, fitted), route_reason=reason)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
-    left_out = [path for path in whole.unknowns.paths if path not in fit.unknowns.paths]
+    left_out = [
+        path for path in whole.free_parameters.paths if path not in fit.free_parameters.paths
+    ]
     return _fitted(one, fit, left_out)
 
 

@@ -42,12 +42,12 @@ SEPARABLE = 300.0
 """Condition of the scaled slopes beyond which estimates are not separable."""
 
 
-def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
+def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, str]:
     """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``.
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters with their bounds.
     values : array (p,)
         Their estimates [SI].
@@ -58,9 +58,9 @@ def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
         ``"lower"`` or ``"upper"`` by path; those within their bounds are not among them.
     """
     found = {}
-    low, high = unknowns.limits()
-    at = unknowns.coordinates(values)
-    for i, item in enumerate(unknowns.items):
+    low, high = free_parameters.limits()
+    at = free_parameters.coordinates(values)
+    for i, item in enumerate(free_parameters.items):
         size = max(abs(item.start), 1e-300) if not item.log else 1.0
         if at[i] <= low[i] + CLOSE * size:
             found[item.path] = "lower"
@@ -70,7 +70,7 @@ def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
 
 
 def estimates_of(
-    unknowns: FreeParameters,
+    free_parameters: FreeParameters,
     seen: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
@@ -79,7 +79,7 @@ def estimates_of(
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     seen : ResidualJacobian
         Residuals and Jacobian at the estimates.
@@ -94,7 +94,7 @@ def estimates_of(
         One estimate for each free parameter, in their order.
     """
     found = []
-    for i, item in enumerate(unknowns.items):
+    for i, item in enumerate(free_parameters.items):
         value, half = float(seen.values[i]), float(inference.half_widths[i])
         low, high, reason = value - half, value + half, ""
         if item.path in at_bounds:
@@ -174,13 +174,13 @@ def in_words(path: str) -> str:
 
 
 def step_intervals(
-    unknowns: FreeParameters, seen: ResidualJacobian, inference: Inference
+    free_parameters: FreeParameters, seen: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
     """Return by path surplus, lower and upper end, for unknowns that stand above another.
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters, some of which are bounded below by another one.
     seen : ResidualJacobian
         Residuals and Jacobian at the estimates.
@@ -193,8 +193,8 @@ def step_intervals(
         By path, the difference to the parameter below and both ends of its 95 % interval [SI].
     """
     found = {}
-    paths = list(unknowns.paths)
-    for i, item in enumerate(unknowns.items):
+    paths = list(free_parameters.paths)
+    for i, item in enumerate(free_parameters.items):
         if item.above not in paths:
             continue
         j = paths.index(item.above)
@@ -207,7 +207,7 @@ def step_intervals(
 
 
 def sentences_of(
-    unknowns: FreeParameters,
+    free_parameters: FreeParameters,
     seen: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
@@ -217,7 +217,7 @@ def sentences_of(
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     seen : ResidualJacobian
         Residuals and Jacobian at the estimates.
@@ -240,9 +240,9 @@ def sentences_of(
         for estimate in estimates
         if estimate.reason
     ]
-    for path, (step, low, high) in step_intervals(unknowns, seen, inference).items():
+    for path, (step, low, high) in step_intervals(free_parameters, seen, inference).items():
         if path not in at_bounds and low <= 0.0:
-            item = unknowns.items[unknowns.paths.index(path)]
+            item = free_parameters.items[free_parameters.paths.index(path)]
             bounds = (
                 f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
             )
@@ -250,9 +250,9 @@ def sentences_of(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
                 f" from 0: {with_unit(step, item)}{bounds}."
             )
-    lines += _together(unknowns, inference, at_bounds)
+    lines += _together(free_parameters, inference, at_bounds)
     if inference.condition > SEPARABLE:
-        symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
+        symbols = ", ".join(item.quantity.symbol for item in free_parameters.items)
         lines.append(
             f"This record cannot separate {symbols}: the condition number is"
             f" {number(inference.condition, 2)}, above the limit of {number(SEPARABLE)}."
@@ -261,7 +261,7 @@ def sentences_of(
 
 
 def offset_left_out(
-    law: FrictionLaw, mechanism: Mechanism, unknowns: FreeParameters
+    law: FrictionLaw, mechanism: Mechanism, free_parameters: FreeParameters
 ) -> tuple[str, ...]:
     """Return a sentence where a level for each direction stands for a constant force as well.
 
@@ -274,7 +274,7 @@ def offset_left_out(
         The fitted law.
     mechanism : Mechanism
         Mechanism that was measured; its offset [N] is named.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters, perhaps with a constant force.
 
     Returns
@@ -284,7 +284,9 @@ def offset_left_out(
         fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
-    if not isinstance(law, DirectionalLaw) or any(path in unknowns.paths for path in constants):
+    if not isinstance(law, DirectionalLaw) or any(
+        path in free_parameters.paths for path in constants
+    ):
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
     return (
@@ -295,14 +297,14 @@ def offset_left_out(
 
 
 def _together(
-    unknowns: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
+    free_parameters: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
 ) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
     table = inference.of_record.correlation
-    for i, one in enumerate(unknowns.items):
-        for j, other in enumerate(unknowns.items[:i]):
+    for i, one in enumerate(free_parameters.items):
+        for j, other in enumerate(free_parameters.items[:i]):
             free = one.path not in at_bounds and other.path not in at_bounds
             if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(

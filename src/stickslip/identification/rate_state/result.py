@@ -188,13 +188,15 @@ class RateStateFit(Fit[RateState]):
         """
         record = record_of(measurement, self.problem.record.load)
         other = Slider.of(
-            record, self.law.evolution, self.problem.unknowns, self.law.reference_velocity
+            record, self.law.evolution, self.problem.free_parameters, self.law.reference_velocity
         )
         return other.linearise(self.best.values, slopes=False).rms
 
     @override
     def law_estimates(self) -> LawEstimates:
-        own = [i for i, item in enumerate(self.problem.unknowns.items) if item.low < item.high]
+        own = [
+            i for i, item in enumerate(self.problem.free_parameters.items) if item.low < item.high
+        ]
         return estimates_for(
             self.law,
             self.estimates,
@@ -259,8 +261,8 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     array (p,) of bool
         False for what is held, at a bound, or without effect.
     """
-    low, high = slider.unknowns.limits()
-    at = slider.unknowns.coordinates(values)
+    low, high = slider.free_parameters.limits()
+    at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
     if abs(values[1]) < UNSPENT * abs(values[0]):
         free[1:3] = False
@@ -269,11 +271,11 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
 
 def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
     """Return the symbols of what ended at a bound of the search; b = 0 is a limit of the law."""
-    low, high = fit.problem.unknowns.limits()
-    at = fit.problem.unknowns.coordinates(fit.best.values)
+    low, high = fit.problem.free_parameters.limits()
+    at = fit.problem.free_parameters.coordinates(fit.best.values)
     met = (low < high) & ((at <= low) | (at >= high))
     met[1] = met[1] and at[1] >= high[1]
-    items = zip(fit.problem.unknowns.items, met, strict=True)
+    items = zip(fit.problem.free_parameters.items, met, strict=True)
     return tuple(item.quantity.symbol for item, one in items if one)
 
 
@@ -292,7 +294,7 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
     Inference
         Covariances (p, p), 0 for what stands at a bound.
     """
-    scale = slider.unknowns.slopes(slider.unknowns.coordinates(best.values))
+    scale = slider.free_parameters.slopes(slider.free_parameters.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
     return infer(best, scale, blocks=blocks_of(best))
 
@@ -422,7 +424,7 @@ def _estimates(
     values, load = best.values, slider.record.load
     others = np.array([end.values for end in profile.ends]).reshape(-1, len(values))
     found: list[Estimate] = []
-    for i, item in enumerate(slider.unknowns.items):
+    for i, item in enumerate(slider.free_parameters.items):
         unit = load if item.path == PATHS[3] else 1.0
         quantity = Quantity("k", "N/m", above=0) if item.path == PATHS[3] else item.quantity
         known = item.low == item.high
@@ -463,7 +465,7 @@ def _rate(
     rate, width, _ = rate_of(slider, best, inference)
     others = np.array([end.values[0] - end.values[1] for end in profile.ends])
     low, high = _hull(rate, width, others)
-    known = slider.unknowns.items[0].low == slider.unknowns.items[0].high
+    known = slider.free_parameters.items[0].low == slider.free_parameters.items[0].high
     return Estimate(
         path=RATE,
         quantity=Quantity("a - b"),

@@ -283,7 +283,7 @@ def _fitted_by(
     build = ready.build.at(found.best.values)
     if build is not ready.build:
         ready = replace(ready, build=build, problem=build.fitted(measurement, None))
-    contained = reachable(ready.start, ready.problem.unknowns, contained)
+    contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
     fit = _tested(_finished(way, measurement, ready, found, first), choice.settings.hold)
@@ -307,14 +307,14 @@ def _searched(
     They differ for a free decay only, which is fitted again in longer segments.
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
-    contained = reachable(ready.start, ready.problem.unknowns, contained)
-    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+    contained = reachable(ready.start, ready.problem.free_parameters, contained)
+    nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = _widened(ready, wanted.settings, watch, rival)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
-        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+        again = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
         found = _best_of(ready, found, again, watch)
     return ready, found, first
 
@@ -364,7 +364,9 @@ def _simpler_fits(
             ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
         except (ConvergenceError, InputError):
             return
-        values = dict(zip(ready.problem.unknowns.paths, end.best.values.tolist(), strict=True))
+        values = dict(
+            zip(ready.problem.free_parameters.paths, end.best.values.tolist(), strict=True)
+        )
         friction = {path: v for path, v in values.items() if path.startswith("friction.")}
         found[name] = FittedLaw(
             law=vary(ready.start, "friction", friction),
@@ -391,7 +393,7 @@ def _best_of(
         if found.cancelled:
             break
         try:
-            near = ready.looking_for(ready.problem.unknowns.starting_at(start)).problem
+            near = ready.looking_for(ready.problem.free_parameters.starting_at(start)).problem
             again = search(near, starts=1, watch=watch)
         except ConvergenceError:
             continue
@@ -412,7 +414,7 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
     if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
         return fit
     errors = model_errors(
-        fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold
+        fit.mechanism, fit.law, fit.measurement, fit.free_parameters, fit.estimates, hold=hold
     )
     return replace(fit, model_errors=errors)
 
@@ -435,9 +437,9 @@ def _widened(
         watch=watch,
     )
     for _ in range(WIDENINGS):
-        unknowns = ready.problem.unknowns
-        wider = unknowns.widened(bounds_met(unknowns, found.best.values), WIDER)
-        if found.cancelled or wider == unknowns:
+        free_parameters = ready.problem.free_parameters
+        wider = free_parameters.widened(bounds_met(free_parameters, found.best.values), WIDER)
+        if found.cancelled or wider == free_parameters:
             break
         wide = ready.looking_for(wider.starting_at(found.best.values))
         again = search(
@@ -474,8 +476,8 @@ def _lengthened(
         if found.cancelled or length <= settings.segment or length > whole:
             continue
         longer = ready.build(measurement, length)
-        near = longer.unknowns.starting_at(found.best.values)
-        problem = longer.with_unknowns(near)
+        near = longer.free_parameters.starting_at(found.best.values)
+        problem = longer.with_free_parameters(near)
         try:
             again = search(problem, starts=1, watch=watch)
         except ConvergenceError as error:
@@ -496,9 +498,9 @@ def _finished(
     searched: OptimizeResult,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
-    unknowns, best = ready.problem.unknowns, found.best
-    at_bounds = bounds_met(unknowns, best.values)
-    values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
+    free_parameters, best = ready.problem.free_parameters, found.best
+    at_bounds = bounds_met(free_parameters, best.values)
+    values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
@@ -506,7 +508,7 @@ def _finished(
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     moved = displacements(again, best, mechanism, measurement)
-    inference = infer(best, scale_of(unknowns, best.values, at_bounds), displaced=moved)
+    inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
     mechanism, said = as_loaded(mechanism, measurement)
     fit = RecordFit(
         law=vary(ready.start, "friction", law),
@@ -525,8 +527,11 @@ def _finished(
         cancelled=found.cancelled,
         sentences=(),
     )
-    sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))
-    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
+    sentences = (
+        *offset_left_out(ready.start, ready.mechanism, free_parameters),
+        *_doubtful(searched),
+    )
+    told = turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
     return _with_estimates(fit, told, sentences)
 
 

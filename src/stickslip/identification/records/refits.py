@@ -79,7 +79,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
     known = [
         infer(
             one,
-            scale_of(fit.unknowns, one.values, bounds_met(fit.unknowns, one.values)),
+            scale_of(fit.free_parameters, one.values, bounds_met(fit.free_parameters, one.values)),
             blocks=blocks_of_half(one),
             displaced=_displaced_in(fit, one),
         )

@@ -294,10 +294,10 @@ def _contradiction(
     try:
         wanted = _plain_fit(mechanism, measurement, unknown, settings)
         problem = prepared("inverse-dynamics", wanted).problem
-        end, _ = improve(problem, problem.unknowns.start)
+        end, _ = improve(problem, problem.free_parameters.start)
     except StickslipError:
         return None
-    derived = dict(zip(problem.unknowns.paths, end.values.tolist(), strict=True))
+    derived = dict(zip(problem.free_parameters.paths, end.values.tolist(), strict=True))
     for path, value in seen.values.items():
         other = derived.get(path, 0.0)
         if path.endswith(COMPARED) and value > 0.0 and other > 0.0:
@@ -359,7 +359,7 @@ def _motion_left(problem: Shooting) -> _Simulated:
     step = max(1, math.ceil(count / LOOKED_AT))
     few = replace(problem, segments=problem.segments[::step])
     moved = few.variation
-    seen = settled(few, few.unknowns.start)
+    seen = settled(few, few.free_parameters.start)
     for starts in (1, STARTS):
         enough = SUSPECT if starts == 1 else UNPREDICTED
         if seen.cost <= enough**2 * moved:
@@ -368,5 +368,5 @@ def _motion_left(problem: Shooting) -> _Simulated:
             seen = search(few, starts=starts).best
         except ConvergenceError:
             return _Simulated(values={}, left=math.inf)
-    values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
+    values = dict(zip(few.free_parameters.paths, seen.values.tolist(), strict=True))
     return _Simulated(values=values, left=math.sqrt(seen.cost / max(moved, 1e-300)))

@@ -290,7 +290,7 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
         If there is one trial only, or nothing of the law was fitted.
     """
     _refuse(joint.measurement)
-    own = [i for i, path in enumerate(joint.unknowns.paths) if path.startswith(LAW)]
+    own = [i for i, path in enumerate(joint.free_parameters.paths) if path.startswith(LAW)]
     if not own:
         raise InputError("trials cannot be compared by a law without fitted parameters.")
     best, spans = joint.optimum.best, joint.problem.spans
@@ -330,16 +330,16 @@ def _alone(
     problem: SubsetProblem | FixedParameterProblem = SubsetProblem(
         joint.problem, segments.tolist(), joint.optimum.best
     )
-    for i in reversed(range(len(joint.unknowns))):
+    for i in reversed(range(len(joint.free_parameters))):
         if i not in own:
             # a part of a problem answers to what is asked of all of it here
             problem = FixedParameterProblem(problem, i, float(joint.values[i]))  # type: ignore[arg-type]
     end, _ = improve(problem, joint.values[list(own)])
-    unknowns = problem.unknowns
-    bounds = bounds_met(unknowns, end.values)
+    free_parameters = problem.free_parameters
+    bounds = bounds_met(free_parameters, end.values)
     rows = np.isin(joint.optimum.best.segment, segments)
     moved = [one.of(rows) for one in joint.displaced]
-    inference = infer(end, scale_of(unknowns, end.values, bounds), displaced=moved)
+    inference = infer(end, scale_of(free_parameters, end.values, bounds), displaced=moved)
     alone = {one.path for one in moved if not one.shared}
     # what all trials share moves them together, which no difference between them shows
     apart = replace(
@@ -347,8 +347,10 @@ def _alone(
     )
     known = {one.path: one for one in joint.estimates}
     told = replace(
-        unknowns,
-        items=tuple(replace(item, quantity=known[item.path].quantity) for item in unknowns.items),
+        free_parameters,
+        items=tuple(
+            replace(item, quantity=known[item.path].quantity) for item in free_parameters.items
+        ),
     )
     estimates = estimates_of(told, end, inference, bounds)
     errors = [
@@ -361,7 +363,9 @@ def _alone(
         number=number,
         conditions=joint.measurement.records()[number].conditions,
         law=vary(
-            joint.law, "friction", dict(zip(unknowns.paths, end.values.tolist(), strict=True))
+            joint.law,
+            "friction",
+            dict(zip(free_parameters.paths, end.values.tolist(), strict=True)),
         ),
         estimates=estimates,
         errors=tuple(errors),

@@ -162,7 +162,7 @@ def _caption(fit: RecordFit) -> str:
 
 def _together(fit: RecordFit) -> tuple[Block, ...]:
     """Return the triangle of correlations."""
-    count = len(fit.unknowns)
+    count = len(fit.free_parameters)
     table = np.clip(fit.inference.correlation, -1.0, 1.0)
     if count < 2 or count > MOST_CORRELATED or not np.all(np.isfinite(table)):
         return ()
@@ -223,8 +223,8 @@ def _hidden(verdict: RecordVerdict) -> KeyValue | None:
 
 def _undetermined(fit: RecordFit) -> str:
     """Return the path of a step or an exponent of a law that is not settled, "" if all are."""
-    steps = step_intervals(fit.unknowns, fit.optimum.best, fit.inference)
-    for estimate in fit.estimates[: len(fit.unknowns)]:
+    steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
+    for estimate in fit.estimates[: len(fit.free_parameters)]:
         is_step = estimate.path in steps and steps[estimate.path][1] <= 0.0
         shapes = estimate.quantity.structural or estimate.path in steps
         if is_step or (shapes and not estimate.bounded):
