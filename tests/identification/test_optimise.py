@@ -73,7 +73,7 @@ def test_the_jitter_of_further_starts_follows_from_the_seed():
 
 def test_values_that_were_tried_come_before_jittered_ones():
     problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
-    search(problem, starts=2, tried=[np.array([7.0, -7.0])])
+    search(problem, starts=2, start_values=[np.array([7.0, -7.0])])
     assert any(np.array_equal(values, [7.0, -7.0]) for values in problem.visited)
 
 
@@ -137,7 +137,7 @@ class Valleys(LeastSquaresProblem):
 @pytest.mark.parametrize(("rival", "hopeless"), [(0.0, False), (0.4, False), (1e-3, True)])
 def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
     far = [np.array([-2.0]), np.array([-3.0])]
-    found = search(Valleys(), starts=2, tried=far, rival=rival)
+    found = search(Valleys(), starts=2, start_values=far, rival=rival)
     assert found.hopeless is hopeless
     assert found.best.cost == pytest.approx(1.0, abs=1e-4)
 
@@ -164,7 +164,7 @@ class Rosenbrock(LeastSquaresProblem):
 
 def test_starts_do_not_agree_before_they_have_arrived():
     alone = search(Rosenbrock(), starts=1)
-    twice = search(Rosenbrock(), starts=1, tried=[Rosenbrock.free_parameters.start])
+    twice = search(Rosenbrock(), starts=1, start_values=[Rosenbrock.free_parameters.start])
     # the bottom is at 0.25; after five steps both starts are at 2.9, and agree
     assert alone.best.cost < 0.5
     assert twice.best.cost < 0.5
@@ -198,7 +198,7 @@ class Valley(LeastSquaresProblem):
 
 
 def test_a_start_three_times_above_the_least_goes_no_further():
-    found = search(Valley(), starts=1, tried=[np.array([2.0])])
+    found = search(Valley(), starts=1, start_values=[np.array([2.0])])
     assert found.best.values[0] == pytest.approx(3.0, rel=1e-3)
     assert found.costs[0] > 9.0 * found.costs[1]
     assert found.agreeing == 1

@@ -37,11 +37,11 @@ from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
 from stickslip.experiments.measurement import TRAVELS as TRAVELS
 from stickslip.experiments.parameter_paths import all_paths as all_paths
 from stickslip.experiments.parameter_paths import canonical as canonical
+from stickslip.experiments.preconditions import findings_text as findings_text
 from stickslip.experiments.preconditions import refuse_faults as refuse_faults
 from stickslip.experiments.preconditions import refuse_lack as refuse_lack
 from stickslip.experiments.preconditions import refuse_same as refuse_same
 from stickslip.experiments.preconditions import refuse_unused as refuse_unused
-from stickslip.experiments.preconditions import told as told
 from stickslip.experiments.preconditions import with_doubts as with_doubts
 from stickslip.experiments.readers.reader_options import Column as Column
 from stickslip.experiments.readers.reader_options import Reading as Reading

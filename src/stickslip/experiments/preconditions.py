@@ -11,7 +11,14 @@ from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["refuse_faults", "refuse_lack", "refuse_same", "refuse_unused", "told", "with_doubts"]
+__all__ = [
+    "findings_text",
+    "refuse_faults",
+    "refuse_lack",
+    "refuse_same",
+    "refuse_unused",
+    "with_doubts",
+]
 
 MOST_LISTED = 6
 """Names of trials in a message."""
@@ -23,7 +30,7 @@ def refuse_faults(
     measurement: Measurement,
     mechanism: Mechanism,
     *,
-    said: str = "This record cannot be fitted.",
+    opening: str = "This record cannot be fitted.",
 ) -> None:
     """Refuse a measurement with errors that `check` finds.
 
@@ -33,13 +40,13 @@ def refuse_faults(
         What was measured.
     mechanism : Mechanism
         What was measured on.
-    said : str
+    opening : str
         First sentence of the message.
 
     Raises
     ------
     InputError
-        With what was `said`, and the errors.
+        With the opening sentence and the errors.
 
     Examples
     --------
@@ -51,17 +58,17 @@ def refuse_faults(
     """
     wrong = faults(measurement, mechanism=mechanism)
     if wrong:
-        raise InputError(f"{said} {told(wrong)}")
+        raise InputError(f"{opening} {findings_text(wrong)}")
 
 
-def told(findings: Sequence[Finding]) -> str:
+def findings_text(findings: Sequence[Finding]) -> str:
     """Return findings as one text: what several trials have in common once, after their names.
 
     Examples
     --------
     >>> from dataclasses import replace
     >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
-    >>> told([still, replace(still, record="run2"), replace(still, record="")])
+    >>> findings_text([still, replace(still, record="run2"), replace(still, record="")])
     'run1 and run2: Position is constant. Position is constant.'
     """
     records: dict[tuple[str, bool], list[str]] = {}
@@ -251,5 +258,5 @@ def with_doubts(
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
-        said = " ".join([text, "Warnings of the data check:", told(doubts)])
+        said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
         raise type(error)(said) from None

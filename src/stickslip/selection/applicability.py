@@ -8,11 +8,11 @@ from stickslip.experiments import (
     Checks,
     Measurement,
     check,
+    findings_text,
     motion_of,
     refuse_lack,
     refuse_same,
     refuse_unused,
-    told,
 )
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification import TIMELESS, inside
@@ -61,7 +61,7 @@ def checked(
     checks = check(measurement, mechanism=mechanism)
     if checks.worst == "error":
         wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {told(wrong)}")
+        raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
     return checks
 
 

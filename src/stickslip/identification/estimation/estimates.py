@@ -71,7 +71,7 @@ def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, s
 
 def estimates_of(
     free_parameters: FreeParameters,
-    seen: ResidualJacobian,
+    jacobian: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
@@ -81,7 +81,7 @@ def estimates_of(
     ----------
     free_parameters : FreeParameters
         The free parameters.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates, and why an interval has no ends.
@@ -95,7 +95,7 @@ def estimates_of(
     """
     found = []
     for i, item in enumerate(free_parameters.items):
-        value, half = float(seen.values[i]), float(inference.half_widths[i])
+        value, half = float(jacobian.values[i]), float(inference.half_widths[i])
         low, high, reason = value - half, value + half, ""
         if item.path in at_bounds:
             low, high = -math.inf, math.inf
@@ -174,7 +174,7 @@ def in_words(path: str) -> str:
 
 
 def step_intervals(
-    free_parameters: FreeParameters, seen: ResidualJacobian, inference: Inference
+    free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
     """Return by path surplus, lower and upper end, for unknowns that stand above another.
 
@@ -182,7 +182,7 @@ def step_intervals(
     ----------
     free_parameters : FreeParameters
         The free parameters, some of which are bounded below by another one.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates.
@@ -201,14 +201,14 @@ def step_intervals(
         row = np.zeros(len(paths))
         row[[i, j]] = 1.0, -1.0
         half = inference.half_width(row)
-        step = float(seen.values[i] - seen.values[j])
+        step = float(jacobian.values[i] - jacobian.values[j])
         found[item.path] = (step, step - half, step + half)
     return found
 
 
 def sentences_of(
     free_parameters: FreeParameters,
-    seen: ResidualJacobian,
+    jacobian: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
     estimates: Sequence[Estimate],
@@ -219,7 +219,7 @@ def sentences_of(
     ----------
     free_parameters : FreeParameters
         The free parameters.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates and condition number of the scaled Jacobian.
@@ -240,7 +240,7 @@ def sentences_of(
         for estimate in estimates
         if estimate.reason
     ]
-    for path, (step, low, high) in step_intervals(free_parameters, seen, inference).items():
+    for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
         if path not in at_bounds and low <= 0.0:
             item = free_parameters.items[free_parameters.paths.index(path)]
             bounds = (

@@ -96,7 +96,7 @@ def search(
     *,
     starts: int = 4,
     seed: int = 0,
-    tried: Sequence[Array] = (),
+    start_values: Sequence[Array] = (),
     few: LeastSquaresProblem | None = None,
     rival: float = 0.0,
     watch: Watch | None = None,
@@ -111,7 +111,7 @@ def search(
         Number of starts; up to `FURTHER` more while only one of several came to the least cost.
     seed : int
         Of the jitter of further starts.
-    tried : sequence of array (p,)
+    start_values : sequence of array (p,)
         Values known to be worth a start, all of which are used, and before jittered ones.
     few : LeastSquaresProblem, optional
         The same with some of the segments, on which starts are compared; the best of them go on
@@ -132,7 +132,7 @@ def search(
     ConvergenceError
         If the record cannot be predicted from any start.
     """
-    race = _Race(problem if few is None else few, starts, seed, tried, rival, Counter(watch))
+    race = _Race(problem if few is None else few, starts, seed, start_values, rival, Counter(watch))
     race.run()
     ends = [one for one in race.ends if one]
     if not ends:

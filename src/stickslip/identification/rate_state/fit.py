@@ -228,7 +228,7 @@ def fit_steps(
     ]
     reference = record.speed if asked.reference is None else asked.reference
     slider = Slider.of(record, asked.form.evolution, free_parameters[0], reference)
-    found = search(slider, starts=starts, seed=seed, tried=_tried(slider), watch=progress)
+    found = search(slider, starts=starts, seed=seed, start_values=_tried(slider), watch=progress)
     if drift != "none" and not found.cancelled:
         slider, found = _drifting(
             slider, found, free_parameters[1], progress, always=drift == "linear"
@@ -415,7 +415,7 @@ def _drifting(
 ) -> tuple[Slider, OptimizeResult]:
     """Return problem and end with a drift, or those without if the data do not need it."""
     drifting = slider.with_free_parameters(free_parameters)
-    ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(drifting), watch=watch)]
+    ends = [search(drifting, starts=1 + len(DISTANCES), start_values=_tried(drifting), watch=watch)]
     carried = free_parameters.starting_at([*found.best.values, 0.0])
     ends.append(search(drifting.with_free_parameters(carried), starts=1, watch=watch))
     best = min(ends, key=lambda end: end.best.cost)
@@ -464,7 +464,7 @@ def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None
     minute[2] = MINUTE * slider.record.slid
     held = slider.with_free_parameters(replace(slider.free_parameters, items=tuple(items)))
     try:
-        return search(held, starts=2, tried=[minute]).best
+        return search(held, starts=2, start_values=[minute]).best
     except ConvergenceError:
         return None
 

@@ -334,7 +334,7 @@ def result_of(
     block: TowedBlock,
     measurement: Measurement,
     slider: Slider,
-    found: OptimizeResult,
+    optimum: OptimizeResult,
     *,
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
@@ -349,7 +349,7 @@ def result_of(
         The whole record.
     slider : Slider
         The problem.
-    found : OptimizeResult
+    optimum : OptimizeResult
         End of its search.
     profile : Profile
         Fits with other evolution effects, by which intervals are widened.
@@ -361,11 +361,11 @@ def result_of(
     RateStateFit
         Law, mechanism, estimates with intervals, and sentences.
     """
-    values, record = found.best.values, slider.record
+    values, record = optimum.best.values, slider.record
     fitted = slider.predict(values, record.time)
     assert fitted is not None
-    inference = inference_of(slider, found.best)
-    everyone = _estimates(slider, found.best, inference, profile)
+    inference = inference_of(slider, optimum.best)
+    everyone = _estimates(slider, optimum.best, inference, profile)
     a, b = everyone[:2]
     both = HELD not in (a.reason, b.reason)
     separable = both and all(e.bounded and e.half_width < TOLD * abs(e.value) for e in (a, b))
@@ -374,11 +374,11 @@ def result_of(
         mechanism=replace(block, load=record.load, stiffness=float(values[3]) * record.load),
         measurement=measurement,
         estimates=tuple(e for e in everyone if e.reason != HELD),
-        cancelled=found.cancelled,
+        cancelled=optimum.cancelled,
         drift=float(values[5]) if len(values) > 5 else 0.0,
-        rate=_rate(slider, found.best, inference, profile),
+        rate=_rate(slider, optimum.best, inference, profile),
         rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
-        correlation=_correlation(slider, found.best, profile) if both else 0.0,
+        correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
         sentences=(),
@@ -387,10 +387,10 @@ def result_of(
         fitted=fitted,
         load_point={"time": record.path.time, "position": record.path.position},
         problem=slider,
-        optimum=found,
+        optimum=optimum,
         inference=inference,
     )
-    return replace(fit, sentences=_sentences(fit, found), remarks=_remarks(fit))
+    return replace(fit, sentences=_sentences(fit, optimum), remarks=_remarks(fit))
 
 
 def blocks_of(best: ResidualJacobian) -> int:

@@ -431,7 +431,7 @@ def _widened(
         ready.problem,
         starts=settings.starts,
         seed=settings.seed,
-        tried=ready.tried,
+        start_values=ready.tried,
         few=ready.problem.few,
         rival=rival,
         watch=watch,

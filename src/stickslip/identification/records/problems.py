@@ -163,14 +163,14 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
 
 
-def prepared(route: RecordRouteName, wanted: ProblemRequest) -> FitSetup:
+def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
     """Return the problem of a route.
 
     Parameters
     ----------
     route : {"shooting", "force-map", "inverse-dynamics"}
         Name of the route.
-    wanted : ProblemRequest
+    request : ProblemRequest
         Law, mechanism, record and free parameters.
 
     Returns
@@ -183,7 +183,7 @@ def prepared(route: RecordRouteName, wanted: ProblemRequest) -> FitSetup:
     InputError
         If the record does not serve, or a name is not known.
     """
-    return PROBLEMS[route](wanted)
+    return PROBLEMS[route](request)
 
 
 def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:

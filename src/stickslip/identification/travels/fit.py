@@ -162,12 +162,12 @@ def fit_trials(
     return fit_several(model, trials, starts)
 
 
-def check_rest(found: TravelFit, t_end: float) -> None:
+def check_rest(fit: TravelFit, t_end: float) -> None:
     """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``.
 
     Parameters
     ----------
-    found : TravelFit
+    fit : TravelFit
         Fit whose law and trials are run.
     t_end : float
         Time after which a body counts as stopped [s].
@@ -177,8 +177,8 @@ def check_rest(found: TravelFit, t_end: float) -> None:
     ConvergenceError
         If a body whose travel to rest was measured still moves at ``t_end``.
     """
-    errors, _ = standard_errors(found.trials)
-    TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
+    errors, _ = standard_errors(fit.trials)
+    TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), errors)
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = ()) -> list[str]:
