@@ -111,7 +111,7 @@ class Mechanism(Parametrised, ABC):
     units: ClassVar[tuple[str, ...]]
     """SI units of the coordinates."""
     moving_part: ClassVar[str] = "body"
-    """What slips on the contact, as reports call it; ``"body"`` unless a mechanism says otherwise."""
+    """What slips on the contact, as reports call it."""
 
     @abstractmethod
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
