@@ -234,7 +234,7 @@ def quantity_text(description: str) -> str:
 
 
 def route_table() -> Iterator[str]:
-    """All routes in one table, in the order in which they are asked."""
+    """All routes in one table, in the order in which they are tried."""
     rows = (
         (
             route.measured,
@@ -245,7 +245,7 @@ def route_table() -> Iterator[str]:
         )
         for route in routes()
     )
-    head = ("measurement", "route", "what is fitted", "options used", "`law.toml`")
+    head = ("measurement", "route", "method", "options", "`law.toml`")
     yield from table(head, rows)
 
 

@@ -167,7 +167,9 @@ def measured(
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
     if asked.data:
-        measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
+        measurement = rig.with_uncertainties(
+            read_data(asked.data, reading, mechanism=rig.mechanism)
+        )
     elif asked.reading != Reading() and asked.validate is None:
         raise InputError(
             "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"

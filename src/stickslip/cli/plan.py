@@ -79,7 +79,7 @@ def run(
         rig.mechanism,
         laws_of(rig, laws),
         measurement=measured,
-        doubts=rig.doubts,
+        parameter_uncertainties=rig.parameter_uncertainties,
         between=range_asked,
         settings=settings,
         uncertainty=_uncertainty(uncertainty),

@@ -22,18 +22,18 @@ HOMES = {
     "CandidateSpec": "registry",
     "Containment": "base",
     "DirectionalLaw": "base",
+    "Evolution": "rate_state",
     "FrictionLaw": "base",
     "LAWS": "registry",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
     "PrintedForm": "published",
-    "RightEquation": "published",
-    "SOURCES": "sources",
-    "SetValuedLaw": "base",
-    "Evolution": "rate_state",
     "RATE_STATE_FORMS": "rate_state",
     "RateState": "rate_state",
     "RateStateForm": "rate_state",
+    "RightEquation": "published",
+    "SOURCES": "sources",
+    "SetValuedLaw": "base",
     "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",
@@ -48,7 +48,7 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

@@ -33,13 +33,15 @@ if TYPE_CHECKING:
 
     from stickslip.display import Drawing, Target
 
-__all__ = ["Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
+__all__ = ["READINGS", "Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
 
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | RateState, default=FrictionLaw, covariant=True)
 """The same, of laws that are not simulated too."""
+READINGS = "readings"
+"""What the readings themselves are called among the sources of an estimate's uncertainty."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -110,6 +110,8 @@ class Mechanism(Parametrised, ABC):
     """State names of their time derivatives."""
     units: ClassVar[tuple[str, ...]]
     """SI units of the coordinates."""
+    moving_part: ClassVar[str] = "body"
+    """What slips on the contact, as reports call it."""
 
     @property
     @final

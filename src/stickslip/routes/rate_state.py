@@ -131,7 +131,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
         lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
         if second is not None:
             lines.append(f"On the second record: {number(second, 2)}")
-        agreeing, starts = fit.starts_agreeing, len(fit.found.costs)
+        agreeing, starts = fit.starts_agreeing, len(fit.optimum.costs)
         lines.append(
             f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
             f" {percent(AGREE)}"

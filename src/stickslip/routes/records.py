@@ -22,7 +22,7 @@ from stickslip.identification import (
     choose_route,
     compared,
     fit_records,
-    route_of,
+    record_route_name,
 )
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
@@ -85,7 +85,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         asked = options.route or way_for(options.purpose, measurement)
         # what is faulty is refused where it is fitted
         if asked is not None or check(measurement, mechanism=request.mechanism).worst == "error":
-            choice = RouteChoice(route=route_of(measurement, asked), settings=settings)
+            choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
             return replace(options, route=choice)
         chosen = Parameters.of(
             request.mechanism, law, request.vary, request.fixed, measurement=measurement
@@ -115,7 +115,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
         compared_ = "friction"
-        if route_of(measurement, asked_for(options.route)) == "shooting":
+        if record_route_name(measurement, asked_for(options.route)) == "shooting":
             compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 

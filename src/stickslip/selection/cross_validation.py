@@ -273,4 +273,7 @@ def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
     if found is None:
         return {}
     first, second = found.values
-    return {path: (float(first[i]), float(second[i])) for i, path in enumerate(fit.unknowns.paths)}
+    return {
+        path: (float(first[i]), float(second[i]))
+        for i, path in enumerate(fit.free_parameters.paths)
+    }

@@ -1,13 +1,10 @@
 """Which estimates of a fit may be quoted one by one."""
 
-from typing import Any
-
 import numpy as np
 
-from stickslip.identification import TOGETHER, Estimate, Fit, RecordFit
-from stickslip.selection.limits import limit_text
+from stickslip.identification import TOGETHER, Estimate, RecordFit
 
-__all__ = ["half_of", "limit_of", "limits_of", "moved_by_errors", "settled_estimates", "traded"]
+__all__ = ["half_of", "moved_by_errors", "settled_estimates", "traded"]
 
 
 def half_of(estimate: Estimate) -> float:
@@ -15,40 +12,12 @@ def half_of(estimate: Estimate) -> float:
     return 0.5 * (estimate.high - estimate.low)
 
 
-def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
-    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
-
-    It is the record or the readings, or the uncertainty of the mechanism.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit, with its record or readings.
-    estimate : Estimate
-        One of its estimates, with the sources of its interval.
-
-    Returns
-    -------
-    str
-        The sentence.
-    """
-    if not estimate.sources:
-        return ""
-    return limit_text(estimate, fit.rig_uncertainties, fit.readings)
-
-
-def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
-    """Return what limits each interval of a fit, with the path of the parameter."""
-    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
-    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
-
-
 def traded(fit: RecordFit) -> frozenset[str]:
     """Return the paths of what trades off with another unknown: only together they are known."""
     table = np.abs(fit.inference.of_record.correlation)
     found = set()
-    for i, one in enumerate(fit.unknowns.paths):
-        for j, other in enumerate(fit.unknowns.paths[:i]):
+    for i, one in enumerate(fit.free_parameters.paths):
+        for j, other in enumerate(fit.free_parameters.paths[:i]):
             if table[i, j] > TOGETHER:
                 found |= {one, other}
     return frozenset(found)
@@ -61,7 +30,7 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
     """
     found: set[str] = set()
     for error in fit.model_errors:
-        found |= set(fit.unknowns.paths if error.moved is None else error.moved)
+        found |= set(fit.free_parameters.paths if error.moved is None else error.moved)
     return frozenset(found)
 
 

@@ -30,12 +30,12 @@ from stickslip.identification import (
     with_profile,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.candidates import check_apart
+from stickslip.selection.applicability import checked
+from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
 from stickslip.selection.choice import beyond_doubt, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
-from stickslip.selection.records import LEFT_OUT, RecordWatch, checked
 
 __all__ = [
     "RateStateLaws",
@@ -120,7 +120,7 @@ def select_rate_state(
     fixed: Mapping[str, float] | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RateStateVerdict:
     """Select a law for friction while a load point is pulled with steps of its speed.
@@ -209,7 +209,7 @@ def select_rate_state(
 def _candidate(
     one: _Law,
     drift: Drift,
-    watch: RecordWatch | None,
+    watch: Watch | None,
     *,
     mechanism: Mechanism,
     measurement: Measurement,

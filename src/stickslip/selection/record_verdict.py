@@ -90,7 +90,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
     @override
     def parameters(self) -> int:
         """Number of unknowns that were fitted, whether or not the record identifies them."""
-        return len(self.fit.unknowns) if self.fit else 0
+        return len(self.fit.free_parameters) if self.fit else 0
 
     @property
     @override

@@ -21,7 +21,8 @@ from stickslip.identification import AGREE, RecordFit, TrialComparison, differen
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import limit_of, settled_estimates
+from stickslip.selection.identifiable import settled_estimates
+from stickslip.selection.limits import limit_of
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (

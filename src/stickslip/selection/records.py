@@ -11,11 +11,6 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import (
     Checks,
     Measurement,
-    check,
-    refuse_lack,
-    refuse_same,
-    refuse_unused,
-    told,
     with_doubts,
 )
 from stickslip.formatting import quantity
@@ -25,8 +20,8 @@ from stickslip.identification import (
     FittedLaw,
     Parameters,
     RecordFit,
+    RecordRouteName,
     RecordSettings,
-    Route,
     RouteChoice,
     arguments,
     better_route,
@@ -35,15 +30,16 @@ from stickslip.identification import (
     choose_route,
     compared,
     fit_record,
-    inside,
     to_compare,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
-from stickslip.selection.applicability import one_way, unsuited_by
+from stickslip.selection.applicability import checked, one_way, unsuited_by
 from stickslip.selection.candidates import (
+    LEFT_OUT,
     REFERENCE,
     CandidateSpec,
+    Watch,
     contains,
     control,
     specifications,
@@ -76,29 +72,18 @@ from stickslip.selection.record_verdict import (
 from stickslip.selection.record_wording import outcomes, record_wording
 
 __all__ = [
-    "LEFT_OUT",
     "PURPOSES",
     "PurposeName",
-    "RecordWatch",
-    "checked",
     "select_records",
     "way_for",
 ]
 
-RecordWatch: TypeAlias = Callable[[str, float], object]
-"""Called with a candidate and the least residual so far, not a number before it begins.
-
-False ends the search of a candidate that has begun, and leaves out one that has not. Judging, of
-which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is never cut short: what
-was compared on other blocks than the rest could not be ranked.
-"""
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
-LEFT_OUT = "skipped: the search was stopped"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
@@ -118,7 +103,7 @@ def select_records(
     route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`.
@@ -184,7 +169,7 @@ def _tried(
     measurement: Measurement,
     choice: RouteChoice,
     chosen: Sequence[CandidateSpec],
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
     """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
@@ -216,7 +201,7 @@ def _tried(
     ]
 
 
-def way_for(purpose: str | None, measurement: Measurement) -> Route | None:
+def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
     Parameters
@@ -280,49 +265,8 @@ def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
 def _has_control(fit: RecordFit) -> bool:
     """Whether a fit without friction has anything to look for."""
     return fit.problem.simulates and any(
-        path.startswith("mechanism.") for path in fit.unknowns.paths
+        path.startswith("mechanism.") for path in fit.free_parameters.paths
     )
-
-
-def checked(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    validate: Measurement | None = None,
-    which: str = "This record",
-) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The record.
-    validate : Measurement, optional
-        A second record, which must have the same quantities and other samples.
-    which : str
-        Subject of the error's first sentence.
-
-    Returns
-    -------
-    Checks
-        Findings on the record, none of which is an error.
-
-    Raises
-    ------
-    InputError
-        If the record, or the second one, cannot decide.
-    """
-    if validate is not None:
-        refuse_lack(measurement, validate, which="the second record")
-        refuse_unused(validate, inside(mechanism, validate))
-        refuse_same(measurement, validate)
-        checked(mechanism, validate, which="The second record")
-    checks = check(measurement, mechanism=mechanism)
-    if checks.worst == "error":
-        wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {told(wrong)}")
-    return checks
 
 
 def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
@@ -346,7 +290,7 @@ def _candidate(
     one: CandidateSpec,
     contained: Sequence[FittedLaw] = (),
     rival: float = 0.0,
-    watch: RecordWatch | None = None,
+    watch: Watch | None = None,
     *,
     parameters: Parameters[None],
     measurement: Measurement,
@@ -378,7 +322,9 @@ def _candidate(
         fit = replace(_without_spare(whole, fitted), route_reason=reason)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
-    left_out = [path for path in whole.unknowns.paths if path not in fit.unknowns.paths]
+    left_out = [
+        path for path in whole.free_parameters.paths if path not in fit.free_parameters.paths
+    ]
     return _fitted(one, fit, left_out)
 
 
@@ -398,7 +344,7 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
         if quantity.scale == "slope" and fields[name].default == 0.0
         if fit.at_bounds.get(f"friction.{name}") == "lower"
     ]
-    if not spare or fit.found.cancelled:
+    if not spare or fit.optimum.cancelled:
         return fit
     free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
     law = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
@@ -411,7 +357,7 @@ def _judged(
     """Add held-out errors and objections."""
     if candidate.fit is None:
         return candidate
-    if candidate.fit.found.hopeless:
+    if candidate.fit.optimum.hopeless:
         return replace(candidate, dropped=HOPELESS)
     try:
         validation = cross_validate(candidate.fit, plan)
@@ -446,7 +392,7 @@ def _all_judged(
     work: Callable[[RecordCandidate], RecordCandidate],
     tried: Sequence[RecordCandidate],
     controlled: Callable[[], RecordCandidate] | None,
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[list[RecordCandidate], RecordCandidate | None]:
     """Return the candidates judged, and the control; each is told before it is waited for."""

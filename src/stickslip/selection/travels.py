@@ -24,7 +24,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
-from stickslip.selection.candidates import check_apart
+from stickslip.selection.candidates import Watch, check_apart
 from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
 from stickslip.selection.design.discriminating_settings import (
     Proposal,
@@ -33,7 +33,7 @@ from stickslip.selection.design.discriminating_settings import (
     separations,
 )
 from stickslip.selection.given_levels import refuted_by_travels
-from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
+from stickslip.selection.travel_candidates import try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
 from stickslip.solver import Progress

@@ -243,7 +243,7 @@ def _derived(case: _Case) -> Iterator[str]:
 
 FIRST: Suite[_Case] = {
     "its name is in kebab case": lambda case: class_declarations.kebab_case(case.law),
-    "it declares its name, title, formula and sources": lambda case: class_declarations.told(
+    "it declares its name, title, formula and sources": lambda case: class_declarations.declared(
         case.law, TOLD
     ),
     "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(case.law),

@@ -111,7 +111,7 @@ class LeastSquaresProblem(Protocol):
     """What a search needs."""
 
     @property
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """What is looked for."""
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
@@ -136,7 +136,7 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """What is looked for."""
 
     @property
@@ -251,7 +251,7 @@ class RecordProblem(Problem):
         return None
 
     @abstractmethod
-    def with_unknowns(self, unknowns: FreeParameters) -> Self:
+    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
         """Return the same with other bounds or start values of the unknowns."""
 
     @abstractmethod
@@ -279,7 +279,7 @@ class SubsetProblem:
 
     def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
         self.whole, self.chosen, self.known = whole, chosen, known
-        self.unknowns = whole.unknowns
+        self.free_parameters = whole.free_parameters
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at values (p,).
@@ -316,9 +316,9 @@ class FixedParameterProblem:
 
     def __init__(self, whole: Problem, index: int, value: float) -> None:
         self.whole, self.index, self.value = whole, index, value
-        items = whole.unknowns.items
-        known = {**(whole.unknowns.known or {}), items[index].path: value}
-        self.unknowns = FreeParameters(items[:index] + items[index + 1 :], known)
+        items = whole.free_parameters.items
+        known = {**(whole.free_parameters.known or {}), items[index].path: value}
+        self.free_parameters = FreeParameters(items[:index] + items[index + 1 :], known)
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at the values (p - 1,) of the others.

@@ -237,7 +237,7 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None
 
 def rows_of(fit: RecordFit) -> Rows:
     """Return the residuals of a fit with times, velocities and positions."""
-    problem, seen = fit.problem, fit.found.best
+    problem, seen = fit.problem, fit.optimum.best
     if not is_timed(fit):
         velocity = np.concatenate([one.velocity for one in problem.samples])
         return Rows(None, velocity, None, seen.residual)

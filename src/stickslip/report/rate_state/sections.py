@@ -44,10 +44,10 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import LawLine, Opening, Origin, PageSections, Section
+from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.sparklines import error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import label_of, typeset
 from stickslip.selection import RateStateCandidate, RateStateVerdict, score_text
 
 __all__ = ["rate_state_sections"]

@@ -54,7 +54,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
 
 def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
-    found, restarts = fit.found, fit.restarts
+    found, restarts = fit.optimum, fit.restarts
     agreeing = restarts.agreeing
     text = restarts_text(fit)
     if agreeing < len(restarts.costs):
@@ -86,7 +86,7 @@ def _worst(costs: Sequence[float]) -> str:
 
 def _runs(fit: RecordFit) -> list[KeyValue]:
     """Return what the runs of the segments say of themselves; nothing where none are simulated."""
-    runs = fit.problem.runs(fit.found.best)
+    runs = fit.problem.runs(fit.optimum.best)
     known = [run.certificate for run in runs]
     if not known:
         return []

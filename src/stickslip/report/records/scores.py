@@ -6,9 +6,10 @@ from typing import Final
 from stickslip.formatting import Scale, in_words, joined, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import typeset
 from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import symbols_of, typeset
+from stickslip.report.records.texts import symbols_of
 from stickslip.selection import (
     LEVEL,
     LIKELY,

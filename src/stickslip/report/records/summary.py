@@ -23,13 +23,8 @@ from stickslip.plots import map_points
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.records.texts import (
-    label_of,
-    paired,
-    rival_of,
-    symbols_of,
-    typeset,
-)
+from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.records.texts import paired, rival_of, symbols_of
 from stickslip.selection import (
     RecordVerdict,
     Steady,

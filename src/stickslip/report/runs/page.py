@@ -53,7 +53,7 @@ def run_page(about: RunReport) -> str:
     >>> law = Coulomb(kinetic_coefficient=0.25)
     >>> run = simulate(rig.mechanism, law, t_end=1.0)
     >>> page = run_page(RunReport(rig=rig, law=law, run=run))
-    >>> "The body comes to rest" in page, "could not be made" in page
+    >>> "The block comes to rest" in page, "could not be made" in page
     (True, False)
     """
     sections = made_sections(*(partial(make, about) for make in SECTIONS))
