@@ -100,12 +100,6 @@ KINDS = (
 )  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def no_figure_is_left():
-    yield
-    plt.close("all")
-
-
 def settings() -> dict[str, object]:
     return {name: mpl.rcParams[name] for name in mpl.rcParams}
 
