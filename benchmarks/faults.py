@@ -33,7 +33,7 @@ from benchmarks.rigs import TRUTHS, Random, draw, record
 from stickslip import Axis, FrictionLaw, Measurement, check, fit
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 
 RESULTS = "faults.jsonl"
 DRIFTS = ("drift", "drift of the level", "drift of the offset", "drift of the viscous part")

@@ -23,8 +23,8 @@ from stickslip import Axis, CoulombViscous
 from stickslip.catalogue import dataset
 from stickslip.errors import InputError
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.start_values import Scales, scales_of
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.identification.shooting.segments import segments_of
 
@@ -80,7 +80,7 @@ def ours(starts: int) -> Peer:
         REPEATS,
     )
     half = found.inference.half_widths
-    order = [found.unknowns.paths.index(found.estimate(name).path) for name in
+    order = [found.free_parameters.paths.index(found.estimate(name).path) for name in
              ("inertia", "kinetic_coefficient", "viscous_coefficient", "offset")]  # fmt: skip
     return Peer(
         name=f"stickslip, {starts} start{'s' if starts > 1 else ''}",

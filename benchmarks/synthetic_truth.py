@@ -34,7 +34,7 @@ from stickslip import (
 from stickslip.errors import StickslipError
 from stickslip.identification import RecordFit
 from stickslip.identification.estimation.jackknife import infer
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.selection.choice import choose
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
@@ -82,7 +82,7 @@ def coverage(
     limits : mapping of str to float, optional
         By path what the law comes to with more data, where it does not hold.
     """
-    plain = infer(found.found.best, found.scale).half_widths
+    plain = infer(found.optimum.best, found.scale).half_widths
     naive = 1.96 * np.sqrt(np.maximum(np.diag(found.inference.naive), 0.0))
     drawn = np.percentile(found.bootstrap(seed=0), [2.5, 97.5], axis=0)
     rows = []
@@ -222,7 +222,7 @@ def judge(
         if violation:
             more = Measurement(trials=tuple(record(rig, random)[0] for _ in range(TOGETHER)))
             long = fitted(rig, more, law=law, starts=1, route=route)
-            limits = dict(zip(long.unknowns.paths, long.values.tolist(), strict=True))
+            limits = dict(zip(long.free_parameters.paths, long.values.tolist(), strict=True))
         row |= {
             "correlation_time": rig.correlation_time,
             "over_noise": found.rms / rig.noise if route == ROUTES[0] else None,

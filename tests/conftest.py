@@ -3,7 +3,7 @@ import os
 import pickle
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +52,19 @@ def pytest_runtest_teardown() -> None:
     from stickslip.report.core import documents
 
     documents.CAUGHT = (Exception,)
+
+
+@pytest.fixture(autouse=True)
+def no_figure_is_left() -> Iterator[None]:
+    """Close figures before a test too: examples in docstrings leave some in the same process."""
+    _close_figures()
+    yield
+    _close_figures()
+
+
+def _close_figures() -> None:
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
 
 
 PARTS_OF_THE_AUDIT = ("requirements", "step_travels", "consequences", "bristle_rows")

@@ -44,7 +44,7 @@ class Linear(Problem):
 
     @property
     @override
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         return self._unknowns
 
     @property

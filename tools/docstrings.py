@@ -1,6 +1,6 @@
 """Check the numpydoc sections of public functions and classes: python -m tools.docstrings.
 
-In the rooms listed here, a public function or method of two or more arguments has the sections
+In the subpackages listed here, a public function or method of two or more arguments has sections
 Parameters and Returns (or Yields), and Raises if it raises something itself. Parameters, wherever
 they stand, have the names of the signature, in its order; each has a type and says something. A
 public class tells the arguments of its `__init__` in a section Parameters, and its fields there, in
@@ -22,7 +22,7 @@ from collections.abc import Iterable, Iterator
 from numpydoc.docscrape import NumpyDocString
 from tools import slots, structure
 
-ROOMS = (
+SUBPACKAGES = (
     "catalogue",
     "cli",
     "control",
@@ -51,7 +51,7 @@ ROOMS = (
     "testing",
     "trajectory",
 )
-"""Rooms that are checked; the others follow one by one."""
+"""Subpackages that are checked; the others follow one by one."""
 EXEMPT = (
     "stickslip.solver.compile.numba_prelude",  # its text goes into compiled modules and their hash
 )
@@ -213,21 +213,21 @@ def exempt(module: str) -> bool:
     return any(f"{module}.".startswith(f"{name}.") for name in EXEMPT)
 
 
-def of_rooms(rooms: Iterable[str]) -> Iterator[str]:
-    """Yield a line for each fault in some rooms of the package."""
+def of_subpackages(subpackages: Iterable[str]) -> Iterator[str]:
+    """Yield a line for each fault in some subpackages."""
     for module, path in structure.sources().items():
-        room = module.partition(".")[2].partition(".")[0]
-        if room in rooms and not exempt(module):
+        subpackage = module.partition(".")[2].partition(".")[0]
+        if subpackage in subpackages and not exempt(module):
             tree = ast.parse(path.read_text(encoding="utf-8"))
-            for line, name, fault in sorted(faults(tree, kernel=room == "kernels")):
+            for line, name, fault in sorted(faults(tree, kernel=subpackage == "kernels")):
                 yield f"{path.relative_to(structure.ROOT)}:{line}: {name}: {fault}"
 
 
 if __name__ == "__main__":
-    rooms = sys.argv[1:] or ROOMS
+    subpackages = sys.argv[1:] or SUBPACKAGES
     known = {module.partition(".")[2].partition(".")[0] for module in structure.sources()}
-    if not known.issuperset(rooms):
-        raise SystemExit(f"no rooms: {', '.join(sorted({*rooms} - known))}")
-    found = [*of_rooms(rooms)]
+    if not known.issuperset(subpackages):
+        raise SystemExit(f"no subpackages: {', '.join(sorted({*subpackages} - known))}")
+    found = [*of_subpackages(subpackages)]
     print(*found, sep="\n", end="\n" if found else "")
     raise SystemExit(bool(found))

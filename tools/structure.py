@@ -89,7 +89,7 @@ def door(package: str) -> dict[str, str]:
 def imports(
     tree: ast.Module, known: dict[str, Path], doors: dict[str, dict[str, str]]
 ) -> Iterator[str]:
-    """Yield the modules of the package that a module imports, also by the door of their room."""
+    """Yield the modules of the package that a module imports, also by tables of subpackages."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in known)

@@ -234,18 +234,18 @@ def quantity_text(description: str) -> str:
 
 
 def route_table() -> Iterator[str]:
-    """All routes in one table, in the order in which they are asked."""
+    """All routes in one table, in the order in which they are tried."""
     rows = (
         (
             route.measured,
             ", ".join(f"`{name}`" for name in route.names),
             (route.__doc__ or "").partition("\n")[0],
-            ", ".join(f"`{name}`" for name in sorted(route.uses)),
+            ", ".join(f"`{name}`" for name in sorted(route.uses | route.settings)),
             "yes" if route.simulated else "no",
         )
         for route in routes()
     )
-    head = ("measurement", "route", "what is fitted", "options used", "`law.toml`")
+    head = ("measurement", "route", "method", "options", "`law.toml`")
     yield from table(head, rows)
 
 

@@ -11,7 +11,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, final
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast, final
 
 from stickslip.errors import InputError
 
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
     from numpy.typing import NDArray
 
+    Drawing: TypeAlias = Axes
+    Target: TypeAlias = Axes | Figure | SubFigure | Sequence[Axes] | NDArray[np.object_] | None
+
 __all__ = [
     "Displayed",
     "InPanels",
@@ -31,6 +34,7 @@ __all__ = [
     "Summary",
     "html_of",
     "paragraphs",
+    "plots",
     "require_library",
     "summary_of_table",
 ]
@@ -64,9 +68,7 @@ class Displayed(ABC, Generic[Drawn_co]):
         """Return status or verdict, and a small table."""
 
     @final
-    def plot(
-        self, ax: "Axes | Figure | SubFigure | Sequence[Axes] | NDArray[np.object_] | None" = None
-    ) -> Drawn_co:
+    def plot(self, ax: "Target" = None) -> Drawn_co:
         """Draw the result as `stickslip.plots.plot` does.
 
         Parameters
@@ -82,9 +84,14 @@ class Displayed(ABC, Generic[Drawn_co]):
         Raises
         ------
         InputError
-            If `ax` is nothing of the kind, or has another number of panels.
+            If `ax` is nothing of the kind, or has another number of panels; or if the class of the
+            result has no plot.
         """
-        return cast("Drawn_co", _plots().plot(self, ax))
+        return self._plot(ax)
+
+    def _plot(self, ax: "Target") -> Drawn_co:
+        """Draw the result; what the class of a result replaces that has a plot of its own."""
+        return cast("Drawn_co", plots().plot(self, ax))
 
     @final
     def _repr_html_(self) -> str:
@@ -121,7 +128,7 @@ def html_of(summary: Any, result: object) -> str:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return page + str(_plots().thumbnail(result))
+            return page + str(plots().thumbnail(result))
     except Exception:  # what cannot be drawn is told by the table
         return page
 
@@ -177,7 +184,8 @@ def require_library(name: str, extra: str, otherwise: str = "") -> "ModuleType":
         ) from None
 
 
-def _plots() -> Any:
+def plots() -> Any:
+    """Return `stickslip.plots`, imported when a result is drawn: it stands above results."""
     return importlib.import_module("stickslip.plots")
 
 

@@ -12,6 +12,8 @@ __all__ = [
     "ConformanceError",
     "ConvergenceError",
     "InputError",
+    "MovedError",
+    "MovedImportError",
     "ParameterError",
     "RenamedError",
     "SimulationError",
@@ -68,6 +70,18 @@ class RenamedError(InputError, TypeError):
     """An argument has the name or the place that it had once; the message gives the new one."""
 
 
+class MovedError(RenamedError, AttributeError):
+    """A package no longer has a name; the message says which package has it now.
+
+    It is an `AttributeError`, so that ``hasattr``, ``getattr`` with a default, ``inspect``,
+    ``pickle`` and editors take the name for any other that is missing.
+    """
+
+
+class MovedImportError(RenamedError, ImportError):
+    """The same of ``from package import name``, where an `AttributeError` would be swallowed."""
+
+
 class TracingError(StickslipError, TypeError):
     """A law or a mechanism does something with a symbol that only works with numbers."""
 
@@ -116,6 +130,7 @@ RENAMED = {
     "free": "`free` was renamed to `vary`: vary=['kinetic_coefficient']; other parameters are held",
     "known": "`known` was renamed to `fixed`: fixed={'viscous_coefficient': 0.4}",
     "evolution": "`evolution` is now part of the law: 'rate-and-state' or 'rate-and-state-slip'",
+    "doubts": "`doubts` was renamed to `parameter_uncertainties`",
     "watch": "`watch` was renamed to `progress`, called with the same values",
     "compiling": "`compiling` was renamed to `progress`, called with 'compiling: ...' and a share",
 }

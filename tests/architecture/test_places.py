@@ -157,6 +157,9 @@ page = write_report(verdict, "report").read_text()
 assert "Use viscous friction." in page
 from stickslip.cli.select import show_verdict
 show_verdict(verdict)
+assert found.plot().get_title("left") == "Toy."
+assert verdict.plot().get_xlabel().startswith("held-out error, "), verdict.plot().get_xlabel()
+assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
 """
 
 

@@ -61,4 +61,24 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
         if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{room}"
         for alias in node.names
     }
+    if room == "plots":  # results draw themselves by `stickslip.display.plots`, below all figures
+        used |= {
+            node.attr
+            for tree in TREES.values()
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "plots()"
+        }
     assert set(getattr(module, "INSIDE", {})) <= used
+
+
+@pytest.mark.parametrize("room", ["", *sorted(ROOMS)])
+def test_the_tables_of_a_door_are_in_the_order_of_their_names(room: str) -> None:
+    tables = {
+        node.targets[0].id: [key.value for key in node.value.keys if isinstance(key, ast.Constant)]
+        for node in TREES[ROOT / room / "__init__.py"].body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and isinstance(node.value, ast.Dict)
+    }
+    for name in {"HOMES", "INSIDE", "MOVED"} & tables.keys():
+        assert tables[name] == sorted(tables[name]), name

@@ -20,7 +20,7 @@ from tools import stubs
 import stickslip
 import stickslip.plots
 from stickslip.friction import LAWS
-from stickslip.identification.records.route_choice import RouteName
+from stickslip.identification.records.route_choice import OwnRouteName
 from stickslip.mechanisms import MECHANISMS
 from stickslip.optimisation.parametrisation import KINDS, TYPES, KindName
 from stickslip.optimisation.problem import GOALS, GoalName
@@ -106,6 +106,9 @@ if verdict.best is not None:
     print(verdict.best.name, verdict.best.title, verdict.best.fit)
 if isinstance(verdict, TravelVerdict):
     reveal_type(verdict.best)
+foreign = select(block, None, record, route="route-of-another-package")
+for candidate in foreign.candidates:
+    print(candidate.name, candidate.score, foreign.score_unit)
 reveal_type(st.check(record, mechanism=block))
 
 runs = ensemble(block, law, {"friction.kinetic_coefficient": t}, t_end=1.0,
@@ -146,7 +149,7 @@ REVEALED = (
     "FrictionLaw",
     "Score",
     "Posterior",
-    "TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict",
+    "Verdict[Candidate[Fit[Any]]]",
     "str",
     "TravelCandidate | None",
     "Checks",
@@ -200,7 +203,8 @@ load_measurement("a.csv", repair="all")  # !
 load_measurement("a.csv", colums={})  # !
 fit(block, reading, law)  # !
 fit(block, Coulomb, reading).law.viscous_coefficient  # !
-fit(block, Coulomb, reading, route="shoting")  # !
+fit(block, Coulomb, reading, route=3)  # !
+select(block, None, reading).experiments  # !
 fit(block, Coulomb, reading).residuals  # !
 select(block, [Coulomb, SpringBlock], reading)  # !
 select(block, None, reading, purpose="positon")  # !
@@ -378,7 +382,7 @@ def test_every_package_that_loads_lazily_has_a_stub() -> None:
 @pytest.mark.parametrize(
     ("type_", "names"),
     [
-        (RouteName, [name for route in OWN for name in route.names if name != "travel"]),
+        (OwnRouteName, [name for route in OWN for name in route.names if name != "travel"]),
         (PurposeName, tuple(PURPOSES)),
         (GoalName, tuple(GOALS)),
         (KindName, (*KINDS, *TYPES)),

@@ -64,7 +64,7 @@ def test_an_error_is_marked_and_exits_with_two(run, write):
     code, out, err = run(write(**good(q=0 * TIME)), *COLUMNS)
     assert code == 2
     assert "✗ Position is constant: no motion was recorded." in out
-    assert err == "The check found errors: correct the data before a fit."
+    assert err == "The check found errors: correct the data before fitting."
 
 
 def test_json_is_one_document(run, write):
@@ -177,7 +177,7 @@ def test_a_rig_file_has_the_mechanism_and_says_what_is_read(run, rig):
     assert "! Force is −1 times the force that this motion of the mechanism requires" in out
     # a force in amperes that passes for newtons: 300 times too small is an error
     code, out, err = run(rig(gain=0.01))
-    assert (code, err) == (2, "The check found errors: correct the data before a fit.")
+    assert (code, err) == (2, "The check found errors: correct the data before fitting.")
     assert "✗ Force is 0.00" in out
 
 

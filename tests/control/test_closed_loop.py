@@ -158,7 +158,7 @@ def test_commands_are_cut_at_the_limit_and_act_after_the_delay():
         Axis(inertia=1.0), STICTION, lambda t, seen: 10.0, period=0.1, t_end=1.0, delay=0.25,
         limit=3.0,
     )  # fmt: skip
-    assert loop.asked.tolist() == [10.0] * 10
+    assert loop.requested.tolist() == [10.0] * 10
     assert loop.commands.tolist() == [3.0] * 10
     assert loop.run.events[0].t == pytest.approx(0.25, rel=1e-15)
     # from then on (3 - 1) N on 1 kg

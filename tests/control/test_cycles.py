@@ -44,7 +44,7 @@ def test_the_integrator_needs_its_time_to_break_away():
 def test_integral_action_hunts_where_stiction_exceeds_sliding_friction():
     loop, _ = hunting(STICTION, t_end=80.0)
     cycle = limit_cycle(loop, least=1e-5)
-    assert cycle.found
+    assert cycle.is_limit_cycle
     assert cycle.stuck > 0.8
     assert cycle.centre == pytest.approx(0.1, abs=1e-5)
     assert 1e-3 < cycle.amplitude < 1e-2
@@ -53,7 +53,7 @@ def test_integral_action_hunts_where_stiction_exceeds_sliding_friction():
 def test_integral_action_without_stiction_comes_to_rest_on_its_target():
     loop, _ = hunting(PLAIN, t_end=60.0)
     cycle = limit_cycle(loop, least=1e-5)
-    assert not cycle.found
+    assert not cycle.is_limit_cycle
     assert abs(loop.run["x"][-1] - 0.1) < 1e-3
 
 
@@ -81,7 +81,7 @@ def test_over_compensation_is_a_limit_cycle_of_known_size():
     decay = np.exp(-np.pi * ZETA / np.sqrt(1.0 - ZETA**2))
     amplitude = shift * (1.0 + decay) / (1.0 - decay)
     period = 2.0 * np.pi / (OMEGA * np.sqrt(1.0 - ZETA**2))
-    assert cycle.found
+    assert cycle.is_limit_cycle
     # a hold of T delays by T/2, which takes K_p T/2 = 0.025 off the damping of 1, and the
     # compensation fades in 1e-3 m/s around each turn
     assert cycle.amplitude == pytest.approx(amplitude, rel=0.04)

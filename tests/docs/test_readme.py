@@ -83,7 +83,7 @@ def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
     row = re.findall(r"cycle \d+ +(\S+) +(\S+) +(\S+)", printed)[-1]
     assert [f"{1e3 * float(number):.1f}" for number in row[1:]] == [said[2], said[3]]
     page = (tmp_path / "stickslip-run" / "index.html").read_text(encoding="utf-8")
-    assert f"The body moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
+    assert f"The cart moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
     assert "This section could not be produced" not in page
 
 

@@ -47,7 +47,7 @@ def test_every_route_stands_in_the_table_with_its_options(monkeypatch):
         measured, names, about, options, _ = (cell.strip() for cell in row.strip("|").split("|"))
         assert measured == route.measured
         assert names == ", ".join(f"`{name}`" for name in route.names)
-        assert set(options.replace("`", "").split(", ")) == route.uses
+        assert set(options.replace("`", "").split(", ")) == route.uses | route.settings
         assert about.endswith(".")
 
 

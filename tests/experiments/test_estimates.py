@@ -70,7 +70,7 @@ def test_a_file_without_the_table_says_nothing_of_estimates(read):
         ("intervals = { kinetic_coeficient = [0.2, 0.3] }", "kinetic_coefficient"),
         ("intervals = { kinetic_coefficient = [0.26, 0.3] }", "outside its interval"),
         ("intervals = { kinetic_coefficient = [0.3, 0.2] }", "lower one first"),
-        ("intervals = { kinetic_coefficient = [0.2] }", "a lower and an upper end"),
+        ("intervals = { kinetic_coefficient = [0.2] }", "a lower and an upper bound"),
         ("intervals = { kinetic_coefficient = [-inf, 0.3] }", "not_identified"),
         ("not_fitted = ['kinetic_coefficient', 'kinetic_coefficient']", "is given twice"),
         ("covariance = [[1.0]]", "0 rows of 0 numbers"),

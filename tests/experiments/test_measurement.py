@@ -108,7 +108,7 @@ BAD = {
     ),
     "one sample": ({"time": [0.0], "position": [1.0]}, InputError, "at least 2 times"),
     "scalar time": ({"time": 1.0, "position": X}, InputError, "at least 2 times"),
-    "time without arrays": ({"time": T, "travel": 0.1}, InputError, "has no samples to go with it"),
+    "time without arrays": ({"time": T, "travel": 0.1}, InputError, "is given without samples"),
     "scalar in a series": ({"time": T, "position": X, "force": 1.0}, InputError, "give an array"),
     "array without times": ({"position": X}, InputError, "array without times"),
     "map of unequal lengths": (

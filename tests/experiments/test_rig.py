@@ -552,7 +552,7 @@ def test_a_huge_file_is_refused_unread(tmp_path):
     path = tmp_path / "rig.toml"
     with path.open("wb") as file:
         file.truncate(20_000_000)
-    with pytest.raises(InputError, match="has 20 MB; a rig file may have at most 10 MB"):
+    with pytest.raises(InputError, match="is 20 MB; a rig file may be at most 10 MB"):
         load_rig(path)
 
 

@@ -102,6 +102,12 @@ def test_numbers_that_are_not_rounded_have_no_step():
         assert step_of(values) == 0.0
 
 
+def test_levels_that_all_lie_within_half_a_step_have_none_and_warn_of_nothing():
+    # a slow sine sampled finely: near its peaks differences are far below all others
+    time = np.arange(0.0, 20.0, 1e-3)
+    assert step_of(5.0 + 2.0 * np.sin(0.7 * time)) == 0.0
+
+
 @pytest.mark.parametrize("cutoff", [0.0, -1.0, 500.0, np.nan])
 def test_an_impossible_corner_is_refused(cutoff):
     with pytest.raises(InputError, match="between 0 and half the sampling frequency, 500 Hz"):

@@ -60,7 +60,7 @@ def test_a_bound_that_was_guessed_too_low_gives_way(motion, monkeypatch):
     # the same least residual, as far as starts are said to agree
     assert found.rms == pytest.approx(usual.rms, rel=AGREE)
     held_out = found.build(record, None)
-    assert held_out.unknowns.items[0].high > found.law.kinetic_coefficient
+    assert held_out.free_parameters.items[0].high > found.law.kinetic_coefficient
 
 
 def test_a_bound_that_is_a_limit_of_the_quantity_stays_and_is_named():

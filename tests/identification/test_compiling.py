@@ -5,7 +5,7 @@ import pytest
 from stickslip import Coulomb, Dahl, LuGre, Measurement, SpringBlock, select
 from stickslip.errors import CompilationError
 from stickslip.identification import starting_law
-from stickslip.identification.travels import precompile
+from stickslip.identification.travels import fit as travels_fit
 from stickslip.identification.travels.model import trials_of
 from stickslip.selection import travels
 
@@ -28,32 +28,32 @@ def asked(monkeypatch):
     def remembered(pairs, *, ensembles, progress):
         seen["processes"] += [law.name for _, law in pairs]
 
-    monkeypatch.setattr(precompile, "is_writable", lambda: True)
-    monkeypatch.setattr(precompile, "warm_up", remembered)
-    monkeypatch.setattr(precompile, "prepare", lambda rig, law: seen["here"].append(law.name))
+    monkeypatch.setattr(travels_fit, "is_writable", lambda: True)
+    monkeypatch.setattr(travels_fit, "warm_up", remembered)
+    monkeypatch.setattr(travels_fit, "prepare", lambda rig, law: seen["here"].append(law.name))
     return seen
 
 
 def test_laws_with_bristles_are_compiled_together_if_there_are_several_trials(asked):
-    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    travels_fit.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["processes"]) == {"dahl", "lugre"}
     assert set(asked["here"]) == {"dahl", "lugre"}
 
 
 def test_a_single_trial_is_not_worth_compiling(asked):
-    precompile.compile_for(trials_of(RIG, ONE, 10.0), LAWS)
+    travels_fit.compile_for(trials_of(RIG, ONE, 10.0), LAWS)
     assert asked == {"processes": [], "here": []}
 
 
 def test_a_single_law_takes_no_process(asked):
-    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS[:2])
+    travels_fit.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS[:2])
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl"}
 
 
 def test_a_cache_that_cannot_be_written_to_is_no_obstacle(asked, monkeypatch):
-    monkeypatch.setattr(precompile, "is_writable", lambda: False)
-    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    monkeypatch.setattr(travels_fit, "is_writable", lambda: False)
+    travels_fit.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert asked["processes"] == []
     assert set(asked["here"]) == {"dahl", "lugre"}
 
@@ -62,8 +62,8 @@ def test_processes_that_fail_are_logged_and_done_without(asked, monkeypatch, cap
     def failing(*_arguments, **_settings):
         raise CompilationError("a process died")
 
-    monkeypatch.setattr(precompile, "warm_up", failing)
-    precompile.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
+    monkeypatch.setattr(travels_fit, "warm_up", failing)
+    travels_fit.compile_for(trials_of(RIG, SEVERAL, 10.0), LAWS)
     assert set(asked["here"]) == {"dahl", "lugre"}
     assert caplog.messages == ["a process died; going on without processes"]
 

@@ -36,13 +36,18 @@ def mu_of(k, m, x, s):
     return k * x**2 / (2.0 * m * 9.81 * s)
 
 
-def travels(settings, values, error=0.001, doubts=None, own=None):
+def travels(settings, values, error=0.001, parameter_uncertainties=None, own=None):
     return Measurement(
         trials=tuple(
-            Measurement(travel=s, uncertainty=error or {}, overrides={X: x}, doubts=own or {})
+            Measurement(
+                travel=s,
+                uncertainty=error or {},
+                overrides={X: x},
+                parameter_uncertainties=own or {},
+            )
             for x, s in zip(settings, values, strict=True)
         ),
-        doubts=doubts or {},
+        parameter_uncertainties=parameter_uncertainties or {},
     )
 
 
@@ -58,7 +63,7 @@ def travels(settings, values, error=0.001, doubts=None, own=None):
 )
 def test_one_travel_has_the_variances_of_the_energy_balance(doubts, variance):
     """Relative variances of k, x_0, m and s add with the factors 1, 4, 1 and 1."""
-    reading = Measurement(travel=0.2, uncertainty=0.002, doubts=doubts)
+    reading = Measurement(travel=0.2, uncertainty=0.002, parameter_uncertainties=doubts)
     found = fit(BLOCK, Coulomb, reading).estimates[0]
     expected = NORMAL_95 * 0.01 * math.sqrt(variance)
     # ends are those of the travel, to which mu is inverse: the mean of both is of second order
@@ -71,7 +76,10 @@ def test_one_travel_has_the_variances_of_the_energy_balance(doubts, variance):
 
 def test_a_rounded_reading_joins_uncertainties_as_a_standard_error():
     reading = Measurement(
-        travel=0.2, uncertainty=0.005, uncertainty_kind="rounding", doubts={"stiffness": 2.0}
+        travel=0.2,
+        uncertainty=0.005,
+        uncertainty_kind="rounding",
+        parameter_uncertainties={"stiffness": 2.0},
     )
     found = fit(BLOCK, Coulomb, reading).estimates[0]
     expected = NORMAL_95 * math.hypot(0.025 / math.sqrt(3.0), 0.02)
@@ -80,13 +88,15 @@ def test_a_rounded_reading_joins_uncertainties_as_a_standard_error():
 
 def test_a_viscous_law_has_half_the_slope_with_the_compression():
     """Its equation is linear, so that the travel is proportional to x_0, not to its square."""
-    reading = Measurement(travel=0.2, uncertainty=0.002, doubts={X: 0.001})
+    reading = Measurement(travel=0.2, uncertainty=0.002, parameter_uncertainties={X: 0.001})
     found = fit(BLOCK, Viscous, reading).estimates[0]
     assert found.sources[X] / found.sources["readings"] == pytest.approx(1.0, rel=1e-3)
 
 
 def test_an_uncertain_rig_does_not_make_up_for_an_unstated_reading():
-    found = fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={K: 2.0})).estimates[0]
+    found = fit(
+        BLOCK, Coulomb, Measurement(travel=0.2, parameter_uncertainties={K: 2.0})
+    ).estimates[0]
     assert not found.bounded
     assert found.reason == "no uncertainty of the reading was stated"
 
@@ -95,7 +105,7 @@ def test_what_trials_share_is_not_averaged_and_what_is_set_by_hand_is():
     x = np.full(9, 0.1)
     s = [0.2039] * 9
     shared, by_hand = (
-        fit(BLOCK, Coulomb, travels(x, s, doubts=doubts)).estimates[0].sources
+        fit(BLOCK, Coulomb, travels(x, s, parameter_uncertainties=doubts)).estimates[0].sources
         for doubts in ({K: 1.0}, {X: 0.001})
     )
     assert shared[K] / shared["readings"] == pytest.approx(0.01 * 203.9 * 3.0, rel=1e-3)
@@ -105,7 +115,7 @@ def test_what_trials_share_is_not_averaged_and_what_is_set_by_hand_is():
 def test_a_compression_that_no_trial_sets_is_one_number():
     trials = Measurement(
         trials=tuple(Measurement(travel=s, uncertainty=0.001) for s in (0.203, 0.205)),
-        doubts={X: 0.001},
+        parameter_uncertainties={X: 0.001},
     )
     found = fit(BLOCK, Coulomb, trials).estimates[0].sources
     assert found[X] / found["readings"] == pytest.approx(0.02 * 204.0 * math.sqrt(2.0), rel=1e-2)
@@ -150,7 +160,7 @@ def test_intervals_cover_the_truth_in_95_of_100_sets():
         x = settings + 0.0007 * draw.normal(size=3)
         s = k * x**2 / (2.0 * 0.25 * m * 9.81) + 0.001 * draw.normal(size=3)
         for i, stated in enumerate((doubts, {})):
-            trials = trials_of(BLOCK, travels(settings, s, doubts=stated), 10.0)
+            trials = trials_of(BLOCK, travels(settings, s, parameter_uncertainties=stated), 10.0)
             start = Coulomb(kinetic_coefficient=0.25)
             (one,) = fit_trials(start, trials, starts=[[0.25]]).estimates
             hits[i] += one.low <= 0.25 <= one.high
@@ -161,7 +171,7 @@ def test_intervals_cover_the_truth_in_95_of_100_sets():
 def test_residuals_that_exceed_do_not_scale_what_trials_share():
     settings, s = [0.06, 0.08, 0.1], [0.080, 0.125, 0.206]
     rough = fit(BLOCK, Coulomb, travels(settings, s))
-    both = fit(BLOCK, Coulomb, travels(settings, s, doubts={K: 3.0}))
+    both = fit(BLOCK, Coulomb, travels(settings, s, parameter_uncertainties={K: 3.0}))
     assert both.variance[0] > 1.0
     assert both.variance == pytest.approx(rough.variance, rel=1e-3)
     (one,), (other,) = rough.estimates, both.estimates
@@ -176,7 +186,7 @@ def test_sources_are_those_of_the_scatter_that_residuals_show():
         Measurement(travel=one, overrides={X: x})
         for x, one in zip(np.repeat([0.06, 0.08, 0.1], 2), s, strict=True)
     )
-    fitted = fit(BLOCK, Coulomb, Measurement(trials=trials, doubts={K: 1.0}))
+    fitted = fit(BLOCK, Coulomb, Measurement(trials=trials, parameter_uncertainties={K: 1.0}))
     (one,) = fitted.estimates
     scatter = math.sqrt(fitted.variance[0]) * fitted.standard_errors[0]
     assert scatter == pytest.approx(math.sqrt(sum(r * r for r in fitted.residuals) / 5), rel=1e-3)
@@ -201,7 +211,7 @@ def test_a_law_that_is_moved_more_by_the_settings_is_not_taken_for_that():
     smaller; that its travels would scatter more speaks against it as much.
     """
     settings = np.array([0.06, 0.08, 0.1])
-    reading = travels(settings, 0.2 * (settings / 0.1) ** 1.5, doubts={X: 0.0045})
+    reading = travels(settings, 0.2 * (settings / 0.1) ** 1.5, parameter_uncertainties={X: 0.0045})
     one, other = (fit(BLOCK, law, reading) for law in (Coulomb, Viscous))
     assert other.chi_square - one.chi_square > 5.02  # the 97.5 % quantile, one degree of freedom
     assert not improves(one, other, 1)
@@ -239,18 +249,18 @@ def test_laws_are_compared_by_the_scatter_where_readings_state_nothing(doubts, m
 
 
 def test_the_verdict_says_what_limits_the_interval():
-    reading = Measurement(travel=0.2, uncertainty=0.001, doubts={K: 2.0})
+    reading = Measurement(travel=0.2, uncertainty=0.001, parameter_uncertainties={K: 2.0})
     verdict = select(BLOCK, [Coulomb], reading)
     said = " ".join(verdict.words.settles)
     assert "The stiffness (2 %) contributes more to its uncertainty than the reading." in said
-    better = select(BLOCK, [Coulomb], replace(reading, doubts={K: 0.1}))
+    better = select(BLOCK, [Coulomb], replace(reading, parameter_uncertainties={K: 0.1}))
     said = " ".join(better.words.settles)
     assert "The reading contributes more to its uncertainty than the stiffness (0.1 %)." in said
 
 
 def test_the_verdict_names_a_setting_by_hand_in_millimetres():
     s = [mu_of(100.0, 1.0, x, 0.25) for x in (0.06, 0.08, 0.1)]
-    reading = travels([0.06, 0.08, 0.1], s, error=0.0005, doubts={X: 0.001})
+    reading = travels([0.06, 0.08, 0.1], s, error=0.0005, parameter_uncertainties={X: 0.001})
     said = " ".join(select(BLOCK, [Coulomb], reading).words.settles)
     assert "The compression (1 mm) contributes more to its uncertainty than the readings." in said
 
@@ -259,7 +269,10 @@ def test_repeats_that_were_set_anew_do_not_contradict_each_other():
     settings, s = [0.06, 0.1, 0.1], [0.0734, 0.1960, 0.2110]
     reading = travels(settings, s, error=0.0003)
     assert select(BLOCK, [Coulomb], reading).best is None
-    assert select(BLOCK, [Coulomb], replace(reading, doubts={X: 0.002})).best is not None
+    assert (
+        select(BLOCK, [Coulomb], replace(reading, parameter_uncertainties={X: 0.002})).best
+        is not None
+    )
 
 
 RIG = """
@@ -284,7 +297,7 @@ def test_a_rig_file_states_them(tmp_path):
     path = tmp_path / "rig.toml"
     path.write_text(RIG)
     rig = load_rig(path)
-    assert rig.doubts == pytest.approx({M: 0.01, K: 2.0, X: 0.0005})
+    assert rig.parameter_uncertainties == pytest.approx({M: 0.01, K: 2.0, X: 0.0005})
     first, second = trials_of(rig.mechanism, rig.measurement, 10.0)
     assert first.mechanism.compression == 0.06
     assert first.doubts == pytest.approx({X: 0.001})
@@ -312,11 +325,11 @@ def test_a_rig_file_that_states_them_wrongly_is_refused(tmp_path, old, new, said
 
 def test_uncertainties_of_what_is_not_there_are_refused():
     with pytest.raises(InputError, match="stifness"):
-        fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"stifness": 1.0}))
+        fit(BLOCK, Coulomb, Measurement(travel=0.2, parameter_uncertainties={"stifness": 1.0}))
     with pytest.raises(InputError, match="upper_stop, but SpringBlock has no such value"):
-        fit(BLOCK, Coulomb, Measurement(travel=0.2, doubts={"upper_stop": 1.0}))
+        fit(BLOCK, Coulomb, Measurement(travel=0.2, parameter_uncertainties={"upper_stop": 1.0}))
     with pytest.raises(InputError, match="above 0, in the SI unit of the parameter, got 0"):
-        Measurement(travel=0.2, doubts={K: 0.0})
+        Measurement(travel=0.2, parameter_uncertainties={K: 0.0})
 
 
 def test_unstated_readings_are_not_trusted_against_what_trials_share():
@@ -335,7 +348,7 @@ def test_unstated_readings_are_not_trusted_against_what_trials_share():
             Measurement(travel=float(one), overrides={"mechanism.compression": x}, **stated)
             for one, x in zip(s, settings, strict=True)
         ]
-        record = Measurement(trials=trials, doubts=doubts)
+        record = Measurement(trials=trials, parameter_uncertainties=doubts)
         (found,) = fit(rig, Coulomb, record).estimates
         return found
 

@@ -5,8 +5,8 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, DirectionDependent, Stribeck, load_measurement, select
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.inverse_dynamics import inverse_dynamics
+from stickslip.identification.settings import RecordSettings
 
 AXIS = Axis(inertia=95.0)
 ONE = RecordSettings(starts=1)

@@ -57,7 +57,7 @@ def problem():
 
 @pytest.mark.parametrize("number", [1, 4])
 def test_slopes_of_a_segment_know_what_the_law_does_to_its_first_deflection(problem, number):
-    values = problem.unknowns.start
+    values = problem.free_parameters.start
     segment = problem.segments[number]
 
     def residual(at):
@@ -65,7 +65,7 @@ def test_slopes_of_a_segment_know_what_the_law_does_to_its_first_deflection(prob
         return problem._shot(segment, mechanisms[id(segment.mechanism)], law, segment.guess)
 
     slopes = residual(values).slopes
-    for i, path in enumerate(problem.unknowns.paths):
+    for i, path in enumerate(problem.free_parameters.paths):
         step = 1e-5 * (abs(values[i]) or 1.0)
         own = step * (np.arange(len(values)) == i)
         ahead, behind = residual(values + own), residual(values - own)

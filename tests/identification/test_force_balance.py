@@ -100,7 +100,7 @@ def test_a_mass_is_one_of_the_unknowns_and_has_a_profile():
     found = derived(Axis(inertia=1.0), CoulombViscous, record_of(noise=0.3))
     mass = found.estimate("inertia")
     assert mass == found.estimates[-1]
-    assert found.unknowns.paths[-1] == "mechanism.inertia"
+    assert found.free_parameters.paths[-1] == "mechanism.inertia"
     assert found.mechanism.inertia == mass.value
     assert not any("as known" in line for line in found.sentences)
     costs = found.profile("inertia", [0.99 * mass.value, mass.value, 1.01 * mass.value])
@@ -161,7 +161,7 @@ def test_the_weight_of_a_mass_that_is_looked_for_loads_the_contact():
     assert found.mechanism.mass == pytest.approx(3.0, rel=2e-3)
     assert found.law.kinetic_coefficient == pytest.approx(mu, rel=3e-3)
     # closed form: the level [N] is mu m g, so that a step of m at the same mu moves it, too
-    k = found.unknowns.paths.index("mechanism.mass")
+    k = found.free_parameters.paths.index("mechanism.mass")
     step = 1e-4 * np.eye(len(found.values))[k]
     ahead, back = (
         found.problem.linearise(found.values + side * step).residual for side in (1.0, -1.0)
@@ -224,9 +224,9 @@ def test_slopes_are_those_of_residuals_where_a_body_rests(weighed):
     level = LEVEL / (2.0 * 9.81) if weighed else LEVEL
     law = CoulombViscous(kinetic_coefficient=0.4 * level, viscous_coefficient=2.0)
     problem = derived(mechanism, law, record, unknown=(name,), settings=HELD).problem
-    at = np.array(problem.unknowns.start)
+    at = np.array(problem.free_parameters.start)
     slopes = problem.linearise(at).slopes
-    for k, path in enumerate(problem.unknowns.paths):
+    for k, path in enumerate(problem.free_parameters.paths):
         step = 1e-6 * max(abs(at[k]), 1e-2) * np.eye(len(at))[k]
         ahead, back = (problem.linearise(at + side * step).residual for side in (1.0, -1.0))
         slope = (back - ahead) / (2.0 * step[k])
@@ -291,7 +291,7 @@ def test_segments_are_numbered_on_across_gaps_and_trials():
     seen = (T < 8.0) | (T > 9.0)
     holed = Measurement(time=T[seen], position=X[seen], force=record.force[seen])
     found = derived(Axis(inertia=J), CoulombViscous, Measurement(trials=(holed, record)))
-    numbers = np.unique(found.found.best.segment)
+    numbers = np.unique(found.optimum.best.segment)
     np.testing.assert_array_equal(numbers, np.arange(len(found.problem.spans)))
     assert set(found.problem.spans[:, 0]) == {0.0, 1.0}
     first = found.problem.spans[found.problem.spans[:, 0] == 0.0]

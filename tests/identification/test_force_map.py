@@ -130,7 +130,7 @@ def record_of(law: FrictionLaw, *, end: float = 12.0, rate: float = 500.0) -> Me
 
 def fitted(problem: ForceMap, *, starts: int = 2) -> tuple[OptimizeResult, dict[str, float]]:
     found = search(problem, starts=starts)
-    return found, dict(zip(problem.unknowns.paths, found.best.values, strict=True))
+    return found, dict(zip(problem.free_parameters.paths, found.best.values, strict=True))
 
 
 @pytest.mark.parametrize("name", [name for name in TRUE if name not in ("dahl", "lugre")])
@@ -212,7 +212,7 @@ def test_bristles_remember_through_rests_and_from_one_segment_to_the_next():
     law = Dahl(kinetic_coefficient=0.4, bristle_stiffness=2e4)
     record = Measurement(time=t, position=x, friction=force, load=10.0)
     problem = force_map(law, AXIS, record, segment=1.0)
-    values = np.array([0.4, 2e4, 0.0, 0.0])[: len(problem.unknowns)]
+    values = np.array([0.4, 2e4, 0.0, 0.0])[: len(problem.free_parameters)]
     assert len(problem.spans) == 10
     last = problem.linearise(values, only=[9])
     # nine segments of rest lie between the motion and these rows; no state of their own is fitted
@@ -227,7 +227,7 @@ def test_bristles_remember_through_rests_and_from_one_segment_to_the_next():
 def test_slopes_are_those_of_the_prediction():
     record = record_of(TRUE["lugre"], end=3.0)
     problem = force_map(TRUE["lugre"], AXIS, record)
-    at = problem.unknowns.start
+    at = problem.free_parameters.start
     here = problem.linearise(at, only=range(5, 40))
     for i, value in enumerate(at):
         step = np.zeros(len(at))
@@ -376,7 +376,7 @@ def test_a_gap_begins_a_stretch_with_a_state_of_its_own():
     )
     problem = force_map(TRUE["dahl"], AXIS, cut)
     assert len(problem.stretches) == 2
-    start = problem.unknowns.start.copy()
+    start = problem.free_parameters.start.copy()
     start[-1] = OFFSET
     here = problem.linearise(start)
     assert here.rms < 5e-3 * np.std(record.friction)
@@ -385,9 +385,9 @@ def test_a_gap_begins_a_stretch_with_a_state_of_its_own():
 def test_held_parameters_stay():
     record = record_of(TRUE["coulomb-viscous"], rate=100.0)
     problem = force_map(CoulombViscous, AXIS, record, held=["viscous_coefficient"])
-    assert problem.unknowns.paths == ("friction.kinetic_coefficient", "mechanism.offset")
+    assert problem.free_parameters.paths == ("friction.kinetic_coefficient", "mechanism.offset")
     both = force_map(CoulombViscous, AXIS, record, held=["viscous_coefficient", "offset"])
-    assert both.unknowns.paths == ("friction.kinetic_coefficient",)
+    assert both.free_parameters.paths == ("friction.kinetic_coefficient",)
     with pytest.raises(UnknownNameError, match="stiffness"):
         force_map(CoulombViscous, AXIS, record, held=["stiffness"])
     with pytest.raises(InputError, match="there is nothing to fit: all parameters"):
@@ -442,7 +442,7 @@ def test_what_is_missing_is_said(record, mechanism, message):
 
 def test_a_parameter_out_of_range_gives_infinite_residuals_not_an_error():
     problem = force_map(TRUE["dahl"], AXIS, record_of(TRUE["dahl"], end=1.0))
-    values = problem.unknowns.start.copy()
+    values = problem.free_parameters.start.copy()
     values[0] = -1.0
     assert problem.linearise(values).cost == math.inf
 
@@ -466,7 +466,7 @@ def between(record: Measurement, first: float, last: float) -> Measurement:
 def relative_error(record: Measurement, problem: ForceMap, values: Array) -> float:
     """Return rms(measured - law - offset) / rms(measured) of all samples from 75 s to 110 s."""
     judged = force_map(problem.law, AXIS, between(record, 12.0, 110.0), samples=math.inf)
-    judged = replace(judged, unknowns_=problem.unknowns)
+    judged = replace(judged, free_parameters_=problem.free_parameters)
     late = judged.times >= 75.0
     residual = judged.measured - judged.predicted(values)
     return float(np.sqrt(np.mean(residual[late] ** 2) / np.mean(judged.measured[late] ** 2)))

@@ -47,5 +47,5 @@ def test_an_offset_that_levels_by_direction_stand_for_is_not_dropped_in_silence(
 
 def test_nothing_is_said_of_an_offset_that_was_looked_for():
     found = fit(Axis(inertia=1.0), Coulomb, table())
-    assert "mechanism.offset" in found.unknowns.paths
+    assert "mechanism.offset" in found.free_parameters.paths
     assert not any("constant force" in line for line in found.sentences)

@@ -56,7 +56,7 @@ def test_a_law_that_holds_is_not_doubted(seed):
     found = fit(CLOCK, CoulombViscous, decay_of(law, seed))
     assert found.halves is not None
     assert not found.halves.contradicting
-    plain = infer(found.found.best, found.scale)
+    plain = infer(found.optimum.best, found.scale)
     np.testing.assert_array_equal(found.inference.half_widths, plain.half_widths)
 
 

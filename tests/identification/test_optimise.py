@@ -73,7 +73,7 @@ def test_the_jitter_of_further_starts_follows_from_the_seed():
 
 def test_values_that_were_tried_come_before_jittered_ones():
     problem = Linear(TABLE, MEASURED, start=[9.0, 9.0])
-    search(problem, starts=2, tried=[np.array([7.0, -7.0])])
+    search(problem, starts=2, start_values=[np.array([7.0, -7.0])])
     assert any(np.array_equal(values, [7.0, -7.0]) for values in problem.visited)
 
 
@@ -116,7 +116,7 @@ def test_starts_race_on_some_rows_and_the_best_goes_on_with_all():
 class Valleys(LeastSquaresProblem):
     """Two valleys: costs of 1 at -1 and of 25 at 1, between them a ridge."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         (FreeParameter(path="friction.x", quantity=Quantity("x"), start=2.0, low=-9.0, high=9.0),)
     )
 
@@ -137,7 +137,7 @@ class Valleys(LeastSquaresProblem):
 @pytest.mark.parametrize(("rival", "hopeless"), [(0.0, False), (0.4, False), (1e-3, True)])
 def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
     far = [np.array([-2.0]), np.array([-3.0])]
-    found = search(Valleys(), starts=2, tried=far, rival=rival)
+    found = search(Valleys(), starts=2, start_values=far, rival=rival)
     assert found.hopeless is hopeless
     assert found.best.cost == pytest.approx(1.0, abs=1e-4)
 
@@ -145,7 +145,7 @@ def test_a_rival_far_below_all_starts_ends_the_race(rival, hopeless):
 class Rosenbrock(LeastSquaresProblem):
     """A curved valley, along which a descent of five steps is on its way."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         tuple(
             FreeParameter(path=f"friction.{n}", quantity=Quantity(n), start=v, low=-9.0, high=9.0)
             for n, v in (("x", -1.2), ("y", 1.0))
@@ -164,7 +164,7 @@ class Rosenbrock(LeastSquaresProblem):
 
 def test_starts_do_not_agree_before_they_have_arrived():
     alone = search(Rosenbrock(), starts=1)
-    twice = search(Rosenbrock(), starts=1, tried=[Rosenbrock.unknowns.start])
+    twice = search(Rosenbrock(), starts=1, start_values=[Rosenbrock.free_parameters.start])
     # the bottom is at 0.25; after five steps both starts are at 2.9, and agree
     assert alone.best.cost < 0.5
     assert twice.best.cost < 0.5
@@ -173,7 +173,7 @@ def test_starts_do_not_agree_before_they_have_arrived():
 class Valley(LeastSquaresProblem):
     """Exponential decay: from far too fast a rate no slope leads back."""
 
-    unknowns = FreeParameters(
+    free_parameters = FreeParameters(
         (
             FreeParameter(
                 path="friction.rate",
@@ -198,7 +198,7 @@ class Valley(LeastSquaresProblem):
 
 
 def test_a_start_three_times_above_the_least_goes_no_further():
-    found = search(Valley(), starts=1, tried=[np.array([2.0])])
+    found = search(Valley(), starts=1, start_values=[np.array([2.0])])
     assert found.best.values[0] == pytest.approx(3.0, rel=1e-3)
     assert found.costs[0] > 9.0 * found.costs[1]
     assert found.agreeing == 1

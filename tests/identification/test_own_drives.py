@@ -10,7 +10,7 @@ from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, 
 from stickslip.drives import Sine, Square, ThreePhase
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.records.route_choice import choose_route
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.mechanisms import Prescribed, Torque
 
 TRUTH = Coulomb(kinetic_coefficient=0.18, static_coefficient=0.24)
@@ -60,7 +60,7 @@ def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name)
     assert level.high - level.low < 0.02
     # nothing but the sensor's noise is left, within the scatter of a few hundred rows
     assert found.rms == pytest.approx(noise, rel=0.15)
-    (run,) = found.problem.runs(found.found.best)
+    (run,) = found.problem.runs(found.optimum.best)
     assert run.certificate.certified
 
 

@@ -22,7 +22,7 @@ class _Linear:
     """The fit's problem as it is at its best values: its posterior is known in closed form."""
 
     def __init__(self, whole):
-        self.whole, self.best = whole.problem, whole.found.best
+        self.whole, self.best = whole.problem, whole.optimum.best
 
     def linearise(self, values, near=None, *, slopes=True):
         residual = self.best.residual - self.best.slopes @ (values - self.best.values)
@@ -38,7 +38,7 @@ class _Linear:
 def linear(fit):
     """The fit with that problem in place of its own."""
     stand_in = dataclasses.replace(fit, problem=fit.problem)
-    object.__setattr__(stand_in, "problem", _WithUnknowns(_Linear(fit), fit.unknowns))
+    object.__setattr__(stand_in, "problem", _WithUnknowns(_Linear(fit), fit.free_parameters))
     return stand_in
 
 
@@ -50,7 +50,7 @@ def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, linear, sam
     pytest.importorskip(sampler)
     found = sample_posterior(linear, sampler=sampler, seed=1, **counts)
     assert not found.cancelled
-    best = fit.found.best
+    best = fit.optimum.best
     weight = fit.inference.effective / best.cost  # independent residuals over their variance
     expected = np.linalg.inv(weight * best.slopes.T @ best.slopes)
     deviation = np.sqrt(np.diag(expected))
@@ -62,8 +62,8 @@ def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, linear, sam
 
 
 class _WithUnknowns:
-    def __init__(self, inner, unknowns):
-        self.inner, self.unknowns = inner, unknowns
+    def __init__(self, inner, free_parameters):
+        self.inner, self.free_parameters = inner, free_parameters
 
     def linearise(self, values, near=None, *, slopes=True):
         return self.inner.linearise(values, near, slopes=slopes)

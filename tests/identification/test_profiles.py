@@ -17,13 +17,13 @@ def table():
 
 def test_the_end_of_a_linear_fit_is_that_of_its_normal_equations():
     found = fit(Axis(inertia=1.0), CoulombViscous, table())
-    paths = list(found.unknowns.paths)
-    slopes = found.found.best.slopes
+    paths = list(found.free_parameters.paths)
+    slopes = found.optimum.best.slopes
     index = paths.index("friction.viscous_coefficient")
     inverse = np.linalg.inv(slopes.T @ slopes)[index, index]
     freedom = found.inference.effective - len(paths)
     rise = stats.t.ppf(0.975, freedom) ** 2 / freedom
-    half = np.sqrt(rise * found.found.best.cost * inverse)
+    half = np.sqrt(rise * found.optimum.best.cost * inverse)
     end = largest_allowed(found, "viscous_coefficient")
     # the law is linear in all unknowns, and searches end within 1e-4 of the cost
     assert end.value - found.values[index] == pytest.approx(half, rel=0.02)
@@ -67,7 +67,7 @@ def test_predicted_friction_is_that_of_the_law_and_the_offset():
 
 
 def test_runs_of_the_segments_end_where_predictions_do(shot):
-    problem, best = shot.problem, shot.found.best
+    problem, best = shot.problem, shot.optimum.best
     runs = problem.runs(best)
     assert len(runs) == len(problem.segments)
     assert all(run.certificate.certified for run in runs)

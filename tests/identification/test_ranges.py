@@ -93,7 +93,7 @@ def test_simulated_segments_look_where_they_did(kind):
 @pytest.mark.parametrize("kind", LAWS.values(), ids=LAWS)
 def test_force_maps_look_where_they_did(kind):
     law = ROUGH.law(kind, {})
-    items = ROUGH.unknowns(law, [f"friction.{name}" for name in fields_of(kind)], None).items
+    items = ROUGH.free_parameters(law, [f"friction.{name}" for name in fields_of(kind)], None).items
     assert items
     for item in items:
         name = item.path.partition(".")[2]

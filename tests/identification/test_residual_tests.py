@@ -8,7 +8,7 @@ from benchmarks import faults
 
 from stickslip import Axis, CoulombViscous, Measurement, fit, select, simulate
 from stickslip.drives import Sine
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 
 QUICK = RecordSettings(starts=1)
 

@@ -72,7 +72,7 @@ def test_restarts_of_a_free_decay_are_those_of_its_first_search():
     noisy = dataclasses.replace(record, position=record.position + noise)
     found = fit(rig, CoulombViscous, noisy, settings=RecordSettings(starts=2))
     told = found.to_dict()
-    assert len(found.found.costs) == 1  # in longer segments it goes on from the best
+    assert len(found.optimum.costs) == 1  # in longer segments it goes on from the best
     assert len(found.restarts.costs) == len(told["restarts"]) == 2
     assert told["restarts_agreeing"] == 2
     # the residual of shorter segments, each with a state of its own, is no larger
@@ -83,11 +83,11 @@ def test_a_free_decay_that_is_stopped_in_longer_segments_says_so():
     rig, _, record = decay()
     seen: list[float] = []
     whole = fit(rig, CoulombViscous, record, settings=QUICK, progress=seen.append)
-    assert not whole.found.cancelled
-    assert whole.found.evaluations == len(seen)
+    assert not whole.optimum.cancelled
+    assert whole.optimum.evaluations == len(seen)
     left = iter(range(len(seen) - 2, -1, -1))  # stops one evaluation before the end
     cut = fit(rig, CoulombViscous, record, settings=QUICK, progress=lambda _: next(left) > 0)
-    assert cut.found.cancelled
+    assert cut.optimum.cancelled
     assert cut.to_dict()["cancelled"]
 
 
@@ -162,8 +162,8 @@ def test_what_a_record_does_not_tell_is_no_number_in_any_draw():
     v = np.linspace(0.05, 0.5, 200)
     friction = 3.0 + 4.0 * v + 0.1 * np.random.default_rng(3).normal(size=v.size)
     found = fit(Axis(inertia=1.0), DirectionDependent, Measurement(velocity=v, friction=friction))
-    lost = [not np.isfinite(found.estimate(path).high) for path in found.unknowns.paths]
-    backward = ["backward" in path for path in found.unknowns.paths]
+    lost = [not np.isfinite(found.estimate(path).high) for path in found.free_parameters.paths]
+    backward = ["backward" in path for path in found.free_parameters.paths]
     assert lost == backward  # nothing slips backward
     np.testing.assert_array_equal(np.isnan(found.bootstrap(draws=50)), np.tile(backward, (50, 1)))
 

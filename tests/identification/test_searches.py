@@ -131,7 +131,7 @@ def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):
     plain = fit(Axis(inertia=4.0), CoulombViscous, record, settings=settings)
     rich = fit(Axis(inertia=4.0), laws()[name], record, settings=settings)
     # residuals of starts agree to 1 %: first states of segments are fitted as closely
-    assert rich.found.best.cost <= 1.02 * plain.found.best.cost
+    assert rich.optimum.best.cost <= 1.02 * plain.optimum.best.cost
     assert not rich.search_failure
 
 

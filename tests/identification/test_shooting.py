@@ -11,13 +11,13 @@ from stickslip.drives import Sampled
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.start_values import (
     joined,
     law_unknowns,
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.initial_states import CLEARLY
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
@@ -44,7 +44,7 @@ def problem_of(record, law=CoulombViscous):
     start, items, _ = law_unknowns(law, scales)
     more = mechanism_unknowns(RIG, start, ("inertia",), scales)
     segments = segments_of(RIG, record, length=1.0, resolution=200)
-    return Shooting(law=start, unknowns_=joined(start, [*items, *more]), segments=segments)
+    return Shooting(law=start, free_parameters_=joined(start, [*items, *more]), segments=segments)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_an_exact_record_gives_its_parameters_back(record):
     found = fit_record(Axis(inertia=1.0), CoulombViscous, record, unknown=("inertia",),
                        settings=settings)  # fmt: skip
     end, _ = improve(found.problem, found.values)
-    values = dict(zip(found.unknowns.paths, end.values, strict=True))
+    values = dict(zip(found.free_parameters.paths, end.values, strict=True))
     # the search ends when a step takes less than 1e-4 off a cost that is 1e-9 m already
     assert values["friction.kinetic_coefficient"] == pytest.approx(3.0, rel=1e-6)
     assert values["friction.viscous_coefficient"] == pytest.approx(8.0, rel=1e-6)
@@ -72,7 +72,7 @@ def values_found(axis, record, **more):
     found = fit_record(axis, CoulombViscous, record, settings=settings, **more)
     end, _ = improve(found.problem, found.values)
     assert end.rms < 1e-6 * 0.2  # initial states are settled to 1e-6 of the motion
-    return found, dict(zip(found.unknowns.paths, end.values, strict=True))
+    return found, dict(zip(found.free_parameters.paths, end.values, strict=True))
 
 
 def test_an_exact_record_of_velocities_gives_its_parameters_back():
@@ -128,8 +128,8 @@ def test_slopes_are_those_of_residuals_whose_initial_states_are_fitted(record):
 
 def test_residuals_have_next_to_nothing_left_that_an_initial_state_can_do(record):
     problem = problem_of(record)
-    here = problem.linearise(problem.unknowns.start)
-    again = problem.linearise(problem.unknowns.start, here)
+    here = problem.linearise(problem.free_parameters.start)
+    again = problem.linearise(problem.free_parameters.start, here)
     assert (1.0 - CLEARLY) * here.cost < again.cost <= here.cost
     for k, local in here.memory.items():
         own = here.segment == k
@@ -137,7 +137,7 @@ def test_residuals_have_next_to_nothing_left_that_an_initial_state_can_do(record
 
 
 def test_some_segments_are_linearised_as_among_all(record):
-    at = problem_of(record).unknowns.start
+    at = problem_of(record).free_parameters.start
     whole = problem_of(record).linearise(at)
     part = problem_of(record).linearise(at, only=[1, 3])
     rows = np.isin(whole.segment, [1, 3])
@@ -147,7 +147,7 @@ def test_some_segments_are_linearised_as_among_all(record):
 
 def test_rows_times_and_spans_belong_together(record):
     problem = problem_of(record)
-    here = problem.linearise(problem.unknowns.start)
+    here = problem.linearise(problem.free_parameters.start)
     assert problem.times.shape == here.residual.shape
     for k, (_, first, last) in enumerate(problem.spans):
         own = problem.times[here.segment == k]
@@ -156,7 +156,7 @@ def test_rows_times_and_spans_belong_together(record):
 
 def test_values_that_no_law_can_have_are_infinitely_wrong(record):
     problem = problem_of(record)
-    here = problem.linearise(-problem.unknowns.start)
+    here = problem.linearise(-problem.free_parameters.start)
     assert math.isinf(here.cost)
     with pytest.raises(ConvergenceError):
         improve(problem, np.full(4, math.nan))

@@ -98,7 +98,7 @@ def test_estimates_follow_the_mechanism_as_refits_do(case):
     mechanism, make, law, options, errors = CASES[case]
     record = make()
     known = fit(mechanism, law, record, **options)
-    found = fit(mechanism, law, replace(record, doubts=errors), **options)
+    found = fit(mechanism, law, replace(record, parameter_uncertainties=errors), **options)
     np.testing.assert_array_equal(found.values, known.values)
     assert list(found.inference.held) == list(errors)
     for path, error in errors.items():
@@ -113,7 +113,12 @@ def test_estimates_follow_the_mechanism_as_refits_do(case):
 
 def test_a_free_decay_is_differentiated_in_the_segments_it_was_fitted_in():
     block, record = decaying()
-    found = fit(block, Coulomb, replace(record, doubts={"stiffness": 0.1}), route="shooting")
+    found = fit(
+        block,
+        Coulomb,
+        replace(record, parameter_uncertainties={"stiffness": 0.1}),
+        route="shooting",
+    )
     assert len(found.problem.segments) == 1
     # levels over the weight go as k: half the fall of the amplitude times k / (m g), of a motion
     # whose period a stiffness that is off no longer has; a refit is the oracle
@@ -122,7 +127,7 @@ def test_a_free_decay_is_differentiated_in_the_segments_it_was_fitted_in():
 
 
 def test_a_level_over_the_load_is_as_uncertain_as_the_load():
-    found = fit(AXIS, CoulombViscous, replace(rubbed(), doubts={N: 0.4}))
+    found = fit(AXIS, CoulombViscous, replace(rubbed(), parameter_uncertainties={N: 0.4}))
     level, slope = found.estimate("kinetic_coefficient"), found.estimate("viscous_coefficient")
     assert level.sources[N] / level.value == pytest.approx(0.02, rel=1e-5)
     assert slope.sources[N] == pytest.approx(0.0, abs=1e-9)
@@ -138,17 +143,23 @@ def test_a_level_over_the_load_is_as_uncertain_as_the_load():
 
 def test_an_offset_of_measured_friction_counts_where_it_is_not_looked_for():
     """What a constant force adds to one level it takes off the other."""
-    found = fit(AXIS, DirectionDependent, replace(rubbed(), doubts={"offset": 0.4}))
+    found = fit(
+        AXIS, DirectionDependent, replace(rubbed(), parameter_uncertainties={"offset": 0.4})
+    )
     up, down = (found.inference.held["mechanism.offset"][0][i] for i in _levels(found))
     assert up == pytest.approx(-0.02, rel=1e-2)
     assert down == pytest.approx(0.02, rel=1e-2)
-    sought = fit(AXIS, CoulombViscous, replace(rubbed(), doubts={"offset": 0.4}))
+    sought = fit(AXIS, CoulombViscous, replace(rubbed(), parameter_uncertainties={"offset": 0.4}))
     assert sought.inference.held == {}  # the record tells it better
 
 
 def _levels(found):
     return [
-        next(i for i, path in enumerate(found.unknowns.paths) if way in path and "kinetic" in path)
+        next(
+            i
+            for i, path in enumerate(found.free_parameters.paths)
+            if way in path and "kinetic" in path
+        )
         for way in ("forward", "backward")
     ]
 
@@ -158,7 +169,9 @@ def test_intervals_hold_the_truth_where_a_mass_is_off_by_its_uncertainty():
     record = swung(replace(CART, cart_mass=0.5 + error))
     options = {"vary": ["kinetic_coefficient"]}
     promised = fit(CART, Coulomb, record, **options).estimate("kinetic_coefficient")
-    found = fit(CART, Coulomb, replace(record, doubts={"cart_mass": error}), **options)
+    found = fit(
+        CART, Coulomb, replace(record, parameter_uncertainties={"cart_mass": error}), **options
+    )
     level = found.estimate("kinetic_coefficient")
     assert not promised.low <= 0.18 <= promised.high
     assert level.low <= 0.18 <= level.high
@@ -182,11 +195,13 @@ def both(first, second, **doubts):
 
 
 def test_what_each_trial_sets_averages_and_what_they_share_does_not():
-    shared = fit(AXIS, CoulombViscous, both(20.0, 20.0, doubts={N: 0.4}))
+    shared = fit(AXIS, CoulombViscous, both(20.0, 20.0, parameter_uncertainties={N: 0.4}))
     records = [replace(one, overrides={N: 20.0}) for one in both(20.0, 20.0).trials]
-    anew = fit(AXIS, CoulombViscous, Measurement(trials=records, doubts={N: 0.4}))
+    anew = fit(AXIS, CoulombViscous, Measurement(trials=records, parameter_uncertainties={N: 0.4}))
     own = fit(
-        AXIS, CoulombViscous, Measurement(trials=[replace(r, doubts={N: 0.4}) for r in records])
+        AXIS,
+        CoulombViscous,
+        Measurement(trials=[replace(r, parameter_uncertainties={N: 0.4}) for r in records]),
     )
     sources = [one.estimate("kinetic_coefficient").sources[N] for one in (shared, anew, own)]
     assert sources[0] == pytest.approx(0.02 * 0.2, rel=1e-2)
@@ -198,11 +213,13 @@ def test_trials_that_differ_by_no_more_than_their_loads_do_share_a_law():
     """Loads of 20 N that are 2 % too small and too large, each set to 2 %."""
     trials = [replace(one, overrides={N: 20.0}) for one in both(19.6, 20.4).trials]
     sure = compare_trials(AXIS, CoulombViscous, Measurement(trials=trials))
-    set_to = Measurement(trials=trials, doubts={N: 0.4})
+    set_to = Measurement(trials=trials, parameter_uncertainties={N: 0.4})
     assert not sure.shared
     assert compare_trials(AXIS, CoulombViscous, set_to).shared
     # a load that all trials share makes no difference between them
-    one = Measurement(trials=[replace(t, overrides={}) for t in trials], doubts={N: 0.4})
+    one = Measurement(
+        trials=[replace(t, overrides={}) for t in trials], parameter_uncertainties={N: 0.4}
+    )
     assert not compare_trials(AXIS, CoulombViscous, one).shared
 
 
@@ -217,26 +234,33 @@ def test_halves_of_a_record_do_not_contradict_each_other_for_a_mass_that_is_off(
     x = x + 1e-4 * np.random.default_rng(3).normal(size=x.size)
     record = Measurement(time=t[:-2], position=x, force=force[:-2])
     sure, known = (
-        fit(AXIS, CoulombViscous, replace(record, doubts=doubts), route="inverse-dynamics")
+        fit(
+            AXIS,
+            CoulombViscous,
+            replace(record, parameter_uncertainties=doubts),
+            route="inverse-dynamics",
+        )
         for doubts in ({}, {J: 0.02})
     )
     assert np.all(np.abs(known.halves.distance) < np.abs(sure.halves.distance))
 
 
 def test_the_verdict_says_whether_the_record_or_the_mechanism_limits_an_interval():
-    record = replace(rubbed(), doubts={N: 0.4})
+    record = replace(rubbed(), parameter_uncertainties={N: 0.4})
     verdict = select(AXIS, [Coulomb, CoulombViscous], record)
     said = next(line for line in verdict.words.settles if "mu_k" in line)
     assert said.endswith("The load (2 %) contributes more to its uncertainty than the record.")
 
 
 def test_uncertainties_without_effect_are_refused():
-    weighed = replace(rubbed(), load=20.0, doubts={N: 0.4})
+    weighed = replace(rubbed(), load=20.0, parameter_uncertainties={N: 0.4})
     with pytest.raises(InputError, match="measured load replaces"):
         fit(AXIS, CoulombViscous, weighed)
     t = np.linspace(0.0, 10.0, 2000)
     towed = TowedBlock(mass=0.03, stiffness=1000.0, speed=4e-3)
-    pull = Measurement(time=t, spring_force=0.08 + 0.01 * (t % 0.1), doubts={"mass": 1e-3})
+    pull = Measurement(
+        time=t, spring_force=0.08 + 0.01 * (t % 0.1), parameter_uncertainties={"mass": 1e-3}
+    )
     for verb, law in ((fit, Coulomb), (select, [Coulomb])):
         with pytest.raises(InputError, match="fits to features do not propagate"):
             verb(towed, law, pull)

@@ -138,9 +138,9 @@ def test_friction_is_held_where_only_the_mass_is_varied(driven):
 @pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
 def test_an_offset_is_fitted_unless_it_is_fixed(driven, route):
     found = fit(AXIS, CoulombViscous, driven, route=route)
-    assert "mechanism.offset" in found.unknowns.paths
+    assert "mechanism.offset" in found.free_parameters.paths
     held = fit(AXIS, CoulombViscous, driven, fixed={"offset": 0.5}, route=route)
-    assert "mechanism.offset" not in held.unknowns.paths
+    assert "mechanism.offset" not in held.free_parameters.paths
     assert held.mechanism.offset == 0.5
     assert held.rms > found.rms
 
@@ -150,7 +150,7 @@ def test_a_fixed_level_of_the_usual_ones_is_held(driven):
     for route in ("shooting", "inverse-dynamics"):
         found = fit(AXIS, CoulombViscous, driven, fixed=fixed, route=route)
         assert found.law.viscous_coefficient == 4.0
-        assert "friction.viscous_coefficient" not in found.unknowns.paths
+        assert "friction.viscous_coefficient" not in found.free_parameters.paths
         assert found.law.kinetic_coefficient == pytest.approx(3.0, rel=0.01)
     map_ = fit(AXIS, CoulombViscous, TABLE, fixed={"viscous_coefficient": 3.0})
     assert map_.law.viscous_coefficient == 3.0
@@ -158,8 +158,8 @@ def test_a_fixed_level_of_the_usual_ones_is_held(driven):
 
 
 def test_more_than_the_usual_parameters_may_be_varied():
-    usual = fit(AXIS, Stribeck, TABLE).unknowns.paths
-    more = fit(AXIS, Stribeck, TABLE, vary=[LAW, "exponent"]).unknowns.paths
+    usual = fit(AXIS, Stribeck, TABLE).free_parameters.paths
+    more = fit(AXIS, Stribeck, TABLE, vary=[LAW, "exponent"]).free_parameters.paths
     assert "friction.exponent" not in usual
     assert set(more) <= {*usual, "friction.exponent", "friction.stribeck_velocity"}
     assert "friction.kinetic_coefficient" in more
@@ -170,7 +170,7 @@ def test_a_selection_varies_and_holds_what_is_said_of_the_mechanism(driven):
         Axis(inertia=1.7), ["coulomb-viscous"], driven, vary=[LAW, "inertia"],
         fixed={"offset": 0.0},
     )  # fmt: skip
-    paths = found.best.fit.unknowns.paths
+    paths = found.best.fit.free_parameters.paths
     assert "mechanism.inertia" in paths
     assert "mechanism.offset" not in paths
     with pytest.raises(InputError, match="vary must contain 'friction"):
@@ -231,8 +231,9 @@ FORMER = [
     (sample_posterior, (None,), ("watch",)),
     (optimise_profile, (PendulumCart, Coulomb, Limits), ("watch",)),
     (audit, (), ("watch",)),
+    (plan, (BLOCK, None), ("doubts",)),
 ]
-NEW = {"free": "vary", "unknown": "vary", "known": "fixed"}
+NEW = {"free": "vary", "unknown": "vary", "known": "fixed", "doubts": "parameter_uncertainties"}
 
 
 @pytest.mark.parametrize(

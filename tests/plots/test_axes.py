@@ -4,7 +4,7 @@ import inspect
 import sys
 import threading
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import matplotlib as mpl
 import numpy as np
@@ -34,6 +34,9 @@ from stickslip.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import LawEstimates
+from stickslip.identification import Fit
+from stickslip.selection import Verdict
+from stickslip.selection.verdict import Candidate, Wording
 from stickslip.solver import Max, Samples
 from stickslip.sweep import band_of, basins, bifurcation
 from stickslip.sweep.mean_velocity import VelocityMap
@@ -95,12 +98,6 @@ KINDS = (
     "run", "ensemble", "band", "record fit", "travel fit", "record verdict", "travel verdict",
     "map", "bifurcation", "basins", "loop",
 )  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def no_figure_is_left():
-    yield
-    plt.close("all")
 
 
 def settings() -> dict[str, object]:
@@ -204,10 +201,10 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
     figures = plt.get_fignums()
     wrong = {
         plots.plot_run: "run must be a Trajectory",
-        plots.plot_fit: "fit must be a RecordFit, TravelFit, FeatureFit or RateStateFit",
-        plots.plot_verdict: "verdict must be a TravelVerdict",
+        plots.plot_fit: "fit must be a Fit, got",
+        plots.plot_verdict: "verdict must be a Verdict, got",
         plots.plot_ensemble: "runs must be an Ensemble",
-        plots.plot_sweep: "found must be a VelocityMap, Bifurcation or Basins",
+        plots.plot_sweep: "result must be a VelocityMap, Bifurcation or Basins",
         plots.plot_law: "law must be a FrictionLaw",
         plots.plot_presliding: "loop must be a PreslidingLoop or BristleLaw",
         plots.plot_separation: "verdict must be a TravelVerdict, got",
@@ -427,3 +424,32 @@ def test_threads_that_show_results_do_not_mix_their_settings(results):
 def test_a_law_named_in_the_table_of_plots_is_found_by_its_base():
     law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.05)
     assert plots.plot(law, Figure()).get_title("left") == law.title
+
+
+def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
+    @dataclass(frozen=True, kw_only=True, repr=False)
+    class BareFit(Fit):
+        law_estimates = _notes = to_dict = None
+
+    @dataclass(frozen=True, kw_only=True)
+    class BareCandidate(Candidate):
+        to_row = to_dict = None
+
+    @dataclass(frozen=True, kw_only=True, repr=False)
+    class BareVerdict(Verdict):
+        route, score_unit = "bare", "N"
+        _details = _basis = None
+
+    bare = BareFit(law=None, mechanism=None, estimates=())
+    for plot in (plots.plot, plots.plot_fit, lambda fit: fit.plot()):
+        with pytest.raises(InputError, match="there is no plot for a BareFit: its class has no"):
+            plot(bare)
+    words = Wording(
+        verdict="", lede="", settles=(), cannot_tell=(), measure_next=(), no_score="One only."
+    )
+    one = BareCandidate(name="bare", title="Bare", fit=None)
+    verdict = BareVerdict(
+        mechanism=None, measurement=None, words=words, candidates=(one,), best=None, ranked=False
+    )
+    with pytest.raises(InputError, match=r"no law has a held-out error to plot\. One only\."):
+        plots.plot_verdict(verdict)

@@ -14,7 +14,9 @@ BLOCK = SpringBlock(mass=0.82, stiffness=145.0, compression=0.08)
 
 @pytest.fixture(scope="module")
 def sheet():
-    return plan(BLOCK, ["coulomb", "coulomb-viscous", "viscous"], doubts={"stiffness": 2.9})
+    return plan(
+        BLOCK, ["coulomb", "coulomb-viscous", "viscous"], parameter_uncertainties={"stiffness": 2.9}
+    )
 
 
 @pytest.fixture(scope="module")

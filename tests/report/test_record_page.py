@@ -25,17 +25,17 @@ from stickslip.friction import DirectionDependent
 from stickslip.identification.estimation.levenberg_marquardt import AGREE
 from stickslip.identification.estimation.model_error import ModelError
 from stickslip.identification.records.fitting import fit_record
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.plots.selection.fit_data import block_edges, panel_of, rows_of, sampled, thinned
 from stickslip.report import Paragraph, Section, render
 from stickslip.report.core.documents import Origin
-from stickslip.report.core.markup import equation_parts
+from stickslip.report.core.markup import equation_parts, typeset
 from stickslip.report.records.certificate import certificate_section
 from stickslip.report.records.loops import turns_of
 from stickslip.report.records.reproduce import python_lines
 from stickslip.report.records.residuals import _panels, residuals_section
 from stickslip.report.records.summary import law_lines, level_at, levels_at_speed
-from stickslip.report.records.texts import rival_of, typeset
+from stickslip.report.records.texts import rival_of
 from stickslip.routes.page import verdict_page
 from stickslip.selection.candidates import specifications
 from stickslip.selection.record_wording import in_sentence
@@ -148,7 +148,7 @@ def test_every_estimate_on_the_page_ends_where_its_interval_does(verdict, html):
 
 
 def test_checks_and_search_stand_on_the_page(verdict, html):
-    text, found = text_of(html), verdict.best.fit.found
+    text, found = text_of(html), verdict.best.fit.optimum
     for sentence in verdict.checks.sentences:
         assert plain(sentence) in text
     assert f"{found.agreeing} of {len(found.costs)} starts" in text
@@ -499,8 +499,8 @@ def test_the_caption_of_the_scores_states_the_rule(html):
 )  # fmt: skip
 def test_starts_that_disagree_are_said_in_numbers_of_the_search(verdict, costs, said):
     fit = verdict.best.fit
-    found = dataclasses.replace(fit.found, costs=costs)
-    best = dataclasses.replace(verdict.best, fit=dataclasses.replace(fit, found=found))
+    found = dataclasses.replace(fit.optimum, costs=costs)
+    best = dataclasses.replace(verdict.best, fit=dataclasses.replace(fit, optimum=found))
     section = certificate_section(dataclasses.replace(verdict, best=best))
     (text,) = [item.value for item in section.blocks[0].items if item.key == "Restarts"]
     assert said in plain(text)
@@ -626,7 +626,7 @@ def test_friction_at_a_speed_is_told_only_in_a_direction_that_leaves_it_open():
     record = Measurement(velocity=v, friction=2.0 * np.sign(v) + 5.0 * v + noise)
     found = fit(Axis(inertia=1.0), DirectionDependent, record)
     covariance = np.diag(np.diag(found.inference.covariance))
-    back = [i for i, path in enumerate(found.unknowns.paths) if "backward" in path]
+    back = [i for i, path in enumerate(found.free_parameters.paths) if "backward" in path]
     covariance[back, back[::-1]] = -0.99 * np.prod(found.inference.errors[back])
     held = dataclasses.replace(found.inference, covariance=covariance)
     (line,) = levels_at_speed(dataclasses.replace(found, inference=held))
@@ -641,8 +641,8 @@ def test_no_trend_is_not_all_that_is_said_of_residuals_far_above_the_sensors_noi
     assert fit.model_errors == ()
     quiet, _ = residual_heading(verdict, fit)
     assert quiet.startswith("No test finds a dependence")
-    best = fit.found.best.with_residual(100.0 * fit.residual)
-    loud = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    best = fit.optimum.best.with_residual(100.0 * fit.residual)
+    loud = dataclasses.replace(fit, optimum=dataclasses.replace(fit.optimum, best=best))
     heading, caption = residual_heading(verdict, loud)
     assert re.match(r"Residuals \d+ times the sensor noise", heading)
     assert "because of an unmeasured disturbance or a model error" in caption
@@ -670,7 +670,7 @@ def test_residuals_that_follow_speed_have_a_trend(verdict):
     fit = verdict.best.fit
     rows = rows_of(fit)
     sped = fit.residual + 2.0 * np.std(fit.residual) * np.sign(rows.velocity)
-    best = fit.found.best.with_residual(sped)
-    moved = dataclasses.replace(fit, found=dataclasses.replace(fit.found, best=best))
+    best = fit.optimum.best.with_residual(sped)
+    moved = dataclasses.replace(fit, optimum=dataclasses.replace(fit.optimum, best=best))
     assert "velocity" in _panels(moved, 1e3)[1]
     assert _panels(fit, 1e3)[1] == []

@@ -94,8 +94,8 @@ def test_every_section_can_be_made_of(case):
 
 def test_the_page_of_the_reference_cart_says_its_numbers():
     said = texts(run_page(about(CART, COULOMB, 5 * SWING.period)))
-    assert "The body moves 63.5 mm in a cycle of 0.724 s" in said
-    assert "The body advances 0.2787 m in 5 whole cycles" in said
+    assert "The cart moves 63.5 mm in a cycle of 0.724 s" in said
+    assert "The cart advances 0.2787 m in 5 whole cycles" in said
     assert "24.86" in said  # the first cycle
     assert "does not hold: lowest velocity −6.1" in said
     assert "0.314 mm back-slip in the last cycle" in said
@@ -163,8 +163,8 @@ def test_a_section_that_fails_is_one_line(monkeypatch):
 @pytest.mark.parametrize(
     ("law", "sticks"), [(Viscous(viscous_coefficient=0.5), False), (STRIBECK, True)]
 )
-def test_captions_speak_of_sticking_where_the_body_sticks(law, sticks):
+def test_captions_speak_of_sticking_where_the_cart_sticks(law, sticks):
     run = simulate(CART, law, t_end=2.0)
     assert bool(run.stick_spans()) is sticks
     text = run_page(RunReport(rig=Rig(mechanism=CART), law=law, run=run))
-    assert ("the body sticks" in text, "where it sticks" in text) == (sticks, sticks)
+    assert ("the cart sticks" in text, "where it sticks" in text) == (sticks, sticks)

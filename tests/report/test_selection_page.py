@@ -190,7 +190,7 @@ def test_headings_state_what_was_computed(tie_page):
 
 
 def test_the_spring_back_of_bristles_is_called_physics_and_names_its_laws(tie_page):
-    assert tie_page.headings["criteria"].startswith("The body springs back with Dahl")
+    assert tie_page.headings["criteria"].startswith("The block springs back with Dahl")
     assert "rejects correct models" in tie_page.text
     assert "held at its first stop" in tie_page.text  # LuGre has its switch
 
@@ -253,7 +253,8 @@ def test_where_nothing_fits_each_law_says_why_it_was_dropped(failed):
 def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone):
     reader = read(page_of(alone))
     found = re.fullmatch(
-        r"With a fixed step of (1|2|5|10) ms without a stick rule, the body reverses (\d+) times",
+        r"With a fixed step of (1|2|5|10) ms without a stick rule, the velocity reverses"
+        r" (\d+) times",
         reader.headings["steps"],
     )
     dt = 1e-3 * float(found[1])
@@ -271,7 +272,7 @@ def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):
         dataclasses.replace(row, reversals=row.reversals + 2) for row in (exact, held, chattering)
     ]
     assert steps_heading(turning).endswith(
-        f"the body reverses {chattering.reversals} times more than the exact run"
+        f"the velocity reverses {chattering.reversals} times more than the exact run"
     )
     assert steps_heading(turning[:2]) == "Fixed steps and the exact run"
 
@@ -310,7 +311,7 @@ def test_a_spring_that_stays_attached_is_not_called_elastic_deflection():
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
     reader = read(page_of(select(rig, [Coulomb, Dahl], reading, t_end=1.5)))
     assert "This is physical" not in reader.text
-    assert "The mechanism pulls the body back" in reader.text
+    assert "The mechanism pulls the block back" in reader.text
 
 
 def test_a_law_alone_is_compared_with_a_contact_that_does_not_deflect():
@@ -318,7 +319,7 @@ def test_a_law_alone_is_compared_with_a_contact_that_does_not_deflect():
     reading = Measurement(travel=0.1, uncertainty=0.005, uncertainty_kind="rounding")
     reader = read(page_of(select(rig, [Dahl], reading, t_end=1.5)))
     assert "This is physical" not in reader.text
-    assert "The mechanism pulls the body back" in reader.text
+    assert "The mechanism pulls the block back" in reader.text
 
 
 def test_fitted_rows_that_agree_in_every_column_are_one_sentence():

@@ -58,6 +58,16 @@ def test_page_document_and_law_say_what_the_verdict_says(verdict, tmp_path):
     assert rig.mechanism.load == 4.0
 
 
+def test_without_a_title_page_and_document_are_named_after_the_mechanism(verdict, tmp_path):
+    page = write_report(verdict, tmp_path / "report")
+    assert "<title>Friction model selection: Axis<" in page.read_text(encoding="utf-8")
+    content = json.loads(page.with_name("verdict.json").read_text(encoding="utf-8"))
+    assert content["rig"] == "Axis"
+    block = SpringBlock(mass=1.0)
+    assert block.title == stickslip.Rig(mechanism=block).heading == "Spring block"
+    assert stickslip.Rig(mechanism=block, title="Slide").heading == "Slide"
+
+
 def test_the_command_writes_the_same_files_but_for_its_own_name_and_hash(verdict, tmp_path):
     lines = [f"{v!r},{f!r}" for v, f in zip(SPEED.tolist(), FRICTION.tolist(), strict=True)]
     data = tmp_path / "table.csv"

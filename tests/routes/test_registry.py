@@ -1,6 +1,7 @@
 """Which measurement gets which route, and what each route refuses."""
 
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from stickslip import (
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.friction import RateState
 from stickslip.identification.records.route_choice import RouteChoice
-from stickslip.routes import Options, refuse_unused, registry, route_named, route_of, routes
+from stickslip.routes import Options, Route, refuse_unused, registry, route_named, route_of, routes
 
 T = np.linspace(0.0, 1.0, 50)
 RISE, WAVE = 1e-6 * T, np.sin(6.0 * T)
@@ -44,9 +45,9 @@ KINDS = {
 """Mechanism, values and the first name of the route."""
 USED = {
     "travel": {"assumed", "t_end"},
-    "features": {"route", "settings", "validate"},
-    "rate-state": {"route", "settings", "validate"},
-    "shooting": {"route", "settings", "purpose", "horizon", "validate"},
+    "features": {"route", "settings", "validate", "executor"},
+    "rate-state": {"route", "settings", "validate", "executor"},
+    "shooting": {"route", "settings", "purpose", "horizon", "validate", "executor"},
 }
 GIVEN = {
     "route": "shooting",
@@ -56,6 +57,7 @@ GIVEN = {
     "validate": Measurement(time=T, position=WAVE, force=WAVE),
     "assumed": {"coulomb": ["friction.kinetic_coefficient"]},
     "t_end": 5.0,
+    "executor": ThreadPoolExecutor(1),
 }
 OF_FIT = ("route", "settings", "t_end")
 
@@ -120,7 +122,7 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
     mechanism, record = measured(kind)
     route = KINDS[kind][-1]
     if name in USED[route]:
-        refuse_unused(route_named(route), [name], Options(**{name: GIVEN[name]}))
+        refuse_unused(route_named(route), {name: name}, Options(**{name: GIVEN[name]}))
         return
     verbs = [(select, None)] + ([(fit, "coulomb")] if name in OF_FIT else [])
     for verb, law in verbs:
@@ -135,6 +137,73 @@ def test_an_option_is_used_or_refused_in_one_sentence_by_both_verbs(kind, name):
         assert f"it has no effect on {route_named(route).measured}: leave it out." in said
         for other, used in USED.items():
             assert (route_named(other).measured in said.partition(";")[0]) is (name in used)
+
+
+SETTINGS = {"segment": 0.5, "resolution": 99, "hold": "first", "starts": 2, "seed": 3}
+WITHOUT = {
+    ("velocity steps", None): ({"segment", "resolution", "hold"}, "velocity steps"),
+    ("spring force", None): (
+        {"segment", "resolution", "hold", "starts"},
+        "the force of a spring",
+    ),
+    ("motion and force", "shooting"): (set(), ""),
+    ("motion and force", "inverse-dynamics"): ({"segment", "resolution"}, "inverse-dynamics"),
+    ("friction over velocity", None): ({"segment", "resolution", "hold"}, "force-map"),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+@pytest.mark.parametrize(("kind", "asked"), WITHOUT)
+def test_a_setting_without_effect_is_refused_by_both_verbs(kind, asked, name, monkeypatch):
+    mechanism, record = measured(kind)
+    settings = RecordSettings(**{name: SETTINGS[name]})
+    unused, where = WITHOUT[kind, asked]
+    law = "logarithmic" if kind == "velocity steps" else "coulomb"
+    way, seen = type(route_of(record, asked)), []
+    for method in ("fit", "select"):
+        monkeypatch.setattr(way, method, lambda self, request, options: seen.append(options))
+    for verb in (fit, select):
+        if name not in unused:
+            verb(mechanism, law, record, route=asked, settings=settings)
+            assert getattr(seen[-1].settings, name) == SETTINGS[name]
+            continue
+        with pytest.raises(InputError, match=f"^RecordSettings.{name} applies to") as refused:
+            verb(mechanism, law, record, route=asked, settings=settings)
+        assert where in str(refused.value)
+        assert str(refused.value).endswith("leave it out.")
+        assert seen == []
+
+
+def test_settings_beside_a_choice_that_has_its_own_are_refused():
+    mechanism, record = measured("motion and force")
+    choice = RouteChoice(route="inverse-dynamics", settings=RecordSettings(starts=3))
+    with pytest.raises(InputError, match="settings has no effect beside a `RouteChoice`"):
+        fit(mechanism, "coulomb", record, route=choice, settings=RecordSettings(starts=2))
+    options = Options(route=choice, settings=RecordSettings(starts=3))
+    refuse_unused(route_of(record), {"settings": "settings"}, options)
+
+
+def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():
+    with pytest.raises(TypeError, match=r"Other.uses has 'jobs', which is no field of Options"):
+
+        class Other(Route):
+            uses = frozenset({"jobs"})
+
+    with pytest.raises(TypeError, match=r"Next.settings has 'start', which is no .*; known: hold"):
+
+        class Next(Route):
+            uses, settings = frozenset(), frozenset({"start"})
+
+
+def test_the_least_residual_has_words_on_every_route():
+    table = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.0])
+    words = {one.names[0]: one.residual_text(0.012, table, Options()) for one in routes()}
+    assert words == {
+        "features": "error of the features 1.2 %",
+        "travel": "residual 0.012",
+        "rate-state": "coefficient off by 0.012",
+        "shooting": "12 mN",
+    }
 
 
 def test_options_that_say_nothing_are_not_refused():

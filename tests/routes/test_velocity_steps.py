@@ -47,7 +47,7 @@ def test_fit_takes_velocity_steps_by_itself(machine, steps):
 def test_starts_and_seed_reach_the_search(machine, steps):
     def costs(**changes):
         settings = RecordSettings(**changes)
-        return fit(machine, "logarithmic", steps, vary=WITH_STIFFNESS, settings=settings).found
+        return fit(machine, "logarithmic", steps, vary=WITH_STIFFNESS, settings=settings).optimum
 
     assert len(costs(starts=1).costs) == 1
     three = costs(starts=3)

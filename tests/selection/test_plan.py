@@ -41,7 +41,7 @@ def three() -> Plan:
     return plan(BLOCK, ["coulomb", "viscous", "coulomb-viscous"], uncertainty=SIGMA)
 
 
-def filled(sheet: Plan, travels, doubts=None) -> Measurement:
+def filled(sheet: Plan, travels, parameter_uncertainties=None) -> Measurement:
     """Return the readings of a filled sheet."""
     rows = list(csv.reader(io.StringIO(sheet.csv())))[1:]
     return Measurement(
@@ -51,7 +51,7 @@ def filled(sheet: Plan, travels, doubts=None) -> Measurement:
             )
             for _, x, _ in rows
         ),
-        doubts=doubts or {},
+        parameter_uncertainties=parameter_uncertainties or {},
     )
 
 
@@ -64,7 +64,12 @@ def test_what_one_per_cent_costs_is_said_beside_what_is_needed_better():
     # add a quarter each to the variance, as k did when it was known as needed; two digits are shown
     closed = math.hypot(1.96, math.sqrt(1.5 / 1.75) * before)
     assert after == pytest.approx(closed, abs=0.06)
-    same = plan(BLOCK, "coulomb", doubts={"stiffness": 0.01 * one.value}, uncertainty=0.0005)
+    same = plan(
+        BLOCK,
+        "coulomb",
+        parameter_uncertainties={"stiffness": 0.01 * one.value},
+        uncertainty=0.0005,
+    )
     (level,) = [e.estimate for e in same.expectations]
     assert 50.0 * (level.high - level.low) / level.value == pytest.approx(after, abs=0.06)
 
@@ -84,7 +89,7 @@ def test_one_per_cent_names_the_laws_that_are_then_not_told_apart():
     worse = plan(
         BLOCK,
         ["coulomb", "coulomb-viscous", "viscous"],
-        doubts={**doubts, X: 0.01 * 0.08},
+        parameter_uncertainties={**doubts, X: 0.01 * 0.08},
         uncertainty=0.0055,
     )
     (pair,) = [t for t in worse.tellings if (t.holds, t.rival) == ("coulomb-viscous", "coulomb")]
@@ -164,7 +169,7 @@ def test_repeats_follow_from_what_the_rival_leaves():
     line = SETTINGS * (SETTINGS @ TRAVELS) / (SETTINGS @ SETTINGS)
     left = TRAVELS - line
     sigma = 0.03
-    sheet = plan(BLOCK, ["coulomb", "viscous"], uncertainty=sigma, doubts=EXACT)
+    sheet = plan(BLOCK, ["coulomb", "viscous"], uncertainty=sigma, parameter_uncertainties=EXACT)
     (one,) = sheet.tellings
     # either may hold: x_0 fitted by c x_0^2 is the other way round
     square = SETTINGS**2 * (SETTINGS**2 @ SETTINGS) / (SETTINGS**2 @ SETTINGS**2)
@@ -213,7 +218,12 @@ def test_expected_intervals_are_those_of_a_filled_sheet(three):
 
 
 def test_stated_uncertainties_count_and_are_judged():
-    sheet = plan(BLOCK, ["coulomb"], uncertainty=SIGMA, doubts={"stiffness": 5.0, "mass": 1e-4})
+    sheet = plan(
+        BLOCK,
+        ["coulomb"],
+        uncertainty=SIGMA,
+        parameter_uncertainties={"stiffness": 5.0, "mass": 1e-4},
+    )
     said = {one.path: one.verdict for one in sheet.preparations}
     assert said[K] == "5 N/m, too large"
     assert said[M] == "0.1 g, sufficient"
@@ -234,7 +244,9 @@ def test_what_no_travel_tells_has_another_way():
 
 
 def test_the_angle_is_read_as_well_as_the_level_is_known():
-    sheet = plan(BLOCK, Coulomb(kinetic_coefficient=0.25), uncertainty=0.02, doubts=EXACT)
+    sheet = plan(
+        BLOCK, Coulomb(kinetic_coefficient=0.25), uncertainty=0.02, parameter_uncertainties=EXACT
+    )
     share = 0.02 / math.sqrt(3.0 * np.sum(TRAVELS**2))
     angle = math.degrees(share * 0.25 / (1.0 + 0.25**2))
     assert f"Read it to {angle:.1g}°" in sheet.rest["$mu_s$ by tilt"]
@@ -295,7 +307,7 @@ def test_settings_at_which_the_block_hardly_moves_are_left_out():
         (BLOCK, {"uncertainty": 1e-9}, "from 2.31 µm \\(the accuracy of the simulation\\)"),
         (replace(BLOCK, upper_stop=0.15), {}, "hits the stop at 0.15 m"),
         (replace(BLOCK, compression=0.01), {}, r"\(mu_k = 0.25\) holds the body at rest"),
-        (BLOCK, {"doubts": {"stifness": 1.0}}, "stifness"),
+        (BLOCK, {"parameter_uncertainties": {"stifness": 1.0}}, "stifness"),
         (BLOCK, {"laws": []}, "no friction law was given"),
         (BLOCK, {"laws": Coulomb(kinetic_coefficient=2.0)}, "holds the body at rest"),
         (BLOCK, {"laws": "culomb"}, "coulomb"),

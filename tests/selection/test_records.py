@@ -493,7 +493,7 @@ def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
     verdict = select(Axis(inertia=2.0), ["quadratic-drag", "dahl"], record)
     assert verdict.best.name == "quadratic-drag"
     dahl = next(one for one in verdict.candidates if one.name == "dahl")
-    assert dahl.fit.found.hopeless
+    assert dahl.fit.optimum.hopeless
     assert dahl.validation is None
     assert dahl.outcome.startswith("not scored: its search was stopped early")
     assert verdict.missing == ()  # what was not judged says so itself

@@ -282,6 +282,48 @@ def test_assumed_values_are_fitted_where_no_law_explains_the_travels_without():
     assert found.best.fit.estimate("stribeck_velocity").value == pytest.approx(0.3, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("marked", "settings", "hint", "instead"),
+    [
+        ((), 4, "A value marked assumed = true in the rig file", ""),
+        (
+            ("static_coefficient",),
+            4,
+            "Another value marked assumed",
+            "$mu_s$, marked as assumed, do",
+        ),
+        (
+            ("static_coefficient", "stribeck_velocity"),
+            4,
+            "",
+            "Fitting $mu_s$ and $v_s$, marked as assumed, does not explain the readings either.",
+        ),
+        (
+            ("static_coefficient", "stribeck_velocity"),
+            2,
+            "",
+            "To fit $mu_s$ and $v_s$, marked as assumed, takes more than two settings.",
+        ),
+    ],
+)
+def test_who_has_marked_all_values_as_assumed_is_not_told_to(marked, settings, hint, instead):
+    # readings in the wrong order: no level, however it changes with speed, explains them
+    rig = dataclasses.replace(RIG, mass=0.82, stiffness=145.0)
+    read = {0.06: 0.30, 0.08: 0.20, 0.10: 0.12, 0.12: 0.05}
+    trials = tuple(
+        Measurement(travel=x, uncertainty=1e-3, overrides={"mechanism.compression": c})
+        for c, x in [*read.items()][:settings]
+    )
+    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.45, stribeck_velocity=0.3)
+    laws, measured = {"stribeck": law}, Measurement(trials=trials)
+    verdict = select(rig, laws, measured, assumed={"stribeck": marked} if marked else None)
+    assert verdict.best is None
+    (line,) = [one for one in verdict.words.measure_next if "not fitted" in one]
+    assert ("assumed = true" in line) is bool(hint)
+    assert hint in line
+    assert instead in line
+
+
 def test_a_law_that_explains_the_readings_alone_does_so_beside_laws_that_do_not():
     # Coulomb friction leaves 18 mm of one reading; with a viscous part 2.7 mm are left of all
     read = {0.06: 0.164, 0.08: 0.265, 0.10: 0.396}

@@ -258,9 +258,6 @@ WRONG_LAWS = {
     "friction is affine in the load": changed(
         Plain, sliding=lambda self, speed, load: 0.01 * load * load + 0.0 * speed
     ),
-    "friction stays below the break-away level": changed(
-        Plain, sliding=lambda self, speed, load: (self.mu + speed) * load
-    ),
     "break-away and sliding agree": changed(Plain, break_away=lambda self, load: 0.1 * load),
     "arrays and scalars give the same forces": changed(Plain, sliding=of_arrays),
     "its equations can be derived": changed(
@@ -287,6 +284,41 @@ def test_a_sound_law_passes_every_check(sound):
     report = check_friction(sound, compiled=False)
     assert report.ok, report
     assert len(report.checks) == len(friction.FIRST) + len(friction.THEN) - 1
+
+
+STRONGER = {
+    "in proportion to speed": changed(
+        Plain, sliding=lambda self, speed, load: (self.mu + 2.0 * speed) * load
+    ),
+    "within micrometres per second": changed(
+        Plain, sliding=lambda self, speed, load: self.mu * (1.0 + speed / (speed + 1e-6)) * load
+    ),
+    "from a lower level": changed(
+        Plain, sliding=lambda self, speed, load: (0.5 * self.mu + speed) * load
+    ),
+    "as bristles": changed(
+        Brush,
+        bristle_rates=lambda self, velocity, bristles, load: (
+            velocity
+            - self.stiffness * abs(velocity) / (self.mu * (1.0 + abs(velocity))) * bristles[0],
+        ),
+        steady=lambda self, velocity, load: (
+            self.mu * (1.0 + abs(velocity)) * load * np.sign(velocity)
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("law", STRONGER.values(), ids=STRONGER)
+def test_friction_may_grow_with_speed_beyond_the_break_away_level(law):
+    # runs, energy and sensitivities are those of the law: nothing needs a level that bounds sliding
+    assert check_friction(law, compiled=False).ok
+
+
+@pytest.mark.parametrize("share", [1.5, 1.001, 1.0001])
+def test_sliding_must_not_begin_above_the_break_away_level(share):
+    jump = changed(Plain, sliding=lambda self, speed, load: (share * self.mu + speed) * load)
+    assert "break-away and sliding agree" in failed(check_friction(jump, compiled=False))
 
 
 @pytest.mark.parametrize(("check", "wrong"), WRONG_LAWS.items(), ids=WRONG_LAWS)

@@ -110,7 +110,7 @@ def _content(
     rig: Rig, chosen: ChosenLaw, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
-        "rig": rig.title,
+        "rig": rig.heading,
         "digest": rig.digest,
         **chosen.to_dict(),
         "status": seen.status.name,
@@ -123,7 +123,7 @@ def _content(
 
 def _show(rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path) -> None:
     console = stdout()
-    console.print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
+    console.print(Text.assemble((rig.heading, "bold"), f", {law.title} friction"))
     console.print(seen.status.value, markup=False)
     for problem in seen.certificate.problems:
         console.print(f"Not certified: {problem}", markup=False)

@@ -43,7 +43,6 @@ from stickslip.cli.options import (
 from stickslip.cli.subcommands import data, profile
 
 if TYPE_CHECKING:
-    from stickslip.identification import RouteName
     from stickslip.selection import PurposeName
 
 __all__ = ["app"]
@@ -110,7 +109,8 @@ def select(
 
     Every law is fitted to the measurements, and the verdict names the law to use.
 
-    While laws are fitted to a record, Ctrl-C once stops with the best so far; twice cancels.
+    While laws are fitted to a record, press Ctrl-C once to stop with the best fit so far, twice
+    to cancel.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.inputs import CommandInputs, FitOptions
@@ -123,7 +123,7 @@ def select(
     how = fitted(
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
         horizon=horizon,
-        route=cast("RouteName | None", route),
+        route=route,
     )
     asked = CommandInputs(
         data=data or [],
@@ -168,7 +168,7 @@ def fit(
 
     The parameters are printed with their confidence intervals.
 
-    While a record is fitted, Ctrl-C once stops with the best so far; twice cancels.
+    While a record is fitted, press Ctrl-C once to stop with the best fit so far, twice to cancel.
     """
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.fit import run
@@ -179,7 +179,7 @@ def fit(
     )
     how = FitOptions(
         horizon=horizon,
-        route=cast("RouteName | None", route),
+        route=route,
         segment=segment,
         hold=hold,
         starts=starts,
@@ -387,7 +387,7 @@ def sweep(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Mean velocity over a parameter grid.
+    """Compute the mean velocity over a parameter grid.
 
     Simulates a driven rig at every point of the grid; writes a table and a figure.
     """
@@ -410,7 +410,7 @@ def plan(
         typer.Option(
             "--between",
             metavar="LOW..HIGH",
-            help="Settings that the rig can take, e.g. 40mm..100mm; default: those of the trials"
+            help="Range of settings of the rig, e.g. 40mm..100mm; default: those of the trials"
             " and the rig file, or 0.4 to 1 times the value in the rig file.",
         ),
     ] = None,
@@ -512,9 +512,10 @@ def warmup(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of rig files."""
-    from stickslip.cli.schema import run
+    from stickslip.cli.console import document, print_json
+    from stickslip.experiments import rig_schema
 
-    run()
+    print_json(document("rig-schema", rig_schema()))
 
 
 @app.command()
@@ -525,9 +526,9 @@ def cite(
     as_json: Json = False,
 ) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
-    from stickslip.cli.cite import run
+    from stickslip.cli.models import cite
 
-    run(laws or [], as_json=as_json)
+    cite(laws or [], as_json=as_json)
 
 
 app.add_typer(data, name="data")

@@ -75,7 +75,7 @@ def run(
         if not as_json:
             stdout().print(f"\nFindings and pictures: {output}", markup=False)
     if found.worst == "error":
-        note("The check found errors: correct the data before a fit.")
+        note("The check found errors: correct the data before fitting.")
         raise typer.Exit(BAD_DATA)
 
 

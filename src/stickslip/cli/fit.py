@@ -27,7 +27,7 @@ from stickslip.cli.inputs import (
 from stickslip.cli.law_choice import law_to_fit
 from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
-from stickslip.experiments import Checks, Rig, check, load_rig, refuse_same, told
+from stickslip.experiments import Checks, Rig, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
 from stickslip.routes import FitRequest, FitSummary, Law
 
@@ -89,7 +89,7 @@ def run(
         write_file(output, result.to_toml().encode())
     if as_json:
         content = {
-            "rig": rig.title,
+            "rig": rig.heading,
             "digest": found.digest,
             **result.to_dict(),
             "checks": checks.to_dict(),
@@ -114,7 +114,7 @@ def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
         )
     checks = check(found.measurement, mechanism=rig.mechanism)
     if checks.worst == "error":
-        wrong = told([one for one in checks.findings if one.severity == "error"])
+        wrong = findings_text([one for one in checks.findings if one.severity == "error"])
         raise InputError(f"This record cannot be fitted. {wrong}")
     if found.validate is not None:
         refuse_same(found.measurement, found.validate)

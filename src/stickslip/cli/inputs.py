@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from pathlib import Path
 from typing import final
 
@@ -168,7 +167,9 @@ def measured(
     reading = rig.reading.with_changes(asked.reading)
     measurement, validate = rig.measurement, rig.validate
     if asked.data:
-        measurement = rig.doubting(read_data(asked.data, reading, mechanism=rig.mechanism))
+        measurement = rig.with_uncertainties(
+            read_data(asked.data, reading, mechanism=rig.mechanism)
+        )
     elif asked.reading != Reading() and asked.validate is None:
         raise InputError(
             "--columns, --unit, --gain, --repair and --conditions apply to the files of --data or"
@@ -198,8 +199,8 @@ def measured(
         t_end=rig.t_end,
     )
     options = said.only(route.uses)
-    refuse = partial(refuse_unused, route, mark="--")
-    refuse([*how.given, *(["validate"] if asked.validate else [])], options)
+    typed = {name: f"--{name}" for name in how.given}
+    refuse_unused(route, typed | ({"validate": "--validate"} if asked.validate else {}), options)
     if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
         raise InputError(
             "a record needs a rig file with a mechanism: give one with a [mechanism] table, such"
@@ -207,7 +208,7 @@ def measured(
         )
     request = Request(mechanism=rig.mechanism, measurement=measurement, vary=vary, fixed=fixed)
     options = route.resolved(request, options, None if chosen is None else route.owner(chosen))
-    refuse(how.given, options)
+    refuse_unused(route, typed, options)
     return Inputs(
         measurement=measurement,
         law=chosen,

@@ -1,5 +1,6 @@
-"""``stickslip models``."""
+"""``stickslip models`` and ``stickslip cite``: the laws and their sources."""
 
+from collections.abc import Sequence
 from textwrap import fill, indent
 from typing import Any
 
@@ -16,13 +17,14 @@ from stickslip.friction import (
     FrictionLaw,
     PrintedForm,
     RightEquation,
+    law_type,
     laws,
 )
 from stickslip.quantities import Quantity, fields_of
 from stickslip.report import formula_text, published_dict
 from stickslip.report import plain as plain_text
 
-__all__ = ["run"]
+__all__ = ["cite", "run"]
 
 INDENT = "    "
 """Before a formula and its notes."""
@@ -147,3 +149,31 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         },
         "sources": [SOURCES[key] for key in law.sources],
     }
+
+
+def cite(names: Sequence[str], *, as_json: bool) -> None:
+    """Print citations.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of laws whose sources are printed; all laws if empty.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+    """
+    from stickslip import __version__
+
+    own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
+    chosen = [law_type(name) for name in names] if names else list(laws().values())
+    found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
+    if as_json:
+        content = {"software": own, "rig": SOURCES["paper"], "laws": found}
+        print_json(document("cite", content))
+        return
+    console = stdout()
+    console.print(f"Software\n  {own}", markup=False)
+    console.print(f"Bundled rig\n  {SOURCES['paper']}", markup=False)
+    for law in chosen:
+        console.print(law.title, markup=False)
+        for source in found[law.name]:
+            console.print(f"  {source}", markup=False)

@@ -79,7 +79,7 @@ def run(
         rig.mechanism,
         laws_of(rig, laws),
         measurement=measured,
-        doubts=rig.doubts,
+        parameter_uncertainties=rig.parameter_uncertainties,
         between=range_asked,
         settings=settings,
         uncertainty=_uncertainty(uncertainty),
@@ -88,7 +88,7 @@ def run(
     if files:
         _write(found, rig, path, files)
     if as_json:
-        head = {"rig": rig.title, "digest": rig.digest}
+        head = {"rig": rig.heading, "digest": rig.digest}
         print_json(document("plan", {**head, **found.to_dict(), "files": [*map(str, files)]}))
         return
     _show(found)
@@ -132,7 +132,7 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
     name = "" if path is None else f" {path}"
     page = plan_page(
         found,
-        title=rig.title,
+        title=rig.heading,
         subject=rig.subject or rig.path,
         save_as=f"stickslip select{name} --data {table.name}",
         reproduce=[command_line()],

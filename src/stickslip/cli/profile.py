@@ -104,7 +104,7 @@ def run(
         refuse_overwriting(output, output, force=force)
     rig, chosen = rig_and_law(path, changes, settings.law)
     found = _found(rig, chosen.law, settings)
-    head = {"rig": rig.title, "digest": rig.digest, **chosen.to_dict()}
+    head = {"rig": rig.heading, "digest": rig.digest, **chosen.to_dict()}
     content = document("profile", head | found.to_dict())
     if as_json:
         print_json(content)

@@ -30,6 +30,7 @@ from stickslip.cli.inputs import (
 from stickslip.cli.pages import draw_page, leave_unless_drawn
 from stickslip.cli.process_pool import workers
 from stickslip.cli.trials import show_trials
+from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig, of_files
 from stickslip.friction import FrictionLaw
 from stickslip.report import Origin, Page, render
@@ -38,6 +39,8 @@ from stickslip.routes import (
     SelectRequest,
     refuse_unused,
     route_named,
+    routes,
+    unused_text,
     verdict_page,
     write_verdict,
 )
@@ -96,6 +99,8 @@ def run(
     ------
     Exit
         If no law is recommended, or a criterion fails with `enforce`.
+    InputError
+        If an option has no effect on what was measured.
     ToldExit
         If the page could not be drawn.
     """
@@ -103,11 +108,13 @@ def run(
         refuse_overwriting(output, output, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None)
-    needed = {"jobs": jobs is not None, "enforce": enforce}
-    asked_for = [name for name, given in needed.items() if given]
-    refuse_unused(found.route, asked_for, found.options, mark="--")
+    if jobs is not None:
+        refuse_unused(found.route, {"executor": "--jobs"}, found.options)
+    if enforce and not found.route.has_criteria:
+        users = [route for route in routes() if route.has_criteria]
+        raise InputError(f"--enforce {unused_text(found.route, users)}")
     verdict = _selected(rig, found, laws_of(rig, laws), jobs or 1)
-    content = document("select", {"rig": rig.title, "digest": found.digest, **verdict.to_dict()})
+    content = document("select", {"rig": rig.heading, "digest": found.digest, **verdict.to_dict()})
     page_code = 0
     if as_json:
         print_json(content)
@@ -170,9 +177,9 @@ def _selected(
             vary=found.vary,
             fixed=found.fixed,
             progress=watch,
-            executor=executor,
         )
-        verdict: Verdict = found.route.select(request, found.options)
+        options = replace(found.options, executor=executor)
+        verdict: Verdict = found.route.select(request, options)
         return verdict
 
 
@@ -206,7 +213,7 @@ def _page(
 ) -> Page:
     """Return the page of a verdict; of the bundled rig it says too where its paper errs."""
     origin = Origin(
-        title=rig.title or verdict.mechanism.name.replace("-", " ").capitalize(),
+        title=rig.heading,
         data=rig.subject,
         file=Path(rig.path).name,
         digest=found.digest,

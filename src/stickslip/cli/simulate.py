@@ -329,7 +329,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     ends = run.at(run.span)
     unchecked = EVENT_CHECKS if settings.fixed_step is not None else ()
     content: dict[str, Any] = {
-        "rig": ran.rig.title,
+        "rig": ran.rig.heading,
         "digest": ran.rig.digest,
         **ran.chosen.to_dict(),
         "status": run.status.name,
@@ -354,7 +354,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
 
 def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
-    console.print(Text.assemble((ran.rig.title, "bold"), f", {ran.chosen.law.title} friction"))
+    console.print(Text.assemble((ran.rig.heading, "bold"), f", {ran.chosen.law.title} friction"))
     console.print(run.status.value, markup=False)
     if run.events:
         show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))

@@ -95,7 +95,8 @@ def profile_optimise(
 ) -> None:
     """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 
-    Ctrl-C once stops with the best so far, twice cancels; --resume continues a search.
+    Press Ctrl-C once to stop with the best motion so far, twice to cancel; --resume continues a
+    search.
     """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.profile import Settings, run

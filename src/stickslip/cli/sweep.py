@@ -81,11 +81,11 @@ def run(
     _write(found, output, figure)
     turns = found.reversals().tolist() if len(found.axes) == 1 else []
     if as_json:
-        head = {"rig": rig.title, "digest": rig.digest, **chosen.to_dict()}
+        head = {"rig": rig.heading, "digest": rig.digest, **chosen.to_dict()}
         files = [str(output), str(figure)]
         print_json(document("sweep", head | _content(found, turns) | {"files": files}))
         return
-    stdout().print(Text.assemble((rig.title, "bold"), f", {law.title} friction"))
+    stdout().print(Text.assemble((rig.heading, "bold"), f", {law.title} friction"))
     _show(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
 

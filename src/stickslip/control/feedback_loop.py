@@ -75,8 +75,8 @@ class ClosedLoop(InPanels):
     """Times of the samples (n,) [s]."""
     measured: Mapping[str, "NDArray[np.float64]"]
     """What the controller saw (n,), by state."""
-    asked: "NDArray[np.float64]"
-    """What it asked for (n,)."""
+    requested: "NDArray[np.float64]"
+    """What it returned (n,), before limits."""
     commands: "NDArray[np.float64]"
     """The same within the limit (n,): what acts, a delay later."""
     period: float
@@ -323,7 +323,7 @@ def _result(
         mechanism=driven,
         t=np.array(book.t),
         measured={name: np.array([seen[name] for seen in book.measured]) for name in names},
-        asked=asked,
+        requested=asked,
         commands=np.clip(asked, -cut, cut),
         period=timing.period,
         delay=timing.delay,

@@ -49,7 +49,7 @@ class LimitCycle:
     """Share of time in which friction or a stop holds the body."""
 
     @property
-    def found(self) -> bool:
+    def is_limit_cycle(self) -> bool:
         """Whether it is a limit cycle."""
         return self.kind == "limit cycle"
 

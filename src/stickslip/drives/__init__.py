@@ -25,7 +25,7 @@ INSIDE = {
     "DRIVES": "registry",
     "PROFILES": "registry",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

@@ -41,6 +41,7 @@ INSIDE = {
     "condition_name": "condition_values",
     "condition_unit": "condition_values",
     "equated": "estimates",
+    "findings_text": "preconditions",
     "interval_of": "differentiation",
     "is_narrow": "checking.mains",
     "levels_at": "estimates",
@@ -52,14 +53,13 @@ INSIDE = {
     "read_number": "units",
     "refuse_faults": "preconditions",
     "refuse_lack": "preconditions",
-    "refuse_same": "second_records",
+    "refuse_same": "preconditions",
     "refuse_unused": "preconditions",
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",
     "scale_of": "travels",
     "spread_of": "estimates",
     "step_of": "differentiation",
-    "told": "preconditions",
     "turned": "units",
     "unit_on": "estimates",
     "velocity_of": "differentiation",
@@ -68,7 +68,7 @@ INSIDE = {
     "with_files": "hashing",
     "words_of": "checking.mains",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

@@ -37,10 +37,11 @@ from stickslip.experiments.measurement import QUANTITIES as QUANTITIES
 from stickslip.experiments.measurement import TRAVELS as TRAVELS
 from stickslip.experiments.parameter_paths import all_paths as all_paths
 from stickslip.experiments.parameter_paths import canonical as canonical
+from stickslip.experiments.preconditions import findings_text as findings_text
 from stickslip.experiments.preconditions import refuse_faults as refuse_faults
 from stickslip.experiments.preconditions import refuse_lack as refuse_lack
+from stickslip.experiments.preconditions import refuse_same as refuse_same
 from stickslip.experiments.preconditions import refuse_unused as refuse_unused
-from stickslip.experiments.preconditions import told as told
 from stickslip.experiments.preconditions import with_doubts as with_doubts
 from stickslip.experiments.readers.reader_options import Column as Column
 from stickslip.experiments.readers.reader_options import Reading as Reading
@@ -52,7 +53,6 @@ from stickslip.experiments.rig import Rig as Rig
 from stickslip.experiments.rigs.load import load_rig as load_rig
 from stickslip.experiments.rigs.load import rig_schema as rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml as rig_toml
-from stickslip.experiments.second_records import refuse_same as refuse_same
 from stickslip.experiments.slicing import between_gaps as between_gaps
 from stickslip.experiments.slicing import rows_of as rows_of
 from stickslip.experiments.travels import scale_of as scale_of

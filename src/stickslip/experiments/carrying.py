@@ -272,7 +272,7 @@ def bristle_remark(
     >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
     >>> lengths = {"travel": 0.2, "back-slip": 5e-5}
     >>> bristle_remark(law, None, lengths, SpringBlock(mass=1.0))
-    'The back-slip of 50 µm rests on bristle parameters that were not measured: ...
+    'The back-slip of 50 µm depends on bristle parameters that were not measured: ...
     """
     unit = turned("m", slips_in_angle(mechanism))
     found = {
@@ -282,10 +282,10 @@ def bristle_remark(
     }
     if not found:
         return ""
-    rests = "rests" if len(found) == 1 else "rest"
+    depend = "depends" if len(found) == 1 else "depend"
     (symbols, *_) = found.values()
     return (
-        f"The {joined(list(found))} {rests} on bristle parameters that were not measured:"
+        f"The {joined(list(found))} {depend} on bristle parameters that were not measured:"
         f" {joined(list(symbols))}."
     )
 

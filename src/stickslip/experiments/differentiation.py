@@ -225,7 +225,9 @@ def _common(levels: Array, apart: Array, guess: float) -> float:
     while step * reach < NEAR * levels[-1]:
         within = levels[(levels > 0) & (levels < reach * step)]
         if within.size:
-            step = float(np.sum(within) / np.sum(np.rint(within / step)))
+            counts = np.sum(np.rint(within / step))
+            if counts:  # else all of them lie within half a step
+                step = float(np.sum(within) / counts)
             if not _whole(within / step):
                 return 0.0
         reach *= NEAR

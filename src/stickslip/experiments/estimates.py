@@ -254,7 +254,7 @@ class LawEstimates:
             if name not in self.intervals:
                 raise UnknownNameError("estimates.covariance_of", name, self.intervals)
         if len(set(names)) < len(names):
-            raise InputError(f"estimates.covariance_of must have each name once, got {names}.")
+            raise InputError(f"estimates.covariance_of must list each name once, got {names}.")
         rows = [len(row) for row in self.covariance]
         if rows != [len(names)] * len(names):
             raise InputError(
@@ -267,7 +267,7 @@ class LawEstimates:
         spreads = np.sqrt(np.maximum(np.diag(table), 0.0))
         if not np.all(np.isfinite(table)) or np.any(np.diag(table) < 0.0):
             raise InputError(
-                "estimates.covariance must be made of finite numbers, with variances of at least 0"
+                "estimates.covariance must consist of finite numbers, with variances of at least 0"
                 f" on its diagonal, got {table.tolist()}."
             )
         scale = np.where(spreads > 0.0, spreads, 1.0)

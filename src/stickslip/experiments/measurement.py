@@ -106,7 +106,7 @@ class Measurement:
         within it; or the half width of an interval.
     overrides : mapping of str to float, optional
         What was different in this record, by parameter path.
-    doubts : mapping of str to float, optional
+    parameter_uncertainties : mapping of str to float, optional
         Standard uncertainties of the mechanism's parameters, by path, above 0, which fits to
         travels and records propagate. Those of a trial are its own; those beside trials are shared
         by all of them, but for a parameter that trials override, which was set anew for each.
@@ -151,7 +151,7 @@ class Measurement:
     The spring is known to 2 N/m, the same in all trials:
 
     >>> from dataclasses import replace
-    >>> replace(both, doubts={"mechanism.stiffness": 2.0}).doubts
+    >>> replace(both, parameter_uncertainties={"mechanism.stiffness": 2.0}).parameter_uncertainties
     {'mechanism.stiffness': 2.0}
     """
 
@@ -170,7 +170,7 @@ class Measurement:
     uncertainty: ByQuantity = NONE_STATED
     uncertainty_kind: Uncertainty = "standard"
     overrides: Mapping[str, float] = field(default_factory=dict)
-    doubts: Mapping[str, float] = field(default_factory=dict)
+    parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
     conditions: Mapping[str, float | str] = field(default_factory=dict)
     initial: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, float] = field(default_factory=dict)
@@ -189,7 +189,10 @@ class Measurement:
                 f" got {self.uncertainty_kind!r}."
             )
         self._set("trials", tuple(self.trials))
-        self._set("doubts", _positive("doubts", self.doubts))
+        self._set(
+            "parameter_uncertainties",
+            _positive("parameter_uncertainties", self.parameter_uncertainties),
+        )
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
             if getattr(self, name) is not None:
                 self._set(name, _numbers(name, quantity, getattr(self, name)))
@@ -383,7 +386,7 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
         raise InputError("Measurement.time (t) [s] must be an array of at least 2 times.")
     if not sizes:
         raise InputError(
-            f"Measurement.time (t) has no samples to go with it: give one of {', '.join(SAMPLED)}"
+            f"Measurement.time (t) is given without samples: give one of {', '.join(SAMPLED)}"
             " with as many values."
         )
     if set(sizes.values()) != {time.size}:

@@ -3,13 +3,22 @@
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
+import numpy as np
+
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments.checking.data_quality import Finding, check, faults
 from stickslip.experiments.measurement import QUANTITIES, Measurement
 from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["refuse_faults", "refuse_lack", "refuse_unused", "told", "with_doubts"]
+__all__ = [
+    "findings_text",
+    "refuse_faults",
+    "refuse_lack",
+    "refuse_same",
+    "refuse_unused",
+    "with_doubts",
+]
 
 MOST_LISTED = 6
 """Names of trials in a message."""
@@ -21,7 +30,7 @@ def refuse_faults(
     measurement: Measurement,
     mechanism: Mechanism,
     *,
-    said: str = "This record cannot be fitted.",
+    opening: str = "This record cannot be fitted.",
 ) -> None:
     """Refuse a measurement with errors that `check` finds.
 
@@ -31,13 +40,13 @@ def refuse_faults(
         What was measured.
     mechanism : Mechanism
         What was measured on.
-    said : str
+    opening : str
         First sentence of the message.
 
     Raises
     ------
     InputError
-        With what was `said`, and the errors.
+        With the opening sentence and the errors.
 
     Examples
     --------
@@ -49,17 +58,17 @@ def refuse_faults(
     """
     wrong = faults(measurement, mechanism=mechanism)
     if wrong:
-        raise InputError(f"{said} {told(wrong)}")
+        raise InputError(f"{opening} {findings_text(wrong)}")
 
 
-def told(findings: Sequence[Finding]) -> str:
+def findings_text(findings: Sequence[Finding]) -> str:
     """Return findings as one text: what several trials have in common once, after their names.
 
     Examples
     --------
     >>> from dataclasses import replace
     >>> still = Finding(kind="constant", sentence="Position is constant.", record="run1")
-    >>> told([still, replace(still, record="run2"), replace(still, record="")])
+    >>> findings_text([still, replace(still, record="run2"), replace(still, record="")])
     'run1 and run2: Position is constant. Position is constant.'
     """
     records: dict[tuple[str, bool], list[str]] = {}
@@ -155,6 +164,53 @@ def refuse_lack(
             )
 
 
+def refuse_same(first: Measurement, second: Measurement) -> None:
+    """Refuse a second record that holds what the fit is made to, number by number.
+
+    Parameters
+    ----------
+    first : Measurement
+        What the fit is made to.
+    second : Measurement
+        What it is judged on.
+
+    Raises
+    ------
+    InputError
+        If any of its records has the same samples as one of the first.
+
+    Examples
+    --------
+    >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
+    >>> refuse_same(Measurement(**run, name="run 1"), Measurement(**run))
+    Traceback (most recent call last):
+    stickslip.errors.InputError: the second record is identical to the fitted one ('run 1'), ...
+    """
+    for one in second.records():
+        for other in first.records():
+            if not _same(one, other):
+                continue
+            name = one.name or other.name
+            told = f" ({name!r})" if name else ""
+            raise InputError(
+                f"the second record is identical to the fitted one{told}, sample by sample, so its"
+                " error would not be a held-out error. Give another record, or none: held-out"
+                " blocks then compare the laws on one record."
+            )
+
+
+def _same(one: Measurement, other: Measurement) -> bool:
+    """Whether what both records have is the same, sample by sample."""
+    pairs = [
+        (getattr(one, name), getattr(other, name))
+        for name in ("time", *QUANTITIES)
+        if getattr(one, name) is not None and getattr(other, name) is not None
+    ]
+    if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
+        return False  # times, and single numbers, may well be alike
+    return all(np.array_equal(mine, yours) for mine, yours in pairs)
+
+
 @contextmanager
 def with_doubts(
     measurement: Measurement,
@@ -202,5 +258,5 @@ def with_doubts(
             raise
         text = str(error).rstrip()
         text += "" if text.endswith((".", "!", "?")) else "."
-        said = " ".join([text, "Warnings of the data check:", told(doubts)])
+        said = " ".join([text, "Warnings of the data check:", findings_text(doubts)])
         raise type(error)(said) from None

@@ -12,8 +12,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
 from stickslip.experiments.measurement import SAMPLED, TRAVELS, Array, Measurement, Uncertainty
-from stickslip.experiments.readers.columns import check_columns
-from stickslip.experiments.readers.reader_options import Column, Reading
+from stickslip.experiments.readers.reader_options import Column, Reading, check_columns
 from stickslip.experiments.readers.spelling import spelled
 from stickslip.experiments.readers.time_base import Repair, repaired, repairs
 from stickslip.experiments.readers.unit_conversion import Scaling, gains_of, load_stated

@@ -77,11 +77,11 @@ class Rig:
         By law, the fields whose values are assumed and not measured.
     vary : tuple of str
         Parameters of the mechanism that the file marks to be fitted too, by path or last name.
-    doubts : mapping of str to float
+    parameter_uncertainties : mapping of str to float
         Standard uncertainties of parameters of the mechanism, by path or last name; of what a
         trial sets, each trial has one of its own.
     measurement : Measurement, optional
-        What was measured, to which the doubts are added.
+        What was measured, to which the uncertainties are added.
     validate : Measurement, optional
         A second record, which no fit sees.
     reading : Reading
@@ -121,7 +121,7 @@ class Rig:
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     vary: tuple[str, ...] = ()
-    doubts: Mapping[str, float] = field(default_factory=dict)
+    parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
     measurement: Measurement | None = None
     validate: Measurement | None = None
     reading: Reading = field(default_factory=Reading)
@@ -131,6 +131,11 @@ class Rig:
     published: tuple[Published, ...] = ()
     digest: str = ""
     path: str = ""
+
+    @property
+    def heading(self) -> str:
+        """The title; the kind of mechanism if there is none."""
+        return self.title or self.mechanism.title
 
     def __post_init__(self) -> None:
         """Check that laws, trials and mechanism fit each other."""
@@ -153,10 +158,11 @@ class Rig:
                 raise UnknownNameError("law in Rig.assumed", name, self.laws)
         paths = tuple(canonical(self.mechanism, name) for name in self.vary)
         object.__setattr__(self, "vary", paths)
-        doubts = {canonical(self.mechanism, name): one for name, one in self.doubts.items()}
-        object.__setattr__(self, "doubts", doubts)
-        if self.measurement is not None and doubts:
-            object.__setattr__(self, "measurement", self.doubting(self.measurement))
+        stated = self.parameter_uncertainties.items()
+        uncertainties = {canonical(self.mechanism, name): one for name, one in stated}
+        object.__setattr__(self, "parameter_uncertainties", uncertainties)
+        if self.measurement is not None and uncertainties:
+            object.__setattr__(self, "measurement", self.with_uncertainties(self.measurement))
         records = () if self.measurement is None else self.measurement.records()
         for index, record in enumerate(records):
             label = f"trial {record.name or index}"
@@ -164,17 +170,23 @@ class Rig:
             where = record.provenance or label  # its line, in a table of trials
             scale_of(self.mechanism, record, self.t_end, where)
 
-    def doubting(self, measurement: Measurement) -> Measurement:
-        """Return a measurement of this rig with the doubts of its mechanism beside its own.
+    def with_uncertainties(self, measurement: Measurement) -> Measurement:
+        """Return a measurement of this rig with the uncertainties of its mechanism beside its own.
 
         Examples
         --------
         >>> from stickslip import SpringBlock
-        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), doubts={"mass": 0.01})
-        >>> rig.doubting(Measurement(travel=0.2)).doubts
+        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), parameter_uncertainties={"mass": 0.01})
+        >>> rig.with_uncertainties(Measurement(travel=0.2)).parameter_uncertainties
         {'mechanism.mass': 0.01}
         """
-        return replace(measurement, doubts={**self.doubts, **measurement.doubts})
+        return replace(
+            measurement,
+            parameter_uncertainties={
+                **self.parameter_uncertainties,
+                **measurement.parameter_uncertainties,
+            },
+        )
 
     def _lines(self) -> tuple[str, ...]:
         """Return what moves, which laws are known and what was measured, a line each."""

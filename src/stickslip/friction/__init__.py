@@ -22,20 +22,20 @@ HOMES = {
     "CandidateSpec": "registry",
     "Containment": "base",
     "DirectionalLaw": "base",
+    "Evolution": "rate_state",
     "Friction": "laws",
     "FrictionLaw": "base",
-    "Laws": "laws",
     "LAWS": "registry",
+    "Laws": "laws",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
     "PrintedForm": "published",
-    "RightEquation": "published",
-    "SOURCES": "sources",
-    "SetValuedLaw": "base",
-    "Evolution": "rate_state",
     "RATE_STATE_FORMS": "rate_state",
     "RateState": "rate_state",
     "RateStateForm": "rate_state",
+    "RightEquation": "published",
+    "SOURCES": "sources",
+    "SetValuedLaw": "base",
     "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",
@@ -53,7 +53,7 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

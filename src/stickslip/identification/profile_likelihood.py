@@ -62,7 +62,7 @@ def largest_allowed(fit: RecordFit, name: str) -> Allowed | None:
     True
     """
     estimate = fit.estimate(name)
-    freedom = max(fit.inference.effective - len(fit.unknowns), 1.0)
+    freedom = max(fit.inference.effective - len(fit.free_parameters), 1.0)
     rise = float(quantile_of(np.array(freedom))) ** 2 / freedom
     first = FIRST * abs(estimate.value)
     if estimate.bounded and 0.0 < estimate.high - estimate.value < 10.0 * first:
@@ -85,6 +85,6 @@ def largest_allowed(fit: RecordFit, name: str) -> Allowed | None:
 def _rise(fit: RecordFit, path: str, value: float) -> float:
     """Return by what share the sum of squares rises where a parameter is held."""
     try:
-        return float(fit.profile(path, [value])[0]) / fit.found.best.cost - 1.0
+        return float(fit.profile(path, [value])[0]) / fit.optimum.best.cost - 1.0
     except ConvergenceError:
         return math.inf

@@ -31,13 +31,17 @@ from stickslip.quantities import Quantity, full_path, parameters
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
+    from stickslip.display import Drawing, Target
+
+__all__ = ["READINGS", "Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
 
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | RateState, default=FrictionLaw, covariant=True)
 """The same, of laws that are not simulated too."""
+READINGS = "readings"
+"""What the readings themselves are called among the sources of an estimate's uncertainty."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,6 +177,23 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
     @abstractmethod
     def law_estimates(self) -> LawEstimates:
         """Return how well the law is known: intervals, covariance, and what was not fitted."""
+
+    @property
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        """The mechanism of each trial, and what is stated of it: standard errors by path."""
+        return ()
+
+    @property
+    def readings(self) -> str:
+        """What was measured, as the subject of a sentence."""
+        return "the record"
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        """Draw the fit beside what was measured; a class of fits without a plot says so."""
+        raise InputError(
+            f"there is no plot for a {type(self).__name__}: its class has no method `_plot`."
+        )
 
     @override
     def __repr__(self) -> str:

@@ -39,7 +39,7 @@ INSIDE = {
     "cycle_or_none": "drive_period",
     "repeats": "drive_period",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

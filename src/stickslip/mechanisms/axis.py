@@ -35,6 +35,7 @@ class Axis(BoundedMechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
     rates: ClassVar[tuple[str, ...]] = ("v",)
     units: ClassVar[tuple[str, ...]] = ("m",)
+    moving_part: ClassVar[str] = "axis"
 
     inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2]."""

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal, TypeAlias, final
 
 from typing_extensions import override
 
@@ -113,6 +113,14 @@ class Mechanism(Parametrised, ABC):
     """State names of their time derivatives."""
     units: ClassVar[tuple[str, ...]]
     """SI units of the coordinates."""
+    moving_part: ClassVar[str] = "body"
+    """What slips on the contact, as reports call it."""
+
+    @property
+    @final
+    def title(self) -> str:
+        """The kind in running text, which stands for a rig without a title of its own."""
+        return self.name.replace("-", " ").capitalize()
 
     @abstractmethod
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:

@@ -48,6 +48,7 @@ class Capsule(BoundedMechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x", "xi")
     rates: ClassVar[tuple[str, ...]] = ("v", "xi_dot")
     units: ClassVar[tuple[str, ...]] = ("m", "m")
+    moving_part: ClassVar[str] = "capsule"
 
     capsule_mass: Annotated[float, Quantity("M", "kg", above=0)]
     """Mass of the capsule."""

@@ -35,6 +35,7 @@ class Pendulum(Mechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("theta",)
     rates: ClassVar[tuple[str, ...]] = ("omega",)
     units: ClassVar[tuple[str, ...]] = ("rad",)
+    moving_part: ClassVar[str] = "pendulum"
 
     mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass of the bob."""

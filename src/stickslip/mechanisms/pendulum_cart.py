@@ -47,6 +47,7 @@ class PendulumCart(Mechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x", "theta")
     rates: ClassVar[tuple[str, ...]] = ("v", "omega")
     units: ClassVar[tuple[str, ...]] = ("m", "rad")
+    moving_part: ClassVar[str] = "cart"
 
     cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
     """Mass of the cart."""

@@ -49,6 +49,7 @@ class SpringBlock(BoundedMechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
     rates: ClassVar[tuple[str, ...]] = ("v",)
     units: ClassVar[tuple[str, ...]] = ("m",)
+    moving_part: ClassVar[str] = "block"
 
     mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass of the block."""

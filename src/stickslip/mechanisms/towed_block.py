@@ -33,6 +33,7 @@ class TowedBlock(Mechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
     rates: ClassVar[tuple[str, ...]] = ("v",)
     units: ClassVar[tuple[str, ...]] = ("m",)
+    moving_part: ClassVar[str] = "block"
 
     mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass of the block."""

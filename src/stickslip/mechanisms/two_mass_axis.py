@@ -43,6 +43,7 @@ class TwoMassAxis(Mechanism):
     coordinates: ClassVar[tuple[str, ...]] = ("x", "other")
     rates: ClassVar[tuple[str, ...]] = ("v", "other_dot")
     units: ClassVar[tuple[str, ...]] = ("m", "m")
+    moving_part: ClassVar[str] = "axis"
 
     motor_inertia: Annotated[float, Quantity("J_m", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2] on the motor's side."""

@@ -8,13 +8,19 @@ from typing import Any
 from stickslip.errors import renamed
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
-from stickslip.paper.bristles import BristleRow, bristle_rows
 from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.springback import Springback, springbacks
 from stickslip.paper.stick_slip import StickSlip, stick_slip
-from stickslip.paper.unpublished import Requirement, StepTravel, requirements, step_travels
+from stickslip.paper.unpublished import (
+    BristleRow,
+    Requirement,
+    StepTravel,
+    bristle_rows,
+    requirements,
+    step_travels,
+)
 from stickslip.paper.values import PaperValues
 from stickslip.quantities import fields_of, vary
 from stickslip.report import published_dict

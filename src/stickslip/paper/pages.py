@@ -107,12 +107,12 @@ def _remark(found: PaperAudit) -> str:
     )
 
 
-def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:
+def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     """Return the audit of the paper as one HTML page.
 
     Parameters
     ----------
-    found : PaperAudit
+    audit : PaperAudit
         The audit.
     command : str
         Command that gives this page again.
@@ -127,20 +127,20 @@ def paper_report(found: PaperAudit, *, command: str = "stickslip paper") -> str:
         subject="Tables and figures beside what was printed",
         kicker="audit of a paper",
         sections=documents.made_sections(
-            Section(id="verdict", nav="Verdict", heading="", blocks=(_opening(found),)),
-            partial(schematic_section, found),
-            partial(excitation_section, found),
-            partial(table_section, found),
-            partial(ranking_section, found),
-            partial(unpublished_section, found),
-            partial(equation_section, found),
-            partial(misprint_section, found),
-            partial(merit_section, found),
-            partial(cart_section, found),
-            partial(choice_section, found),
-            partial(phenomena_section, found),
-            partial(figure_section, found),
-            _closing(found, command),
+            Section(id="verdict", nav="Verdict", heading="", blocks=(_opening(audit),)),
+            partial(schematic_section, audit),
+            partial(excitation_section, audit),
+            partial(table_section, audit),
+            partial(ranking_section, audit),
+            partial(unpublished_section, audit),
+            partial(equation_section, audit),
+            partial(misprint_section, audit),
+            partial(merit_section, audit),
+            partial(cart_section, audit),
+            partial(choice_section, audit),
+            partial(phenomena_section, audit),
+            partial(figure_section, audit),
+            _closing(audit, command),
         ),
         footer=f"Written by stickslip {version('stickslip')}. No network, no scripts.",
     )

@@ -1,7 +1,7 @@
 """What the parameters that the paper does not print would have to be to give its rows.
 
 Searches use reading A, a push, and reading B, a released spring; the range is that of the travels
-that round to the printed figure.
+that round to the printed figure. Of the stiffness of the bristles, what it makes of the rows.
 """
 
 import math
@@ -19,7 +19,16 @@ from stickslip.simulation import simulate
 from stickslip.solver import FixedStep
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Requirement", "StepTravel", "dahl_row", "lugre_row", "requirements", "step_travels"]
+__all__ = [
+    "BristleRow",
+    "Requirement",
+    "StepTravel",
+    "bristle_rows",
+    "dahl_row",
+    "lugre_row",
+    "requirements",
+    "step_travels",
+]
 
 STEP = 0.01
 """Sample time that the paper states for its cart [s]."""
@@ -27,6 +36,8 @@ VISCOUS = (0.1, 0.2)
 """Viscous coefficients that are tried with it [N s/m]."""
 ROUNDING = 0.005
 """Half of the last printed digit of Table II [m]."""
+STIFFNESSES = (1e5, 1e4, 1e3, 1e2)
+"""Of the bristles [N/m], from that of LuGre 1995 down to that of rubber."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -294,4 +305,48 @@ def _require(
         solution=solution,
         run=run,
         criteria=None if run is None else criteria_of(run, block, values.measured),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BristleRow:
+    """One stiffness and what the block does with it."""
+
+    law: str
+    """Registry name."""
+    stiffness: float
+    """Of the bristles [N/m]."""
+    held: bool
+    """Whether the static switch holds the block at its first stop."""
+    criteria: Criteria
+    """The paper's criteria of that run."""
+
+
+def bristle_rows(values: PaperValues, *, t_end: float) -> tuple[BristleRow, ...]:
+    """Push the block with Dahl friction, held, and with LuGre friction, not held.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    t_end : float
+        Length of the runs [s].
+
+    Returns
+    -------
+    tuple of BristleRow
+        One row per law and stiffness, Dahl first.
+    """
+    _, _, push = rigs(values.rig)["A"]
+    laws: list[tuple[Dahl | LuGre, float]] = []
+    laws += [(dahl_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]
+    laws += [(lugre_row(values, stiffness), stiffness) for stiffness in STIFFNESSES]
+    return tuple(
+        BristleRow(
+            law=law.name,
+            stiffness=stiffness,
+            held=law.static_switch,
+            criteria=criteria_of(simulate(push, law, t_end=t_end), push, values.measured),
+        )
+        for law, stiffness in laws
     )

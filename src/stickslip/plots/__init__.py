@@ -1,4 +1,4 @@
-"""Figures: the only room that knows matplotlib, which is loaded when a name is first asked for."""
+"""Figures: the only subpackage that uses matplotlib, loaded when a name is first asked for."""
 
 from stickslip.lazy import attach
 
@@ -26,12 +26,12 @@ HOMES = {
     "draw_basins": "sweep_maps",
     "draw_bifurcation": "sweep_maps",
     "draw_characteristics": "laws.curves",
-    "draw_cycles": "runs.limit_cycles",
     "draw_closed_loop": "runs.closed_loop",
+    "draw_cycles": "runs.limit_cycles",
     "draw_excitations": "runs.excitations",
     "draw_fixed_steps": "runs.fixed_step_comparison",
-    "draw_friction_velocity": "runs.run",
     "draw_friction_map": "laws.friction_map",
+    "draw_friction_velocity": "runs.run",
     "draw_loops": "laws.hysteresis",
     "draw_motion": "runs.motion",
     "draw_overview": "data.data_overview",
@@ -114,9 +114,12 @@ INSIDE = {
     "is_timed": "selection.fit_data",
     "loop_sizes": "laws.hysteresis",
     "map_points": "selection.fit_data",
-    "offset_of": "selection.fit_data",
     "panel_of": "selection.fit_data",
     "piece_sizes": "selection.prediction_excerpts",
+    "plot_coefficient": "selection.fits",
+    "plot_feature_errors": "selection.fits",
+    "plot_scores": "selection.fits",
+    "plot_travel_residuals": "selection.fits",
     "presliding_sizes": "laws.curves",
     "record_sizes": "data.record",
     "residual_panels": "selection.fit_data",
@@ -129,7 +132,7 @@ INSIDE = {
     "symbol_label": "core.theme",
     "thinned": "selection.fit_data",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

@@ -92,7 +92,6 @@ from stickslip.plots.selection.fit_data import block_edges as block_edges
 from stickslip.plots.selection.fit_data import errors_of as errors_of
 from stickslip.plots.selection.fit_data import is_timed as is_timed
 from stickslip.plots.selection.fit_data import map_points as map_points
-from stickslip.plots.selection.fit_data import offset_of as offset_of
 from stickslip.plots.selection.fit_data import panel_of as panel_of
 from stickslip.plots.selection.fit_data import residual_panels as residual_panels
 from stickslip.plots.selection.fit_data import rows_of as rows_of
@@ -100,9 +99,13 @@ from stickslip.plots.selection.fit_data import sampled as sampled
 from stickslip.plots.selection.fit_data import speeds_of as speeds_of
 from stickslip.plots.selection.fit_data import thinned as thinned
 from stickslip.plots.selection.fits import draw_fitted_map as draw_fitted_map
+from stickslip.plots.selection.fits import plot_coefficient as plot_coefficient
+from stickslip.plots.selection.fits import plot_feature_errors as plot_feature_errors
 from stickslip.plots.selection.fits import plot_fit as plot_fit
 from stickslip.plots.selection.fits import plot_friction_map as plot_friction_map
 from stickslip.plots.selection.fits import plot_residuals as plot_residuals
+from stickslip.plots.selection.fits import plot_scores as plot_scores
+from stickslip.plots.selection.fits import plot_travel_residuals as plot_travel_residuals
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
 from stickslip.plots.selection.prediction_excerpts import Piece as Piece
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces

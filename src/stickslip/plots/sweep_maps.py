@@ -39,12 +39,12 @@ DIVERGING: Final = LinearSegmentedColormap.from_list("direction", [C2, SURFACE, 
 SWEEP_SIZE: Final = (880, 380)
 
 
-def draw_velocity_map(found: VelocityMap) -> Draw:
+def draw_velocity_map(result: VelocityMap) -> Draw:
     """Return a drawing of mean velocities: a curve over one axis, colours over two.
 
     Parameters
     ----------
-    found : VelocityMap
+    result : VelocityMap
         Over one or two parameters.
 
     Returns
@@ -59,38 +59,38 @@ def draw_velocity_map(found: VelocityMap) -> Draw:
     >>> from stickslip.drives import Sine
     >>> from stickslip.sweep import average_velocity
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
-    >>> found = average_velocity(
+    >>> result = average_velocity(
     ...     axis, Coulomb(kinetic_coefficient=0.5), {"frequency": [1.0, 2.0]}, settle=20, cycles=4
     ... )
-    >>> callable(draw_velocity_map(found))
+    >>> callable(draw_velocity_map(result))
     True
     """
-    if len(found.axes) not in (1, 2):
+    if len(result.axes) not in (1, 2):
         raise InputError(
-            f"a map cannot show {len(found.axes)} parameters; fix all but two of them."
+            f"a map cannot show {len(result.axes)} parameters; fix all but two of them."
         )
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
-        factor, unit = scale_of(found.velocity[np.isfinite(found.velocity)], found.unit)
+        factor, unit = scale_of(result.velocity[np.isfinite(result.velocity)], result.unit)
         label = f"mean velocity, {unit}"
-        if len(found.axes) == 1:
-            _curve(axes, found, factor, label)
+        if len(result.axes) == 1:
+            _curve(axes, result, factor, label)
         else:
-            _colours(figure, axes, found, factor, label)
+            _colours(figure, axes, result, factor, label)
 
     return draw
 
 
-def _curve(axes: Axes, found: VelocityMap, factor: float, label: str) -> None:
-    ((path, values),) = found.axes.items()
-    axes.plot(values, factor * found.velocity, color=C1, marker="o", markersize=2.5, linewidth=1.6)
+def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
+    ((path, values),) = result.axes.items()
+    axes.plot(values, factor * result.velocity, color=C1, marker="o", markersize=2.5, linewidth=1.6)
     axes.margins(x=0.01, y=0.12)
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
-    still = ~found.moves() & np.isfinite(found.velocity)
+    still = ~result.moves() & np.isfinite(result.velocity)
     shade(axes, _stretches(values, still))
-    shade(axes, _stretches(values, (found.velocity < 0) & ~still), colour=SLIP_BACK)
-    turns = found.reversals()
+    shade(axes, _stretches(values, (result.velocity < 0) & ~still), colour=SLIP_BACK)
+    turns = result.reversals()
     axes.plot(turns, 0.0 * turns, "o", color=C1, markerfacecolor=SURFACE, markersize=7, zorder=4)
     for place in turns:
         axes.annotate(
@@ -101,7 +101,7 @@ def _curve(axes: Axes, found: VelocityMap, factor: float, label: str) -> None:
             color=INK,
             fontsize=11,
         )
-    axes.set_xlabel(_name(path, found.units[path]))
+    axes.set_xlabel(_name(path, result.units[path]))
     axes.set_ylabel(label)
     axes.grid(axis="y")
 
@@ -114,42 +114,42 @@ def _stretches(values: Any, chosen: Any) -> list[tuple[float, float]]:
     return [(min(a, b), max(a, b)) for a, b, wanted in spans if wanted]
 
 
-def _colours(figure: Figure, axes: Axes, found: VelocityMap, factor: float, label: str) -> None:
-    (across, xs), (up, ys) = reversed(list(found.axes.items()))
-    velocity = factor * found.velocity
+def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
+    (across, xs), (up, ys) = reversed(list(result.axes.items()))
+    velocity = factor * result.velocity
     largest = float(np.nanmax(np.abs(velocity), initial=0.0)) or 1.0
     axes.set_facecolor(DATA)
     mesh = axes.pcolormesh(
         _edges(xs), _edges(ys), velocity, cmap=DIVERGING, vmin=-largest, vmax=largest,
         rasterized=True,
     )  # fmt: skip
-    moving = np.ma.masked_where(~_judged(found), velocity)
+    moving = np.ma.masked_where(~_judged(result), velocity)
     if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
         axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
-    axes.set_xlabel(_name(across, found.units[across]))
-    axes.set_ylabel(_name(up, found.units[up]))
+    axes.set_xlabel(_name(across, result.units[across]))
+    axes.set_ylabel(_name(up, result.units[up]))
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label(label)
     bar.outline.set_visible(False)
 
 
-def _judged(found: VelocityMap) -> Any:
+def _judged(result: VelocityMap) -> Any:
     """Return where the velocity has a sign, or lies right between two signs."""
-    sign = np.where(found.moves(), np.sign(found.velocity), 0.0)
+    sign = np.where(result.moves(), np.sign(result.velocity), 0.0)
     rows, columns = sign.shape
     around = np.pad(sign, 1)
     shifts = [(i, j) for i in range(3) for j in range(3)]
     near = np.stack([around[i : i + rows, j : j + columns] for i, j in shifts])
     between = (near.max(axis=0) > 0) & (near.min(axis=0) < 0)
-    return ((sign != 0) | between) & np.isfinite(found.velocity)
+    return ((sign != 0) | between) & np.isfinite(result.velocity)
 
 
-def draw_bifurcation(found: Bifurcation) -> Draw:
+def draw_bifurcation(result: Bifurcation) -> Draw:
     """Return a bifurcation diagram: the samples of each run over its parameter.
 
     Parameters
     ----------
-    found : Bifurcation
+    result : Bifurcation
         The samples; each start has its own colour.
 
     Returns
@@ -164,35 +164,35 @@ def draw_bifurcation(found: Bifurcation) -> Draw:
     >>> from stickslip.sweep import bifurcation
     >>> axis = Axis(inertia=1.0, stiffness=100.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> law = Coulomb(kinetic_coefficient=0.5)
-    >>> found = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
-    >>> callable(draw_bifurcation(found))
+    >>> result = bifurcation(axis, law, "frequency", [1.0, 1.2], state="x", keep=6, settle=50)
+    >>> callable(draw_bifurcation(result))
     True
     """
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
-        known = found.samples[np.isfinite(found.samples)]
-        factor, unit = scale_of(known, found.unit)
-        for start in range(found.samples.shape[1]):
-            points = factor * found.samples[:, start, :]
-            places = np.repeat(found.values, points.shape[1])
+        known = result.samples[np.isfinite(result.samples)]
+        factor, unit = scale_of(known, result.unit)
+        for start in range(result.samples.shape[1]):
+            points = factor * result.samples[:, start, :]
+            places = np.repeat(result.values, points.shape[1])
             colour = POINT_COLOURS[start % len(POINT_COLOURS)]
             axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
         axes.margins(x=0.01, y=0.06)
-        when = "once per cycle" if found.sample == "period" else f'at "{found.sample}"'
-        axes.set_xlabel(_name(found.path, found.path_unit))
-        axes.set_ylabel(f"{found.state} {when}, {unit}")
+        when = "once per cycle" if result.sample == "period" else f'at "{result.sample}"'
+        axes.set_xlabel(_name(result.path, result.path_unit))
+        axes.set_ylabel(f"{result.state} {when}, {unit}")
         axes.grid(axis="y")
 
     return draw
 
 
-def draw_basins(found: Basins) -> Draw:
+def draw_basins(result: Basins) -> Draw:
     """Return a drawing of basins of attraction with the points of the motions they lead to.
 
     Parameters
     ----------
-    found : Basins
+    result : Basins
         The basins. White are starts whose runs ended early.
 
     Returns
@@ -213,27 +213,27 @@ def draw_basins(found: Basins) -> Draw:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
-        (across, xs), (up, ys) = found.starts.items()
-        count = max(1, len(found.attractors))
+        (across, xs), (up, ys) = result.starts.items()
+        count = max(1, len(result.attractors))
         fills = [BASIN_COLOURS[i % len(BASIN_COLOURS)] for i in range(count)]
         axes.pcolormesh(
-            _edges(xs), _edges(ys), np.ma.masked_less(found.index.T, 0),
+            _edges(xs), _edges(ys), np.ma.masked_less(result.index.T, 0),
             cmap=ListedColormap(fills), vmin=-0.5, vmax=count - 0.5, rasterized=True,
         )  # fmt: skip
         axes.set_xlim(xs.min(), xs.max())
         axes.set_ylim(ys.min(), ys.max())
         axes.set_xlabel(f"initial {across}")
         axes.set_ylabel(f"initial {up}")
-        for number, motion in enumerate(found.attractors):
+        for number, motion in enumerate(result.attractors):
             colour = POINT_COLOURS[number % len(POINT_COLOURS)]
-            if {across, up} <= set(found.states):
-                i, j = found.states.index(across), found.states.index(up)
+            if {across, up} <= set(result.states):
+                i, j = result.states.index(across), result.states.index(up)
                 axes.plot(
                     motion.points[:, i], motion.points[:, j], "o", color=colour, markersize=4.5
                 )
             kind = f"period {motion.period}" if motion.period else "not periodic"
             axes.plot([], [], "o", color=colour, label=f"{100 * motion.share:.0f} %, {kind}")
-        if found.attractors:
+        if result.attractors:
             axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
     return draw
@@ -255,12 +255,12 @@ def _name(path: str, unit: str) -> str:
     return word if unit == "1" else f"{word}, {unit}"
 
 
-def plot_sweep(found: VelocityMap | Bifurcation | Basins, ax: Target = None) -> Axes:
+def plot_sweep(result: VelocityMap | Bifurcation | Basins, ax: Target = None) -> Axes:
     """Plot mean velocities, a bifurcation diagram, or basins of attraction.
 
     Parameters
     ----------
-    found : VelocityMap, Bifurcation or Basins
+    result : VelocityMap, Bifurcation or Basins
         What `average_velocity`, `bifurcation` or `basins` returns.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
@@ -273,7 +273,7 @@ def plot_sweep(found: VelocityMap | Bifurcation | Basins, ax: Target = None) -> 
     Raises
     ------
     InputError
-        If `found` is of another type, or a map of more than two parameters.
+        If `result` is of another type, or a map of more than two parameters.
 
     Examples
     --------
@@ -282,13 +282,13 @@ def plot_sweep(found: VelocityMap | Bifurcation | Basins, ax: Target = None) -> 
     >>> from stickslip.sweep import average_velocity
     >>> axis = Axis(inertia=1.0, drive=Sine(amplitude=4.0, frequency=1.0))
     >>> law = Coulomb(kinetic_coefficient=0.5)
-    >>> found = average_velocity(axis, law, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
-    >>> plot_sweep(found, Figure()).get_xlabel()
+    >>> result = average_velocity(axis, law, {"frequency": [1.0, 2.0]}, settle=20, cycles=4)
+    >>> plot_sweep(result, Figure()).get_xlabel()
     'frequency, Hz'
     """
-    check_type("found", found, VelocityMap, Bifurcation, Basins)
-    if isinstance(found, VelocityMap):
-        draw = draw_velocity_map(found)
+    check_type("result", result, VelocityMap, Bifurcation, Basins)
+    if isinstance(result, VelocityMap):
+        draw = draw_velocity_map(result)
     else:
-        draw = draw_bifurcation(found) if isinstance(found, Bifurcation) else draw_basins(found)
+        draw = draw_bifurcation(result) if isinstance(result, Bifurcation) else draw_basins(result)
     return on_axes(draw, ax, SWEEP_SIZE)

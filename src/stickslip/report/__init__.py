@@ -45,25 +45,25 @@ HOMES = {
 }
 
 INSIDE = {
-    "colophon": "core.versions",
-    "feature_sections": "features.sections",
-    "rate_state_sections": "rate_state.sections",
-    "record_sections": "records.sections",
-    "travel_sections": "travels.sections",
     "Origin": "core.documents",
     "RunReport": "runs",
     "SectionMaker": "core.documents",
+    "colophon": "core.versions",
     "documents": "core",
+    "feature_sections": "features.sections",
     "formula_text": "core.formulas",
     "law_references": "core.reproduce",
     "made_sections": "core.documents",
     "plain": "core.markup",
     "plan_page": "plans",
     "published_dict": "core.formulas",
+    "rate_state_sections": "rate_state.sections",
+    "record_sections": "records.sections",
     "run_page": "runs",
+    "travel_sections": "travels.sections",
     "versions": "core.versions",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

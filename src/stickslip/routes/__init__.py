@@ -25,9 +25,10 @@ HOMES = {
 INSIDE = {
     "DOCUMENT": "report",
     "PAGE": "report",
+    "unused_text": "registry",
     "write_verdict": "report",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

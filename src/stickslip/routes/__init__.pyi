@@ -5,6 +5,7 @@ from stickslip.routes.registry import refuse_unused as refuse_unused
 from stickslip.routes.registry import route_named as route_named
 from stickslip.routes.registry import route_of as route_of
 from stickslip.routes.registry import routes as routes
+from stickslip.routes.registry import unused_text as unused_text
 from stickslip.routes.report import DOCUMENT as DOCUMENT
 from stickslip.routes.report import PAGE as PAGE
 from stickslip.routes.report import write_report as write_report

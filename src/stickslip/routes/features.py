@@ -1,6 +1,7 @@
 """The force of a spring that pulls a block, compared by features of stick-slip."""
 
 import math
+from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -39,7 +40,8 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
 
     names = (FEATURES,)
     measured = "the force of a spring"
-    uses = frozenset({"route", "settings", "seed", "validate", "jobs"})
+    uses = frozenset({"route", "validate", "executor"})
+    settings = frozenset({"seed"})
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -55,28 +57,18 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
 
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:
-        return fit_features(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            seed=0 if options.settings is None else options.settings.seed,
-            progress=request.progress,
-        )
+        seed = 0 if options.settings is None else options.settings.seed
+        return request.passed_to(partial(fit_features, seed=seed))
 
     @override
     def select(self, request: SelectRequest, options: Options) -> FeatureVerdict:
-        return select_features(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            validate=options.validate,
-            settings=options.settings,
-            progress=request.progress,
-            executor=request.executor,
+        return request.passed_to(
+            partial(
+                select_features,
+                validate=options.validate,
+                settings=options.settings,
+                executor=options.executor,
+            )
         )
 
     @override

@@ -1,6 +1,7 @@
 """Velocity steps of a load point, fitted by rate-and-state friction."""
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -13,6 +14,7 @@ from stickslip.identification import (
     STARTS,
     VELOCITY_STEPS,
     RateStateFit,
+    RecordSettings,
     fit_rate_state,
     serves,
 )
@@ -46,7 +48,8 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
 
     names = (VELOCITY_STEPS,)
     measured = "velocity steps"
-    uses = frozenset({"route", "settings", "starts", "seed", "validate", "jobs"})
+    uses = frozenset({"route", "validate", "executor"})
+    settings = frozenset({"starts", "seed"})
     fits = RateState
     usual_law = "rate-and-state"
     simulated = False
@@ -75,30 +78,20 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RateStateFit:
-        settings = options.settings
-        return fit_rate_state(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            starts=STARTS if settings is None else settings.starts,
-            seed=0 if settings is None else settings.seed,
-            progress=request.progress,
+        settings = options.settings or RecordSettings(starts=STARTS)
+        return request.passed_to(
+            partial(fit_rate_state, starts=settings.starts, seed=settings.seed)
         )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> RateStateVerdict:
-        return select_rate_state(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            validate=options.validate,
-            settings=options.settings,
-            progress=request.progress,
-            executor=request.executor,
+        return request.passed_to(
+            partial(
+                select_rate_state,
+                validate=options.validate,
+                settings=options.settings,
+                executor=options.executor,
+            )
         )
 
     @override
@@ -138,7 +131,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
         lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
         if second is not None:
             lines.append(f"On the second record: {number(second, 2)}")
-        agreeing, starts = fit.starts_agreeing, len(fit.found.costs)
+        agreeing, starts = fit.starts_agreeing, len(fit.optimum.costs)
         lines.append(
             f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"
             f" {percent(AGREE)}"

@@ -1,7 +1,8 @@
 """Records in time, and measured friction."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -21,7 +22,7 @@ from stickslip.identification import (
     choose_route,
     compared,
     fit_records,
-    route_of,
+    record_route_name,
 )
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
@@ -51,8 +52,8 @@ __all__ = ["RecordRoute"]
 
 WITHOUT_EFFECT = {
     "shooting": frozenset[str](),
-    "inverse-dynamics": frozenset({"segment"}),
-    "force-map": frozenset({"segment", "hold"}),
+    "inverse-dynamics": frozenset({"segment", "resolution"}),
+    "force-map": frozenset({"segment", "resolution", "hold"}),
 }
 """Settings that a way to fit records has no use for."""
 
@@ -63,10 +64,8 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
 
     names = ROUTES
     measured = "records of motion or friction"
-    uses = frozenset(
-        {"route", "settings", "purpose", "horizon", "validate"}
-        | {"segment", "resolution", "hold", "starts", "seed", "jobs"}
-    )
+    uses = frozenset({"route", "purpose", "horizon", "validate", "executor"})
+    settings = frozenset(field.name for field in fields(RecordSettings))
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -84,9 +83,9 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
             return options
         measurement = request.measurement
         asked = options.route or way_for(options.purpose, measurement)
-        faulty = check(measurement, mechanism=request.mechanism).worst == "error"
-        if asked is not None or faulty:  # what is faulty is refused where it is fitted
-            choice = RouteChoice(route=route_of(measurement, asked), settings=settings)
+        # what is faulty is refused where it is fitted
+        if asked is not None or check(measurement, mechanism=request.mechanism).worst == "error":
+            choice = RouteChoice(route=record_route_name(measurement, asked), settings=settings)
             return replace(options, route=choice)
         chosen = Parameters.of(
             request.mechanism, law, request.vary, request.fixed, measurement=measurement
@@ -97,8 +96,14 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
 
     @override
     def why_unused(self, name: str, options: Options) -> str:
-        choice = options.route
-        if isinstance(choice, RouteChoice) and name in WITHOUT_EFFECT[choice.route]:
+        choice, settings = options.route, options.settings
+        if not isinstance(choice, RouteChoice):
+            return ""
+        if name == "settings" and settings is not None:
+            own = choice.settings
+            if any(getattr(settings, one) != getattr(own, one) for one in settings.changed):
+                return "has no effect beside a `RouteChoice`: give settings to `choose_route`."
+        if name in WITHOUT_EFFECT[choice.route]:
             why = f", because {choice.reason}" if choice.reason else ""
             return (
                 "applies to simulated segments (route shooting); here the route is"
@@ -109,40 +114,29 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
 
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        known = measurement.quantities()
-        compared_ = next((name for name in ("position", "velocity") if name in known), "friction")
-        if asked_for(options.route) not in (None, "shooting"):
-            compared_ = "friction"
+        compared_ = "friction"
+        if record_route_name(measurement, asked_for(options.route)) == "shooting":
+            compared_ = "position" if "position" in measurement.quantities() else "velocity"
         return error_text(error, quantity=compared_, turning=measurement.turning)
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RecordFit:
-        return fit_records(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            route=options.route,
-            settings=options.settings,
-            progress=request.progress,
+        return request.passed_to(
+            partial(fit_records, route=options.route, settings=options.settings)
         )
 
     @override
     def select(self, request: SelectRequest, options: Options) -> RecordVerdict:
-        return select_records(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            purpose=options.purpose or "simulate",
-            horizon=options.horizon,
-            route=options.route,
-            validate=options.validate,
-            settings=options.settings,
-            progress=request.progress,
-            executor=request.executor,
+        return request.passed_to(
+            partial(
+                select_records,
+                purpose=options.purpose or "simulate",
+                horizon=options.horizon,
+                route=options.route,
+                validate=options.validate,
+                settings=options.settings,
+                executor=options.executor,
+            )
         )
 
     @override

@@ -1,6 +1,6 @@
 """The routes there are, and which of them serves a measurement."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, TypeAlias
 
@@ -116,21 +116,17 @@ def route_of(measurement: Measurement, asked: str | RouteChoice | None = None) -
     return found if "route" in usual.uses else usual
 
 
-def refuse_unused(
-    route: AnyRoute, given: Iterable[str], options: Options, *, mark: str = ""
-) -> None:
+def refuse_unused(route: AnyRoute, given: Mapping[str, str], options: Options) -> None:
     """Refuse options that have no effect on a route.
 
     Parameters
     ----------
     route : Route
         That of the measurement.
-    given : iterable of str
-        Names of options, and of fields of `RecordSettings`, that were given.
+    given : mapping of str to str
+        Options, and fields of `RecordSettings`, that were given: name -> what messages call it.
     options : Options
         With what was chosen for the measurement.
-    mark : str
-        What stands before names in messages, such as ``"--"``.
 
     Raises
     ------
@@ -139,17 +135,41 @@ def refuse_unused(
 
     Examples
     --------
-    >>> refuse_unused(route_named("travel"), ["horizon"], Options(horizon=1.0))
+    >>> refuse_unused(route_named("travel"), {"horizon": "--horizon"}, Options())
     Traceback (most recent call last):
-    stickslip.errors.InputError: horizon applies to records of motion or friction; it has ...
+    stickslip.errors.InputError: --horizon applies to records of motion or friction; it has ...
     """
-    for name in given:
+    for name, called_ in given.items():
         why = route.why_unused(name, options)
-        if not why and name not in route.uses:
-            others = joined([one.measured for one in routes() if name in one.uses])
-            why = f"applies to {others}; it has no effect on {route.measured}: leave it out."
+        if not why and name not in route.uses | route.settings:
+            users = [one for one in routes() if name in one.uses | one.settings]
+            why = unused_text(route, users)
         if why:
-            raise InputError(f"{mark}{name} {why}")
+            raise InputError(f"{called_} {why}")
+
+
+def unused_text(route: AnyRoute, users: Iterable[AnyRoute]) -> str:
+    """Return that an option has no effect on a route, as the end of a sentence with its name.
+
+    Parameters
+    ----------
+    route : Route
+        That of the measurement.
+    users : iterable of Route
+        Routes that use the option.
+
+    Returns
+    -------
+    str
+        The end of the sentence.
+
+    Examples
+    --------
+    >>> unused_text(route_named("travel"), [route_named("features")])
+    'applies to the force of a spring; it has no effect on travels: leave it out.'
+    """
+    others = joined([one.measured for one in users])
+    return f"applies to {others}; it has no effect on {route.measured}: leave it out."
 
 
 def refuse_foreign(route: AnyRoute, laws: Iterable[object]) -> None:

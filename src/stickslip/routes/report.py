@@ -80,10 +80,10 @@ def write_report(
     if not isinstance(verdict, Verdict):
         raise InputError(f"a report is of a verdict of `select`, got {type(verdict).__name__}.")
     folder = Path(folder)
-    kind = verdict.mechanism.name.replace("-", " ").capitalize()
+    title = title or verdict.mechanism.title
     origin = Origin(
-        title=title or kind,
-        data=subject or verdict.measurement.provenance or kind,
+        title=title,
+        data=subject or verdict.measurement.provenance or verdict.mechanism.title,
         digest=digest,
         commands=tuple(commands),
     )

@@ -6,9 +6,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Generic, TypeAlias, final
 
-from typing_extensions import TypeVar
+from typing_extensions import TypeVar, override
 
 from stickslip.experiments import Checks, Measurement
+from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
@@ -38,6 +39,7 @@ __all__ = [
 
 F = TypeVar("F", bound="Fit[Any]")
 V = TypeVar("V", bound=Verdict)
+R = TypeVar("R")
 Law: TypeAlias = Any
 """A law, a type or a name, of the kind that a route fits: `FrictionLaw`, or `RateState`."""
 SeveralLaws: TypeAlias = Any
@@ -68,6 +70,8 @@ class Options:
     """By name of the law, parameters whose values were assumed."""
     t_end: float | None = None
     """Time after which a body counts as stopped [s]."""
+    executor: Executor | None = None
+    """Processes that fit laws at the same time; one after the other if None."""
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -92,6 +96,17 @@ class Request:
     fixed: Mapping[str, float] | None = None
     """Values of parameters that are held [SI], by the same names."""
 
+    def _passed(self, function: Callable[..., R], laws: object, progress: object) -> R:
+        """Call a function with what all functions that fit or select take."""
+        return function(
+            self.mechanism,
+            laws,
+            self.measurement,
+            vary=self.vary,
+            fixed=self.fixed,
+            progress=progress,
+        )
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -103,6 +118,10 @@ class FitRequest(Request):
     progress: Callable[[float], object] | None = None
     """Called with the number of runs, or the least residual so far."""
 
+    def passed_to(self, function: Callable[..., F]) -> F:
+        """Return the fit of a function that fits; its further options are bound before."""
+        return self._passed(function, self.law, self.progress)
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +132,10 @@ class SelectRequest(Request):
     """The candidates; the usual ones if None."""
     progress: Progress | None = None
     """Called with the name of a law and its number of runs or least residual so far."""
-    executor: Executor | None = None
-    """Processes that fit laws at the same time; one after the other if None."""
+
+    def passed_to(self, function: Callable[..., V]) -> V:
+        """Return the verdict of a function that selects; its further options are bound before."""
+        return self._passed(function, self.laws, self.progress)
 
 
 @final
@@ -170,7 +191,11 @@ class Route(ABC, Generic[F, V]):
     measured: ClassVar[str]
     """What was measured, in the plural, such as ``"travels"``."""
     uses: ClassVar[frozenset[str]]
-    """Names of `Options`, and of fields of `RecordSettings`, that are used."""
+    """Names of the `Options` that are used."""
+    settings: ClassVar[frozenset[str]] = frozenset()
+    """Names of the fields of `RecordSettings` that are used; any makes `settings` an option."""
+    has_criteria: ClassVar[bool] = False
+    """Whether candidates meet or miss the criteria of runs to rest, which ``--enforce`` heeds."""
     counts_runs: ClassVar[bool] = False
     """Whether progress is a number of runs; else it is the least residual so far."""
     fits: ClassVar[type] = FrictionLaw
@@ -179,6 +204,26 @@ class Route(ABC, Generic[F, V]):
     """Law that a command fits where none is named."""
     simulated: ClassVar[bool] = True
     """Whether fitted laws can be simulated, and written as rig files."""
+
+    @override
+    def __init_subclass__(cls) -> None:
+        """Check the names of options and settings: a misspelt one would never be used.
+
+        Raises
+        ------
+        TypeError
+            If one is neither.
+        """
+        super().__init_subclass__()
+        for own, kind in (("uses", Options), ("settings", RecordSettings)):
+            known = {f.name for f in fields(kind)}
+            if wrong := sorted({*getattr(cls, own, ())} - known):
+                raise TypeError(
+                    f"{cls.__name__}.{own} has {wrong[0]!r}, which is no field of"
+                    f" {kind.__name__}; known: {', '.join(sorted(known))}."
+                )
+        if cls.settings:
+            cls.uses |= {"settings"}
 
     @abstractmethod
     def serves(self, measurement: Measurement) -> bool:
@@ -312,8 +357,13 @@ class Route(ABC, Generic[F, V]):
             Functions without arguments, each of which makes a section.
         """
 
-    def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
-        """Return the least residual so far in words.
+    def residual_text(
+        self,
+        error: float,
+        measurement: Measurement,
+        options: Options,
+    ) -> str:
+        """Return the least residual so far in words; without what it is of, if not replaced.
 
         Parameters
         ----------
@@ -329,7 +379,7 @@ class Route(ABC, Generic[F, V]):
         str
             The residual with its unit or as a percentage.
         """
-        raise NotImplementedError  # where runs are counted, nobody asks
+        return f"residual {number(error, 2)}"
 
     def resolved(self, request: Request, options: Options, law: Law | None = None) -> Options:
         """Return the options with what is chosen for this measurement, before any fit.

@@ -1,6 +1,7 @@
 """Travels: distances to rest, or per cycle of a drive."""
 
 from collections.abc import Collection, Sequence
+from functools import partial
 from typing import final
 
 from typing_extensions import override
@@ -41,7 +42,8 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
 
     names = ("travel",)
     measured = "travels"
-    uses = frozenset({"assumed", "t_end", "enforce"})
+    uses = frozenset({"assumed", "t_end"})
+    has_criteria = True
     counts_runs = True
 
     @override
@@ -70,28 +72,13 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
 
     @override
     def fit(self, request: FitRequest, options: Options) -> TravelFit:
-        return fit_travels(
-            request.mechanism,
-            request.law,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            t_end=T_END if options.t_end is None else options.t_end,
-            progress=request.progress,
-        )
+        t_end = T_END if options.t_end is None else options.t_end
+        return request.passed_to(partial(fit_travels, t_end=t_end))
 
     @override
     def select(self, request: SelectRequest, options: Options) -> TravelVerdict:
-        return select_travels(
-            request.mechanism,
-            request.laws,
-            request.measurement,
-            vary=request.vary,
-            fixed=request.fixed,
-            assumed=options.assumed,
-            t_end=T_END if options.t_end is None else options.t_end,
-            progress=request.progress,
-        )
+        t_end = T_END if options.t_end is None else options.t_end
+        return request.passed_to(partial(select_travels, assumed=options.assumed, t_end=t_end))
 
     @override
     def comparison(self, verdict: TravelVerdict) -> Comparison:

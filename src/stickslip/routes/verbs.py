@@ -17,15 +17,9 @@ from stickslip.identification import (
     check_given,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.routes.registry import refuse_foreign, refuse_unused, route_of
-from stickslip.routes.route import FitRequest, Options, SelectRequest, SeveralLaws
-from stickslip.selection import (
-    FeatureVerdict,
-    PurposeName,
-    RateStateVerdict,
-    RecordVerdict,
-    TravelVerdict,
-)
+from stickslip.routes.registry import AnyRoute, refuse_foreign, refuse_unused, route_of
+from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
+from stickslip.selection import PurposeName, Verdict
 
 __all__ = ["fit", "select"]
 
@@ -33,7 +27,6 @@ AnyLaw = TypeVar("AnyLaw", bound=FrictionLaw | RateState, default=FrictionLaw)
 """The type of law that a fit was given; a name could stand for any."""
 OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | str
 """One type, since a union of several types of lists would keep checkers from inferring a list."""
-AnyVerdict: TypeAlias = TravelVerdict | RecordVerdict | FeatureVerdict | RateStateVerdict
 
 
 @arguments
@@ -78,11 +71,11 @@ def fit(
         Values of parameters that are held, of law and mechanism, by the same names.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings. If not given, it follows from the quantities measured; of records, `choose_route`
-        chooses.
+        settings; or the name of a route of another package. If not given, it follows from the
+        quantities measured; of records, `choose_route` chooses.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features use the seed and velocity
-        steps the starts and the seed.
+        steps the starts and the seed. What is changed there without effect is refused.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
@@ -116,7 +109,7 @@ def fit(
     check_given("fit", mechanism, measurement)
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
-    refuse_unused(way, options.given, options)
+    refuse_unused(way, {name: name for name in options.given}, options)
     refuse_foreign(way, [law])
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
@@ -127,7 +120,7 @@ def fit(
         fixed=fixed,
         progress=progress,
     )
-    found = way.fit(request, options)
+    found = way.fit(request, _chosen(way, request, options, kind))
     return cast("Fit[AnyLaw]", found)  # a fit changes the numbers of a law, not its type
 
 
@@ -148,7 +141,7 @@ def select(
     t_end: float | None = None,
     progress: Callable[[str, float], object] | None = None,
     executor: Executor | None = None,
-) -> AnyVerdict:
+) -> Verdict:
     """Fit every law to a measurement, compare them on what they have not seen, and name one.
 
     Parameters
@@ -179,13 +172,13 @@ def select(
         Length of the stretches that are predicted [s], if not that of the purpose.
     route : {"shooting", "force-map", "inverse-dynamics", "features", "rate-state"} or RouteChoice
         How the measurement is fitted, or what `choose_route` returned for records, with its
-        settings. If not given, it follows from the quantities measured; of records, `choose_route`
-        chooses.
+        settings; or the name of a route of another package. If not given, it follows from the
+        quantities measured; of records, `choose_route` chooses.
     validate : Measurement, optional
         A second record, which no fit sees; each law's error on it is reported.
     settings : RecordSettings, optional
         Segments, starts and seed of fits to records; of these, features use the seed and velocity
-        steps the starts and the seed.
+        steps the starts and the seed. What is changed there without effect is refused.
     t_end : float, optional
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
@@ -195,13 +188,16 @@ def select(
         compiled. For records, False ends the search with the best so far; what was fitted is still
         judged.
     executor : concurrent.futures.Executor, optional
-        Fits laws at the same time, with the same result, except of travels; processes, since
-        threads gain nothing. A law's residual is then reported only when its search ends.
+        Fits laws at the same time, with the same result; processes, since threads gain nothing. A
+        law's residual is then reported only when its search ends. Not for travels, whose laws are
+        fitted one after the other.
 
     Returns
     -------
-    TravelVerdict, RecordVerdict, FeatureVerdict or RateStateVerdict
-        Candidates, the law to use, what the data settle and what they cannot tell.
+    Verdict
+        A `TravelVerdict`, `RecordVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a
+        route of another package: candidates, the law to use, what the data settle and what they
+        cannot tell.
 
     Raises
     ------
@@ -229,8 +225,9 @@ def select(
         validate=validate,
         assumed=assumed or None,
         t_end=t_end,
+        executor=executor,
     )
-    refuse_unused(way, options.given, options)
+    refuse_unused(way, {name: name for name in options.given}, options)
     is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
     several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
     refuse_foreign(way, several.values() if isinstance(several, Mapping) else several or ())
@@ -241,7 +238,19 @@ def select(
         vary=vary,
         fixed=fixed,
         progress=progress,
-        executor=executor,
     )
-    verdict: AnyVerdict = way.select(request, options)
+    verdict: Verdict = way.select(request, _chosen(way, request, options))
     return verdict
+
+
+def _chosen(way: AnyRoute, request: Request, options: Options, law: Law | None = None) -> Options:
+    """Return the options with what is chosen for the measurement, if settings depend on it.
+
+    Settings that have no effect then are refused.
+    """
+    changed = () if options.settings is None else options.settings.changed
+    if not changed:
+        return options
+    options = way.resolved(request, options, law)
+    refuse_unused(way, {name: f"RecordSettings.{name}" for name in changed}, options)
+    return options

@@ -29,8 +29,6 @@ HOMES = {
 }
 
 INSIDE = {
-    "friction_of": "wording",
-    "restarts_text": "record_wording",
     "Experiment": "design.experiments",
     "LEVEL": "choice",
     "LIKELY": "choice",
@@ -48,15 +46,17 @@ INSIDE = {
     "Wording": "verdict",
     "error_text": "record_wording",
     "feature_laws": "features",
+    "friction_of": "wording",
     "in_sentence": "wording",
     "known_by": "sheet_tables",
     "largest_step": "fixed_step_comparison",
-    "limit_of": "identifiable",
-    "limits_of": "identifiable",
+    "limit_of": "limits",
+    "limits_of": "limits",
     "misfit": "travel_verdict",
     "moved_by_errors": "identifiable",
     "predictor_of": "next_measurements",
     "rate_state_laws": "rate_state",
+    "restarts_text": "record_wording",
     "rounded_step": "fixed_step_comparison",
     "route_text": "record_wording",
     "score_scale": "verdict",
@@ -71,7 +71,7 @@ INSIDE = {
     "unit_of": "design.discriminating_settings",
     "way_for": "records",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

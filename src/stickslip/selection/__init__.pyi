@@ -22,12 +22,12 @@ from stickslip.selection.fixed_step_comparison import FixedStepRow as FixedStepR
 from stickslip.selection.fixed_step_comparison import compare_fixed_steps as compare_fixed_steps
 from stickslip.selection.fixed_step_comparison import largest_step as largest_step
 from stickslip.selection.fixed_step_comparison import rounded_step as rounded_step
-from stickslip.selection.identifiable import limit_of as limit_of
-from stickslip.selection.identifiable import limits_of as limits_of
 from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.lab_sheet import Plan as Plan
+from stickslip.selection.limits import limit_of as limit_of
+from stickslip.selection.limits import limits_of as limits_of
 from stickslip.selection.next_measurements import predictor_of as predictor_of
 from stickslip.selection.planning import plan as plan
 from stickslip.selection.planning import setting_of as setting_of

@@ -1,16 +1,68 @@
-"""Which laws a record can say anything of."""
+"""Which laws a record can say anything of, and the records that can say nothing."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments import Measurement, motion_of
+from stickslip.errors import InputError
+from stickslip.experiments import (
+    Checks,
+    Measurement,
+    check,
+    findings_text,
+    motion_of,
+    refuse_lack,
+    refuse_same,
+    refuse_unused,
+)
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.identification import TIMELESS
+from stickslip.identification import TIMELESS, inside
+from stickslip.mechanisms import Mechanism
 
-__all__ = ["one_way", "unsuited_by"]
+__all__ = ["checked", "one_way", "unsuited_by"]
 
 RARE = 0.01
 """Share of samples below which a direction counts as absent."""
+
+
+def checked(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    validate: Measurement | None = None,
+    which: str = "This record",
+) -> Checks:
+    """Return what the record can tell; refuse one that cannot decide.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The record.
+    validate : Measurement, optional
+        A second record, which must have the same quantities and other samples.
+    which : str
+        Subject of the error's first sentence.
+
+    Returns
+    -------
+    Checks
+        Findings on the record, none of which is an error.
+
+    Raises
+    ------
+    InputError
+        If the record, or the second one, cannot decide.
+    """
+    if validate is not None:
+        refuse_lack(measurement, validate, which="the second record")
+        refuse_unused(validate, inside(mechanism, validate))
+        refuse_same(measurement, validate)
+        checked(mechanism, validate, which="The second record")
+    checks = check(measurement, mechanism=mechanism)
+    if checks.worst == "error":
+        wrong = [one for one in checks.findings if one.severity == "error"]
+        raise InputError(f"{which} cannot be used for a selection. {findings_text(wrong)}")
+    return checks
 
 
 def one_way(measurement: Measurement) -> bool:

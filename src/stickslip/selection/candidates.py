@@ -1,7 +1,8 @@
-"""Which laws a record is compared with."""
+"""Which laws a measurement is compared with, and how their comparison is watched."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
 
 from stickslip.errors import InputError
 from stickslip.friction import (
@@ -16,8 +17,10 @@ from stickslip.friction import (
 
 __all__ = [
     "CONTROL",
+    "LEFT_OUT",
     "REFERENCE",
     "CandidateSpec",
+    "Watch",
     "check_apart",
     "contains",
     "specifications",
@@ -27,6 +30,15 @@ REFERENCE = "coulomb-viscous"
 """What is always used: the row that others are compared with."""
 CONTROL = "no-friction"
 """What shows how much friction matters at all."""
+LEFT_OUT = "skipped: the search was stopped"
+"""Why a candidate has no fit whose turn did not come."""
+Watch: TypeAlias = Callable[[str, float], object]
+"""Called with a candidate and the least residual so far, not a number before it begins.
+
+False ends the search of a candidate that has begun, and leaves out one that has not. Judging, of
+which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is never cut short: what
+was compared on other blocks than the rest could not be ranked.
+"""
 
 
 def specifications(

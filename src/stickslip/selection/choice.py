@@ -7,22 +7,20 @@ effective sample size, and held-out blocks in pairs (decision 0024 has the measu
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
-from typing import Protocol, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
 from stickslip.friction import containment_of
 from stickslip.identification import RecordFit
-from stickslip.selection.cross_validation import CrossValidation
+from stickslip.selection.cross_validation import CrossValidated
 
 __all__ = [
     "LEVEL",
     "LIKELY",
     "MATERIAL",
     "NEAR",
-    "TRUSTED",
-    "ScoredCandidate",
     "as_good",
     "beyond_doubt",
     "choose",
@@ -43,57 +41,11 @@ LEVEL = 0.99
 """Confidence of the F test: several richer laws are tried at once."""
 MATERIAL = 0.05
 """Share of the residual that a richer law must take off where held-out blocks are undecided."""
-TRUSTED = 1000.0
-"""Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 
 
-class ScoredCandidate(Protocol):
-    """What a choice among candidates looks at."""
-
-    @property
-    def name(self) -> str:
-        """Key of the candidate."""
-
-    @property
-    def parameters(self) -> int:
-        """Number of unknowns that were fitted, whether or not the record identifies them."""
-
-    @property
-    def dropped(self) -> str:
-        """Objection to it, in words."""
-
-    @property
-    def score(self) -> float:
-        """Held-out error."""
-
-    @property
-    def validation(self) -> CrossValidation | None:
-        """Held-out errors by block."""
-
-    @property
-    def residual(self) -> float:
-        """Root mean square of the residuals of the fit to the whole record."""
-
-    @property
-    def effective(self) -> float:
-        """Effective number of independent residuals."""
-
-    @property
-    def simpler(self) -> Collection[str]:
-        """Names of the candidates that it contains."""
-
-    @property
-    def is_simpler(self) -> Collection[str]:
-        """Names of those of these that it is at its fitted values."""
-
-    @property
-    def weak(self) -> bool:
-        """Whether a parameter of the law ended at a bound, or the condition is too large."""
-
-
-C = TypeVar("C", bound=ScoredCandidate)
+C = TypeVar("C", bound=CrossValidated[Any])
 
 
 def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]:
@@ -119,14 +71,14 @@ def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]
     return float(gaps.mean()), error
 
 
-def as_good(other: ScoredCandidate, best: ScoredCandidate, *, share: float = NEAR) -> bool:
+def as_good(other: CrossValidated[Any], best: CrossValidated[Any], *, share: float = NEAR) -> bool:
     """Whether another's loss is within one paired standard error and a share of the best's.
 
     Parameters
     ----------
-    other : ScoredCandidate
+    other : CrossValidated
         A candidate on the same blocks.
-    best : ScoredCandidate
+    best : CrossValidated
         The candidate with the least held-out error.
     share : float
         Share of the least error within which the other error must lie.
@@ -144,13 +96,13 @@ def as_good(other: ScoredCandidate, best: ScoredCandidate, *, share: float = NEA
 
 
 def established(
-    rich: ScoredCandidate, simple: ScoredCandidate, *, uncertainty: float = 0.0
+    rich: CrossValidated[Any], simple: CrossValidated[Any], *, uncertainty: float = 0.0
 ) -> bool:
     """Whether a richer law is shown to hold where a simpler one that it contains does not.
 
     Parameters
     ----------
-    rich, simple : ScoredCandidate
+    rich, simple : CrossValidated
         Two candidates on one record, judged on the same blocks.
     uncertainty : float
         Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
@@ -176,7 +128,7 @@ def established(
     return gain > error or (gain >= -error and material)
 
 
-def _chance(rich: ScoredCandidate, simple: ScoredCandidate) -> float:
+def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> float:
     """Return how likely the richer law's gain on the whole record is if the simpler one holds.
 
     The F test of nested regressions. Residuals are counted by the effective number of the richer
@@ -214,7 +166,7 @@ def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
     return len(worse) > 1 and gap > float(stats.t.ppf(0.975, len(worse) - 1)) * error
 
 
-def effective_aic(candidates: Sequence[ScoredCandidate]) -> Mapping[str, float]:
+def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, float]:
     """Return Akaike's criterion by name, residuals counted by their effective number.
 
     That of the best fit counts for all: criteria of different sample sizes cannot be compared.
@@ -235,14 +187,14 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
 
     Parameters
     ----------
-    scored : sequence of ScoredCandidate
+    scored : sequence of CrossValidated
         Candidates with held-out errors, at least one.
     uncertainty : float
         Of what is compared, as stated, or of its rounding.
 
     Returns
     -------
-    ScoredCandidate
+    CrossValidated
         The candidate to name.
     """
     shown = [
@@ -264,9 +216,9 @@ def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0
 
     Parameters
     ----------
-    rich : ScoredCandidate
+    rich : CrossValidated
         The law.
-    scored : sequence of ScoredCandidate
+    scored : sequence of CrossValidated
         All candidates with held-out errors.
     uncertainty : float
         Of what is compared, as for `established`.

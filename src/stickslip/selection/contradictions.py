@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.formatting import joined, number, quantity, scale_of
+from stickslip.formatting import in_words, joined, number, quantity, scale_of
 from stickslip.identification import Trial
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
@@ -23,6 +23,8 @@ WORST = 10.0
 SHARE = 0.15
 """The same as a share of the travels where no uncertainty was stated: repeats of dry friction
 scatter by up to a tenth."""
+LEVEL_AND_ANOTHER = 2
+"""Parameters that a law has with one assumed value beside a level; settings must outnumber them."""
 FACTORS = {
     10.0: ("centimetres entered as millimetres, or the reverse"),
     1000.0: "metres entered as millimetres, or the reverse",
@@ -70,7 +72,7 @@ def contradiction(
     if closest.fit is None or len(trials) < 2:
         return None
     errors, stated = np.array(closest.fit.standard_errors), closest.fit.stated
-    repeats = _repeats(trials, errors, _usual(candidates), stated=stated)
+    repeats = _repeats(trials, errors, _usual(candidates, trials), stated=stated)
     if repeats is not None:
         return repeats
     residuals, freedom = closest.fit.residuals, closest.fit.freedom
@@ -95,7 +97,9 @@ def contradiction(
         f"{closest.title} friction fits best, with a residual of {rms} (root mean square),"
         f" {against}."
     )
-    return Contradiction(reason=reason, check=(*_found(trials, closest), _usual(candidates)))
+    return Contradiction(
+        reason=reason, check=(*_found(trials, closest), _usual(candidates, trials))
+    )
 
 
 def _repeats(
@@ -171,25 +175,37 @@ def _found(trials: Sequence[Trial], closest: TravelCandidate) -> tuple[str, ...]
     return tuple(found[:2])
 
 
-def _usual(candidates: Sequence[TravelCandidate]) -> str:
+def _usual(candidates: Sequence[TravelCandidate], trials: Sequence[Trial]) -> str:
     """Return what else may be wrong: the rig, and the parameters that travels do not fit."""
-    held = {
-        quantity.symbol: None
+    text = (
+        "The rig: its mass, stiffness and the unit of its settings, and whether the body"
+        " leaves the spring."
+    )
+    held = [
+        (f"${quantity.symbol}$", name in c.marked)
         for c in candidates
         for name, quantity in fields_of(type(c.law)).items()
         if name in c.assumed and not quantity.structural and getattr(c.law, name)
-    }
-    values = (
-        f" The values that were not fitted: {joined([f'${s}$' for s in held])}. A value marked"
-        " assumed = true in the rig file (Python: assumed) is fitted if there are more settings"
-        " than fitted parameters."
-        if held
-        else ""
-    )
-    return (
-        "The rig: its mass, stiffness and the unit of its settings, and whether the body"
-        " leaves the spring."
-    ) + values
+    ]
+    if not held:
+        return text
+    given = {symbol for symbol, marked in held if not marked}
+    guessed = dict.fromkeys(symbol for symbol, _ in held if symbol not in given)
+    names = joined([*dict.fromkeys(symbol for symbol, _ in held)])
+    text += f" The values that were not fitted: {names}."
+    if given:
+        text += (
+            f" {'Another' if guessed else 'A'} value marked assumed = true in the rig file (Python:"
+            " assumed) is fitted if there are more settings than fitted parameters."
+        )
+    if guessed:
+        known = f"{joined(list(guessed))}, marked as assumed,"
+        text += (
+            f" Fitting {known} does not explain the readings either."
+            if len({trial.setting for trial in trials}) > LEVEL_AND_ANOTHER
+            else f" To fit {known} takes more than {in_words(LEVEL_AND_ANOTHER)} settings."
+        )
+    return text
 
 
 def setting_of(trials: Sequence[Trial], trial: Trial) -> str:

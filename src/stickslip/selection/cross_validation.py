@@ -2,33 +2,51 @@
 
 import itertools
 import math
+from abc import abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import TypeVar, override
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, interval_of
+from stickslip.experiments import Checks, Measurement, interval_of
 from stickslip.formatting import quantity
 from stickslip.identification import (
     LEAST,
     Problem,
+    RateStateFit,
     RecordFit,
     interleaved,
     positions_of,
     refitted,
     settled,
 )
+from stickslip.selection.verdict import Candidate, Verdict
 
-__all__ = ["FOLDS", "CrossValidation", "Plan", "cross_validate", "halves", "plan_of"]
+__all__ = [
+    "FOLDS",
+    "TRUSTED",
+    "CrossValidated",
+    "CrossValidatedVerdict",
+    "CrossValidation",
+    "Plan",
+    "cross_validate",
+    "halves",
+    "plan_of",
+]
 
 Array = NDArray[np.float64]
+Fit_co = TypeVar("Fit_co", bound=RecordFit[Any] | RateStateFit, covariant=True)
 
 FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
+TRUSTED = 1000.0
+"""Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 
 
 @final
@@ -67,6 +85,78 @@ class CrossValidation:
         count = len(self.losses)
         variance = float(np.var(self.losses, ddof=1)) / count if count > 1 else math.inf
         return math.sqrt(variance) / (2.0 * self.score) if self.score > 0.0 else 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class CrossValidated(Candidate[Fit_co]):
+    """A candidate whose residuals are those of a record in time, judged on held-out blocks."""
+
+    validation: CrossValidation | None = None
+    """Held-out errors by block; None without a fit."""
+    simpler: Collection[str] = ()
+    """Names of the candidates that the law contains."""
+
+    @property
+    @override
+    def score(self) -> float:
+        """Root mean square held-out error, infinite without one."""
+        return self.validation.score if self.validation else math.inf
+
+    @property
+    @override
+    def score_error(self) -> float:
+        """Standard error of the score; infinite if there is none."""
+        return self.validation.error if self.validation else math.inf
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals of the fit to the whole record, infinite without."""
+        return self.fit.rms if self.fit else math.inf
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals, 0 without a fit."""
+        return self.fit.inference.effective if self.fit else 0.0
+
+    @property
+    @final
+    def weak(self) -> bool:
+        """Whether a parameter of the law ended at a bound, or the condition is above 1,000."""
+        if self.fit is None:
+            return True
+        return self.fit.inference.condition > TRUSTED or self.at_bound
+
+    @property
+    @abstractmethod
+    def at_bound(self) -> bool:
+        """Whether a parameter of the law ended at a bound of its search."""
+
+    @property
+    @abstractmethod
+    def is_simpler(self) -> Collection[str]:
+        """Names of those of these that it is at its fitted values."""
+
+
+Candidate_co = TypeVar("Candidate_co", bound=CrossValidated[Any], covariant=True)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CrossValidatedVerdict(Verdict[Candidate_co]):
+    """A verdict on such candidates: one is closest to the record, recommended or not."""
+
+    checks: Checks
+    """What the record can tell, before any fit."""
+    not_recommended: Candidate_co | None = None
+    """What comes closest where no law is recommended; None where one is."""
+
+    @property
+    @final
+    @override
+    def closest(self) -> Candidate_co:
+        """What the rule of choice takes: `best`, or what comes closest to the record."""
+        taken = self.best or self.not_recommended
+        assert taken is not None
+        return taken
 
 
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
@@ -183,4 +273,7 @@ def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:
     if found is None:
         return {}
     first, second = found.values
-    return {path: (float(first[i]), float(second[i])) for i, path in enumerate(fit.unknowns.paths)}
+    return {
+        path: (float(first[i]), float(second[i]))
+        for i, path in enumerate(fit.free_parameters.paths)
+    }

@@ -47,6 +47,7 @@ class FeatureCandidate(Candidate[FeatureFit]):
     """Relative errors on the record given to validate, if there is one."""
 
     @property
+    @override
     def score(self) -> float:
         """Root mean square of the relative errors held out, infinite without a fit."""
         return self.fit.score if self.fit else math.inf

@@ -30,12 +30,12 @@ from stickslip.identification import (
     room_of,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.candidates import CandidateSpec, specifications
+from stickslip.selection.applicability import checked
+from stickslip.selection.candidates import LEFT_OUT, CandidateSpec, Watch, specifications
 from stickslip.selection.feature_speeds import other_speeds
 from stickslip.selection.feature_verdict import FeatureCandidate, FeatureVerdict
 from stickslip.selection.feature_wording import feature_wording, outcomes
 from stickslip.selection.parallel_fit import fitted_side_by_side
-from stickslip.selection.records import LEFT_OUT, RecordWatch, checked
 
 __all__ = ["feature_laws", "select_features"]
 
@@ -68,7 +68,7 @@ def select_features(
     fixed: Mapping[str, float] | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> FeatureVerdict:
     """Select a law for the force of a spring that pulls a block; arguments as in `select`.
@@ -121,7 +121,7 @@ def select_features(
     return _verdict(mechanism, measurement, ordered, control, features, checks)
 
 
-def _renamed(watch: RecordWatch | None) -> RecordWatch | None:
+def _renamed(watch: Watch | None) -> Watch | None:
     """Return what tells a watcher of the control, which is none of the candidates."""
     return None if watch is None else (lambda _, rms: watch(CONTROL, rms))
 
@@ -164,7 +164,7 @@ def _candidate(
     one: CandidateSpec,
     _contained: Sequence[FittedLaw] = (),
     _rival: float = 0.0,
-    watch: RecordWatch | None = None,
+    watch: Watch | None = None,
     *,
     mechanism: Mechanism,
     measurement: Measurement,

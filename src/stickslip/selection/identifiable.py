@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from stickslip.identification import TOGETHER, Estimate, RecordFit, TravelFit, uncertainties_of
-from stickslip.quantities import vary
-from stickslip.selection.limits import limit_text
+from stickslip.identification import TOGETHER, Estimate, RecordFit
 
-__all__ = ["half_of", "limit_of", "limits_of", "moved_by_errors", "settled_estimates", "traded"]
+__all__ = ["half_of", "moved_by_errors", "settled_estimates", "traded"]
 
 
 def half_of(estimate: Estimate) -> float:
@@ -14,50 +12,12 @@ def half_of(estimate: Estimate) -> float:
     return 0.5 * (estimate.high - estimate.low)
 
 
-def limit_of(fit: RecordFit | TravelFit, estimate: Estimate) -> str:
-    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
-
-    It is the record or the readings, or the uncertainty of the mechanism.
-
-    Parameters
-    ----------
-    fit : RecordFit or TravelFit
-        The fit, with its record or readings.
-    estimate : Estimate
-        One of its estimates, with the sources of its interval.
-
-    Returns
-    -------
-    str
-        The sentence.
-    """
-    if not estimate.sources:
-        return ""
-    if isinstance(fit, TravelFit):
-        of_trials = [(one.mechanism, {**one.shared, **one.doubts}) for one in fit.trials]
-        readings = "the readings" if len(fit.trials) > 1 else "the reading"
-        return limit_text(estimate, of_trials, readings)
-    mechanism, measurement = fit.mechanism, fit.measurement
-    pairs = zip(measurement.records(), uncertainties_of(mechanism, measurement), strict=True)
-    stated = [
-        (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
-        for record, (own, shared) in pairs
-    ]
-    return limit_text(estimate, stated, "the record")
-
-
-def limits_of(fit: RecordFit | TravelFit) -> tuple[str, ...]:
-    """Return what limits each interval of a fit, with the path of the parameter."""
-    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
-    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
-
-
 def traded(fit: RecordFit) -> frozenset[str]:
     """Return the paths of what trades off with another unknown: only together they are known."""
     table = np.abs(fit.inference.of_record.correlation)
     found = set()
-    for i, one in enumerate(fit.unknowns.paths):
-        for j, other in enumerate(fit.unknowns.paths[:i]):
+    for i, one in enumerate(fit.free_parameters.paths):
+        for j, other in enumerate(fit.free_parameters.paths[:i]):
             if table[i, j] > TOGETHER:
                 found |= {one, other}
     return frozenset(found)
@@ -70,7 +30,7 @@ def moved_by_errors(fit: RecordFit) -> frozenset[str]:
     """
     found: set[str] = set()
     for error in fit.model_errors:
-        found |= set(fit.unknowns.paths if error.moved is None else error.moved)
+        found |= set(fit.free_parameters.paths if error.moved is None else error.moved)
     return frozenset(found)
 
 

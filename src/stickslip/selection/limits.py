@@ -1,13 +1,42 @@
 """What limits an interval: what was measured, or the uncertainty of the mechanism."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from stickslip.formatting import capital, percent, quantity
-from stickslip.identification import READINGS, Estimate
+from stickslip.identification import READINGS, Estimate, Fit
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
-__all__ = ["limit_text"]
+__all__ = ["limit_of", "limit_text", "limits_of"]
+
+
+def limit_of(fit: Fit[Any], estimate: Estimate) -> str:
+    """Return what limits the interval of an estimate, as a sentence; empty if nothing was stated.
+
+    It is the record or the readings, or the uncertainty of the mechanism.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit, with its record or readings.
+    estimate : Estimate
+        One of its estimates, with the sources of its interval.
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
+    if not estimate.sources:
+        return ""
+    return limit_text(estimate, fit.rig_uncertainties, fit.readings)
+
+
+def limits_of(fit: Fit[Any]) -> tuple[str, ...]:
+    """Return what limits each interval of a fit, with the path of the parameter."""
+    limits = {one.path: limit_of(fit, one).strip() for one in fit.estimates}
+    return tuple(f"{path}: {limit}" for path, limit in limits.items() if limit)
 
 
 def limit_text(
@@ -33,7 +62,9 @@ def limit_text(
     --------
     >>> from stickslip import Coulomb, Measurement, SpringBlock, fit
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-    >>> reading = Measurement(travel=0.2, uncertainty=0.001, doubts={"stiffness": 3.0})
+    >>> reading = Measurement(
+    ...     travel=0.2, uncertainty=0.001, parameter_uncertainties={"stiffness": 3.0}
+    ... )
     >>> (level,) = fit(rig, Coulomb, reading).estimates
     >>> limit_text(level, [(rig, {"mechanism.stiffness": 3.0})], "the reading")
     ' The stiffness (3 %) contributes more to its uncertainty than the reading.'

@@ -59,8 +59,7 @@ def experiments_after(
     except InputError:  # too short to be filtered
         return ()
     # Where friction was measured no force was, and dynamics know nothing of its doubt.
-    measured = best.fit.problem.quantity == "friction"
-    left = best.fit.rms if measured else float(np.std(dynamics.residual))
+    left = best.fit.rms if not best.fit.problem.simulates else float(np.std(dynamics.residual))
     correlated = plan.length / best.fit.inference.effective
     predictors = {c.name: predictor_of(c.fit) for c in [best, *rivals] if c.fit}
     return design(
@@ -69,7 +68,7 @@ def experiments_after(
         speed=float(np.percentile(np.abs(dynamics.velocity), 98.0)),
         force_doubt=lambda seconds: left * min(math.sqrt(correlated / seconds), 1.0),
         length_doubt=best.fit.rms if best.fit.problem.quantity == "position" else LENGTH_DOUBT,
-        driven=best.fit.route != "force-map",
+        driven=not best.fit.friction_was_measured,
         turning=best.fit.measurement.turning,
         reach=reach_of(best.fit),
         sides=_sides(best.fit.measurement, dynamics.velocity),
@@ -84,7 +83,7 @@ def _moves(fit: RecordFit) -> bool:
 
 def _actuated(fit: RecordFit) -> bool:
     """Whether something imposed the motion: a force, a reference, or a machine that measured."""
-    return fit.problem.quantity == "friction" or driven(fit.measurement)
+    return not fit.problem.simulates or driven(fit.measurement)
 
 
 def _sides(measurement: Measurement, velocity: NDArray[np.float64]) -> tuple[float, ...]:
@@ -121,7 +120,7 @@ def predictor_of(fit: RecordFit) -> Predictor:
         law=fit.law,
         mechanism=fit.mechanism,
         load=load_of(fit.mechanism),
-        estimates=dict(zip(fit.unknowns.paths, fit.values.tolist(), strict=True)),
+        estimates=dict(zip(fit.free_parameters.paths, fit.values.tolist(), strict=True)),
         errors=fit.inference.errors,
         correlation=fit.inference.correlation,
     )

@@ -2,7 +2,7 @@
 
 import math
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,14 +10,12 @@ from typing import Protocol, TypeVar
 
 from stickslip.friction import BristleLaw
 from stickslip.identification import FittedLaw
-from stickslip.selection.candidates import CandidateSpec, contains
+from stickslip.selection.candidates import CandidateSpec, Watch, contains
 
 __all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
 
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
-
-Watch = Callable[[str, float], object]
 
 
 class Residual(Protocol):

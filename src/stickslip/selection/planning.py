@@ -104,7 +104,7 @@ def plan(
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,
     measurement: Measurement | None = None,
     *,
-    doubts: Mapping[str, float] | None = None,
+    parameter_uncertainties: Mapping[str, float] | None = None,
     between: tuple[float, float] | None = None,
     settings: int = 4,
     uncertainty: float | None = None,
@@ -122,7 +122,7 @@ def plan(
     measurement : Measurement, optional
         Travels that were measured before: levels are fitted to them, and their uncertainty is
         counted on. Without it all laws travel as far as the first one at the present setting.
-    doubts : mapping of str to float, optional
+    parameter_uncertainties : mapping of str to float, optional
         Standard uncertainties of the mechanism's parameters, by path or last name; those of the
         measurement if not given. Where none is known, that which is needed is counted on.
     between : tuple of float, optional
@@ -177,7 +177,7 @@ def plan(
     named = _first(levelled)
     rows, still = _rows(mechanism, knob, settings_at, levelled, named, t_end)
     size = _checked(error, max(abs(row.predicted[named]) for row in rows))
-    stated = _stated(mechanism, measurement, doubts)
+    stated = _stated(mechanism, measurement, parameter_uncertainties)
     bench = _Bench(mechanism=mechanism, rows=rows, error=size, stated=stated, t_end=t_end)
     contrasts = _contrasts(bench.known(levelled[named], LEAST), levelled)
     needed = [one.repeats(size) for one in contrasts]
@@ -719,8 +719,12 @@ def _stated(
     mechanism: Mechanism, measurement: Measurement | None, doubts: Mapping[str, float] | None
 ) -> dict[str, float]:
     """Return stated uncertainties of the mechanism by full path."""
-    given = doubts if doubts is not None else measurement.doubts if measurement else {}
-    ((own, _),) = uncertainties_of(mechanism, Measurement(travel=0.0, doubts=given))
+    given = (
+        doubts if doubts is not None else measurement.parameter_uncertainties if measurement else {}
+    )
+    ((own, _),) = uncertainties_of(
+        mechanism, Measurement(travel=0.0, parameter_uncertainties=given)
+    )
     return own
 
 

@@ -23,19 +23,19 @@ from stickslip.identification import (
     SubsetProblem,
     arguments,
     bounds_met,
-    fit_steps,
+    fit_rate_state,
     form_of,
     improve,
     simulate_velocity_steps,
     with_profile,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.selection.candidates import check_apart
+from stickslip.selection.applicability import checked
+from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
 from stickslip.selection.choice import beyond_doubt, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
-from stickslip.selection.records import LEFT_OUT, RecordWatch, checked
 
 __all__ = [
     "RateStateLaws",
@@ -120,7 +120,7 @@ def select_rate_state(
     fixed: Mapping[str, float] | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RateStateVerdict:
     """Select a law for friction while a load point is pulled with steps of its speed.
@@ -209,7 +209,7 @@ def select_rate_state(
 def _candidate(
     one: _Law,
     drift: Drift,
-    watch: RecordWatch | None,
+    watch: Watch | None,
     *,
     mechanism: Mechanism,
     measurement: Measurement,
@@ -224,7 +224,7 @@ def _candidate(
         return replace(found, dropped=LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     try:
-        fit = fit_steps(
+        fit = fit_rate_state(
             mechanism,
             one.law,
             measurement,
@@ -232,6 +232,7 @@ def _candidate(
             drift=drift,
             starts=starts,
             seed=seed,
+            profile=False,
             progress=report,
         )
     except (ConvergenceError, SimulationError) as error:
@@ -325,7 +326,7 @@ def _verdict(
         words=rate_state_wording(ordered, rival, steps, checks, fault=fault, by_steps=by_steps),
         candidates=tuple(ordered),
         best=None if fault else ordered[0],
-        nearest=ordered[0],
+        not_recommended=ordered[0] if fault else None,
         ranked=len(ordered) > 1 and rival is None,
         checks=checks,
         by_steps=by_steps,

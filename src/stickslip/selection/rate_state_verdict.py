@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.experiments import Checks
 from stickslip.friction import RateState
 from stickslip.identification import UNSPENT, VELOCITY_STEPS, RateStateFit, bounds_met
-from stickslip.selection.choice import TRUSTED
-from stickslip.selection.cross_validation import CrossValidation
-from stickslip.selection.verdict import Candidate, Verdict, plain
+from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
+from stickslip.selection.verdict import plain
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -40,28 +38,14 @@ class OtherStep:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class RateStateCandidate(Candidate[RateStateFit]):
+class RateStateCandidate(CrossValidated[RateStateFit]):
     """One law on velocity steps: its fit, its held-out error, and what speaks against it."""
 
-    validation: CrossValidation | None = None
-    """Mean squares of the coefficient in each part that a fit to the others has not seen."""
     unseen: Array | None = None
     """Measured less predicted coefficient of each row of the fit, by the fit that has not seen it
     (n,); NaN for rows that were never held out."""
-    simpler: tuple[str, ...] = ()
-    """Names of the candidates that it contains."""
     second: float | None = None
     """Root mean square error on the record given to validate, if there is one."""
-
-    @property
-    def score(self) -> float:
-        """Root mean square held-out error of the coefficient, infinite without one."""
-        return self.validation.score if self.validation else math.inf
-
-    @property
-    def score_error(self) -> float:
-        """Standard error of the score."""
-        return self.validation.error if self.validation else math.nan
 
     @property
     def law(self) -> RateState | None:
@@ -69,18 +53,8 @@ class RateStateCandidate(Candidate[RateStateFit]):
         return self.fit.law if self.fit else None
 
     @property
-    def residual(self) -> float:
-        """Root mean square of the residuals of the fit to the whole record."""
-        return self.fit.rms if self.fit else math.inf
-
-    @property
-    def effective(self) -> float:
-        """Effective number of independent residuals."""
-        return self.fit.inference.effective if self.fit else 0.0
-
-    @property
+    @override
     def is_simpler(self) -> Collection[str]:
-        """Names of the contained candidates that it is at its fitted values."""
         law = self.law
         if law is None:
             return ()
@@ -89,11 +63,9 @@ class RateStateCandidate(Candidate[RateStateFit]):
         return self.simpler if law.direct_effect == 0.0 else ()
 
     @property
-    def weak(self) -> bool:
-        """Whether a parameter ended at a bound, or the condition is too large."""
-        if self.fit is None:
-            return True
-        return self.fit.inference.condition > TRUSTED or bool(bounds_met(self.fit))
+    @override
+    def at_bound(self) -> bool:
+        return self.fit is not None and bool(bounds_met(self.fit))
 
     @override
     def to_row(self) -> Mapping[str, Any]:
@@ -101,7 +73,7 @@ class RateStateCandidate(Candidate[RateStateFit]):
             "law": self.name,
             "parameters": self.parameters,
             "score": self.score,
-            "score_error": self.score_error,
+            "score_error": self.validation.error if self.validation else math.nan,
             "a_minus_b": self.fit.rate.value if self.fit else math.nan,
             "rmse": self.fit.rmse if self.fit else math.nan,
             "outcome": self.outcome,
@@ -126,13 +98,9 @@ class RateStateCandidate(Candidate[RateStateFit]):
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RateStateVerdict(Verdict[RateStateCandidate]):
+class RateStateVerdict(CrossValidatedVerdict[RateStateCandidate]):
     """A verdict on friction while a load point is pulled with steps of its speed."""
 
-    nearest: RateStateCandidate
-    """The best law, or the one that comes closest to the record."""
-    checks: Checks
-    """What the record can tell, before any fit."""
     by_steps: bool
     """Whether what was held out begins with a velocity step; else parts of a record with one."""
     rival: str = ""
@@ -149,12 +117,6 @@ class RateStateVerdict(Verdict[RateStateCandidate]):
     @override
     def score_unit(self) -> str:
         return ""
-
-    @property
-    @override
-    def closest(self) -> RateStateCandidate:
-        """The best law, or the one that comes closest to the record."""
-        return self.nearest
 
     @override
     def _basis(self) -> str:

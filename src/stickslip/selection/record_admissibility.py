@@ -43,8 +43,8 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
         All reasons, separated by semicolons.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
-    seen = fit.found.best
-    steps = step_intervals(fit.unknowns, seen, fit.inference)
+    seen = fit.optimum.best
+    steps = step_intervals(fit.free_parameters, seen, fit.inference)
     for estimate in fit.estimates:
         if not estimate.path.startswith("friction."):
             continue
@@ -74,7 +74,7 @@ def _no_step(step: float, low: float, high: float, unit: str) -> str:
 
 
 def _ran(fit: RecordFit, estimate: Estimate) -> str:
-    item = fit.unknowns.items[fit.unknowns.paths.index(estimate.path)]
+    item = fit.free_parameters.items[fit.free_parameters.paths.index(estimate.path)]
     side = fit.at_bounds[estimate.path]
     if item.above and side == "lower":
         return "is not above the kinetic level"
@@ -161,7 +161,7 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
     """
     fit = candidate.fit
     assert fit is not None
-    if fit.problem.quantity == "friction":
+    if not fit.problem.simulates:
         measured = fit.problem.measured
         centre = 0.0 if one_way(fit.measurement) else float(np.mean(measured))
         return float(np.sqrt(np.mean((measured - centre) ** 2)))

@@ -7,7 +7,7 @@ from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.experiments import Checks, Measurement
+from stickslip.experiments import Measurement
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
@@ -18,10 +18,10 @@ from stickslip.identification import (
     Score,
     TrialComparison,
 )
-from stickslip.selection.choice import TRUSTED, reduces_to
-from stickslip.selection.cross_validation import CrossValidation, Plan
+from stickslip.selection.choice import reduces_to
+from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict, Plan
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.verdict import Candidate, Verdict, plain, score_scale
+from stickslip.selection.verdict import plain, score_scale
 
 __all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "SecondRecord"]
 
@@ -70,13 +70,13 @@ class SecondRecord:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RecordCandidate(Candidate[RecordFit]):
+class RecordCandidate(CrossValidated[RecordFit]):
     """One law on a record: its fit, its held-out error, and whether it may be taken."""
 
-    validation: CrossValidation | None
-    """Held-out errors; None without a fit."""
     second: Score | None = None
     """Error on the record given to validate, if there is one."""
+    refuted: str = ""
+    """Which value that was given the record contradicts, as a clause; empty if it does not."""
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
     aic: float = math.nan
@@ -90,41 +90,18 @@ class RecordCandidate(Candidate[RecordFit]):
     @override
     def parameters(self) -> int:
         """Number of unknowns that were fitted, whether or not the record identifies them."""
-        return len(self.fit.unknowns) if self.fit else 0
+        return len(self.fit.free_parameters) if self.fit else 0
 
     @property
-    def residual(self) -> float:
-        """Root mean square of the residuals of the fit, infinite without one."""
-        return self.fit.rms if self.fit else math.inf
-
-    @property
-    def effective(self) -> float:
-        """Effective number of independent residuals, 0 without a fit."""
-        return self.fit.inference.effective if self.fit else 0.0
-
-    @property
+    @override
     def is_simpler(self) -> tuple[str, ...]:
-        """Names of the candidates that it contains and, at its fitted values, is."""
         fit = self.fit
         return tuple(name for name, law in self.simpler.items() if fit and reduces_to(fit, law))
 
     @property
-    def weak(self) -> bool:
-        """Whether a parameter of the law ended at a bound, or the condition is above 1,000."""
-        if self.fit is None:
-            return True
-        bound = any(path.startswith("friction.") for path in self.fit.at_bounds)
-        return bound or self.fit.inference.condition > TRUSTED
-
-    @property
-    def score(self) -> float:
-        """Held-out error, infinite without a fit."""
-        return self.validation.score if self.validation else math.inf
-
-    @property
-    def score_error(self) -> float:
-        """Standard error of the score; infinite if there is none."""
-        return self.validation.error if self.validation else math.inf
+    @override
+    def at_bound(self) -> bool:
+        return self.fit is not None and any(p.startswith("friction.") for p in self.fit.at_bounds)
 
     @property
     def law(self) -> FrictionLaw | None:
@@ -173,7 +150,7 @@ class RecordCandidate(Candidate[RecordFit]):
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RecordVerdict(Verdict[RecordCandidate]):
+class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """A verdict on records in time, or on measured friction."""
 
     reference: RecordCandidate | None
@@ -186,10 +163,6 @@ class RecordVerdict(Verdict[RecordCandidate]):
     """What the law is for."""
     picks: Mapping[str, str]
     """What other criteria would pick: criterion -> name of the candidate."""
-    checks: Checks
-    """What the record can tell, before any fit."""
-    not_recommended: RecordCandidate | None = None
-    """What comes closest where none is recommended; None where one is."""
     second: Measurement | None = None
     """The record given to validate, which no fit has seen; None without one."""
     on_second: SecondRecord | None = None
@@ -204,14 +177,6 @@ class RecordVerdict(Verdict[RecordCandidate]):
     """Estimates of the best law from the first and the second half of the record, by path."""
 
     @property
-    @override
-    def closest(self) -> RecordCandidate:
-        """What the rule of choice takes: `best`, or what comes closest to the record."""
-        taken = self.best or self.not_recommended
-        assert taken is not None
-        return taken
-
-    @property
     def model_errors(self) -> tuple[ModelError, ...]:
         """What the residuals of the closest law show to be wrong with model, rig or record."""
         return self.closest.fit.model_errors if self.closest.fit else ()
@@ -221,6 +186,11 @@ class RecordVerdict(Verdict[RecordCandidate]):
         """What is predicted, as in `QUANTITIES`."""
         fits = [c.fit for c in self.candidates if c.fit]
         return fits[0].problem.quantity if fits else "position"
+
+    @property
+    def simulates(self) -> bool:
+        """Whether motion is predicted; else friction along the measured motion."""
+        return any(c.fit.problem.simulates for c in self.candidates if c.fit)
 
     @property
     def unit(self) -> str:

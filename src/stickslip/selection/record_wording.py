@@ -21,7 +21,8 @@ from stickslip.identification import AGREE, RecordFit, TrialComparison, differen
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
-from stickslip.selection.identifiable import limit_of, settled_estimates
+from stickslip.selection.identifiable import settled_estimates
+from stickslip.selection.limits import limit_of
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (
@@ -231,6 +232,8 @@ def _verdict(
     trials: TrialComparison | None,
 ) -> str:
     name = friction_of(best.title)
+    if best.refuted:
+        return f"{capital(best.refuted)}. Measure the value again, or leave it out."
     if fault:
         return f"No law explains this record: {fault}."
     if best.dropped:
@@ -276,7 +279,7 @@ def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
 
 def route_text(fit: RecordFit) -> str:
     """Return how a record was fitted where that is unusual, and why; empty where it is not."""
-    way = "inverse dynamics" if fit.route == "inverse-dynamics" else "shorter simulated segments"
+    way = "shorter simulated segments" if fit.problem.simulates else "inverse dynamics"
     return f"Fitted by {way}, because {fit.route_reason}." if fit.route_reason else ""
 
 

@@ -11,11 +11,6 @@ from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import (
     Checks,
     Measurement,
-    check,
-    refuse_lack,
-    refuse_same,
-    refuse_unused,
-    told,
     with_doubts,
 )
 from stickslip.formatting import quantity
@@ -25,25 +20,26 @@ from stickslip.identification import (
     FittedLaw,
     Parameters,
     RecordFit,
+    RecordRouteName,
     RecordSettings,
-    Route,
     RouteChoice,
     arguments,
-    asked_for,
     better_route,
     check_horizon,
+    choice_of,
     choose_route,
     compared,
     fit_record,
-    inside,
     to_compare,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
-from stickslip.selection.applicability import one_way, unsuited_by
+from stickslip.selection.applicability import checked, one_way, unsuited_by
 from stickslip.selection.candidates import (
+    LEFT_OUT,
     REFERENCE,
     CandidateSpec,
+    Watch,
     contains,
     control,
     specifications,
@@ -57,6 +53,7 @@ from stickslip.selection.choice import (
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
+from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import fitted_side_by_side, takes_long
@@ -75,29 +72,18 @@ from stickslip.selection.record_verdict import (
 from stickslip.selection.record_wording import outcomes, record_wording
 
 __all__ = [
-    "LEFT_OUT",
     "PURPOSES",
     "PurposeName",
-    "RecordWatch",
-    "checked",
     "select_records",
     "way_for",
 ]
 
-RecordWatch: TypeAlias = Callable[[str, float], object]
-"""Called with a candidate and the least residual so far, not a number before it begins.
-
-False ends the search of a candidate that has begun, and leaves out one that has not. Judging, of
-which each candidate is told as ``"held-out blocks: <its name>, 2 of 10"``, is never cut short: what
-was compared on other blocks than the rest could not be ranked.
-"""
 
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
 ROUNDING = 1e-9
 """Error over the variation of what is predicted below which a law is exact: no noise, digits."""
-LEFT_OUT = "skipped: the search was stopped"
 HOPELESS = (
     "not scored: its search was stopped early because the residual exceeded three times that of"
     " another law"
@@ -117,7 +103,7 @@ def select_records(
     route: str | RouteChoice | None = None,
     validate: Measurement | None = None,
     settings: RecordSettings | None = None,
-    progress: RecordWatch | None = None,
+    progress: Watch | None = None,
     executor: Executor | None = None,
 ) -> RecordVerdict:
     """Select a law for records in time or measured friction; arguments as in `select`.
@@ -161,12 +147,12 @@ def select_records(
     checks = checked(mechanism, measurement, validate)
     route = route or way_for(purpose, measurement)
     chosen = _laws(laws, measurement)
-    if route is None:
-        route = choose_route(
-            mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings
-        )
-    settings = route.settings if isinstance(route, RouteChoice) else settings
-    fitted, tried = _tried(parameters, measurement, route, settings, chosen, progress, executor)
+    choice = (
+        choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
+        if route is None
+        else choice_of(route, measurement, settings)
+    )
+    fitted, tried = _tried(parameters, measurement, choice, chosen, progress, executor)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
@@ -175,16 +161,15 @@ def select_records(
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     judged = _with_contained(judged, chosen)
     found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
-    return replace(found, settings=settings or RecordSettings())
+    return replace(found, settings=choice.settings)
 
 
 def _tried(
     parameters: Parameters[None],
     measurement: Measurement,
-    route: str | RouteChoice,
-    settings: RecordSettings | None,
+    choice: RouteChoice,
     chosen: Sequence[CandidateSpec],
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
     """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
@@ -196,14 +181,13 @@ def _tried(
             measurement=_without_stated(measurement, name),
             route=name,
             reason=reason,
-            settings=settings,
+            settings=choice.settings,
         )
 
-    choice = route if isinstance(route, RouteChoice) else None
-    fitted = by(asked_for(route) or "", choice.reason if choice else "")
+    fitted = by(choice.route, choice.reason)
     tried = fitted_side_by_side(fitted, chosen, watch, executor)
     fits = [one.fit for one in tried if one.fit]
-    if choice is None or choice.alternative is None or not to_compare(choice, fits):
+    if choice.alternative is None or not to_compare(choice, fits):
         return fitted, tried
     try:
         others = fitted_side_by_side(by(choice.alternative, ""), chosen, watch, executor)
@@ -217,7 +201,7 @@ def _tried(
     ]
 
 
-def way_for(purpose: str | None, measurement: Measurement) -> Route | None:
+def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
     Parameters
@@ -281,49 +265,8 @@ def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
 def _has_control(fit: RecordFit) -> bool:
     """Whether a fit without friction has anything to look for."""
     return fit.problem.simulates and any(
-        path.startswith("mechanism.") for path in fit.unknowns.paths
+        path.startswith("mechanism.") for path in fit.free_parameters.paths
     )
-
-
-def checked(
-    mechanism: Mechanism,
-    measurement: Measurement,
-    validate: Measurement | None = None,
-    which: str = "This record",
-) -> Checks:
-    """Return what the record can tell; refuse one that cannot decide.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The record.
-    validate : Measurement, optional
-        A second record, which must have the same quantities and other samples.
-    which : str
-        Subject of the error's first sentence.
-
-    Returns
-    -------
-    Checks
-        Findings on the record, none of which is an error.
-
-    Raises
-    ------
-    InputError
-        If the record, or the second one, cannot decide.
-    """
-    if validate is not None:
-        refuse_lack(measurement, validate, which="the second record")
-        refuse_unused(validate, inside(mechanism, validate))
-        refuse_same(measurement, validate)
-        checked(mechanism, validate, which="The second record")
-    checks = check(measurement, mechanism=mechanism)
-    if checks.worst == "error":
-        wrong = [one for one in checks.findings if one.severity == "error"]
-        raise InputError(f"{which} cannot be used for a selection. {told(wrong)}")
-    return checks
 
 
 def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
@@ -347,7 +290,7 @@ def _candidate(
     one: CandidateSpec,
     contained: Sequence[FittedLaw] = (),
     rival: float = 0.0,
-    watch: RecordWatch | None = None,
+    watch: Watch | None = None,
     *,
     parameters: Parameters[None],
     measurement: Measurement,
@@ -379,7 +322,9 @@ def _candidate(
         fit = replace(_without_spare(whole, fitted), route_reason=reason)
     except (ConvergenceError, SimulationError) as error:
         return _unfitted(one, str(error))
-    left_out = [path for path in whole.unknowns.paths if path not in fit.unknowns.paths]
+    left_out = [
+        path for path in whole.free_parameters.paths if path not in fit.free_parameters.paths
+    ]
     return _fitted(one, fit, left_out)
 
 
@@ -399,7 +344,7 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
         if quantity.scale == "slope" and fields[name].default == 0.0
         if fit.at_bounds.get(f"friction.{name}") == "lower"
     ]
-    if not spare or fit.found.cancelled:
+    if not spare or fit.optimum.cancelled:
         return fit
     free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
     law = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
@@ -412,7 +357,7 @@ def _judged(
     """Add held-out errors and objections."""
     if candidate.fit is None:
         return candidate
-    if candidate.fit.found.hopeless:
+    if candidate.fit.optimum.hopeless:
         return replace(candidate, dropped=HOPELESS)
     try:
         validation = cross_validate(candidate.fit, plan)
@@ -425,8 +370,13 @@ def _judged(
     if not math.isfinite(validation.score):
         reason = "not scored: its simulation of a held-out block failed"
         return replace(candidate, dropped=reason, second=second)
+    refuted = refuted_by_record(candidate.fit)
     return replace(
-        candidate, validation=validation, dropped=objection(candidate.fit), second=second
+        candidate,
+        validation=validation,
+        dropped="; ".join(filter(None, [refuted, objection(candidate.fit)])),
+        refuted=refuted,
+        second=second,
     )
 
 
@@ -442,7 +392,7 @@ def _all_judged(
     work: Callable[[RecordCandidate], RecordCandidate],
     tried: Sequence[RecordCandidate],
     controlled: Callable[[], RecordCandidate] | None,
-    watch: RecordWatch | None,
+    watch: Watch | None,
     executor: Executor | None,
 ) -> tuple[list[RecordCandidate], RecordCandidate | None]:
     """Return the candidates judged, and the control; each is told before it is waited for."""
@@ -510,7 +460,8 @@ def _verdict(
     least = max(stated, ROUNDING * variation)
     scored = [_objected(c, scored, least) for c in scored]
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
-    closest = choose(searched or scored, uncertainty=least)
+    sound = [c for c in searched if not c.refuted]
+    closest = choose(sound or searched or scored, uncertainty=least)
     closest = _doubted(closest, scored)
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
@@ -627,7 +578,11 @@ def _objected(
 ) -> RecordCandidate:
     """Return a candidate without objections that an F test over simpler laws has answered."""
     assert candidate.fit is not None
-    if candidate.dropped and shown_over_simpler(candidate, scored, uncertainty=uncertainty):
+    if (
+        candidate.dropped
+        and not candidate.refuted
+        and shown_over_simpler(candidate, scored, uncertainty=uncertainty)
+    ):
         return replace(candidate, dropped=objection(candidate.fit, shown=True))
     return candidate
 
@@ -637,9 +592,10 @@ def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> Record
 
     Where something speaks against every law, parameters that are not identified are a doubt too; a
     law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
-    So does a law whose search failed: its values are not those of the least error.
+    So does a law whose search failed: its values are not those of the least error; and one with a
+    given value that the record contradicts.
     """
-    if best.fit is not None and best.fit.search_failure:
+    if best.refuted or (best.fit is not None and best.fit.search_failure):
         return best
     if best.dropped and not (best.weak and all(c.dropped for c in scored)):
         return replace(best, dropped="", doubt=best.dropped)
@@ -665,8 +621,8 @@ def _scored(best: RecordCandidate, plan: Plan) -> str:
     """Return what is scored, in words; a block that leaves nothing to fit to is not."""
     assert best.fit is not None
     assert best.validation is not None
-    count, scored = len(best.validation.losses), best.fit.problem.quantity
+    count, problem = len(best.validation.losses), best.fit.problem
     blocks = f"{count} held-out block{'s' if count > 1 else ''}, root mean square"
-    if scored == "friction":
-        return f"friction on {blocks}"
-    return f"{scored} over {quantity(plan.horizon, 's', 2)} on {blocks}"
+    if not problem.simulates:
+        return f"{problem.quantity} on {blocks}"
+    return f"{problem.quantity} over {quantity(plan.horizon, 's', 2)} on {blocks}"

@@ -1,7 +1,7 @@
 """One law tried on the trials: as given, as fitted, and predicting each trial from the others."""
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
 from stickslip.friction import FrictionLaw
@@ -17,15 +17,15 @@ from stickslip.identification import (
     starting_points,
 )
 from stickslip.quantities import fields_of, parameters, vary
+from stickslip.selection.candidates import Watch
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.selection.leave_one_out import held_out_errors, root_mean_square
 from stickslip.selection.travel_verdict import TravelCandidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Watch", "try_law", "with_held_out"]
+__all__ = ["try_law", "with_held_out"]
 
-Watch = Callable[[str, float], object]
 CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
 
@@ -72,7 +72,7 @@ def try_law(
     _, given = _seen(trials[0], law, t_end)
     candidate = TravelCandidate(
         name=name, title=law.title, law=law, given=given, fit=None, run=None, criteria=None,
-        score=None, score_error=None, ordinary=ordinary,
+        ordinary=ordinary,
     )  # fmt: skip
     names = payable(law, trials) if free is None else free
     needed = [f"friction.{one}" for one in required_of(type(law))] if ordinary else []

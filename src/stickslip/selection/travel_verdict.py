@@ -3,10 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, cast, final
 
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.formatting import count, joined, number
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit
@@ -15,6 +16,9 @@ from stickslip.selection.criteria import Criteria
 from stickslip.selection.design.discriminating_settings import Proposal, Separation
 from stickslip.selection.verdict import Candidate, Verdict, plain
 from stickslip.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = ["TravelCandidate", "TravelVerdict", "misfit"]
 
@@ -32,9 +36,9 @@ class TravelCandidate(Candidate[TravelFit]):
     """The fitted run; of the first trial where there are several."""
     criteria: Criteria | None
     """What the fitted run does; of the first trial too."""
-    score: float | None
+    score: float | None = None
     """Held-out error [m], root mean square over trials; None where no trial is left to judge."""
-    score_error: float | None
+    score_error: float | None = None
     """Its standard error [m]."""
     held_out: tuple[float, ...] = ()
     """Held-out error of each trial [m]."""
@@ -44,6 +48,10 @@ class TravelCandidate(Candidate[TravelFit]):
     """How far each parameter taken as given moves the travel [m] when changed by half."""
     assumed: tuple[str, ...] = ()
     """Names of the parameters that were neither measured nor fitted."""
+    refuted: str = ""
+    """Which value that was given the readings contradict, as a sentence; empty if they do not."""
+    marked: tuple[str, ...] = ()
+    """Names of the parameters whose values were given as assumed."""
     invented: tuple[str, ...] = ()
     """Names of the parameters that the law cannot do without and that were neither measured, given
     nor fitted."""
@@ -143,6 +151,12 @@ class TravelVerdict(Verdict[TravelCandidate]):
     @override
     def score_unit(self) -> str:
         return "m"
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        """Draw what laws predict at other settings where nothing is ranked."""
+        drawn = plots().plot_scores if self.scored else plots().plot_separation
+        return cast("Drawing", drawn(self, ax))
 
     @override
     def _basis(self) -> str:

@@ -21,7 +21,7 @@ from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
 from stickslip.selection.design.discriminating_settings import Proposal
-from stickslip.selection.identifiable import limit_of
+from stickslip.selection.limits import limit_of
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
 from stickslip.selection.wording import UNMEASURED, held_out_text, not_distinguished
@@ -45,6 +45,11 @@ ADVICE = {
 }
 """Which measurement pays for a parameter that a travel does not fix, the most telling first."""
 
+
+CURE = (
+    "No friction law explains the readings with such a value: measure it again, or leave it out, so"
+    " that it is fitted where the trials allow."
+)
 
 DOUBT_NAMES = {
     "rounding range": "rounding of the measurement",
@@ -130,6 +135,12 @@ def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
             "No candidate explains the measurement.",
             f"{candidates[0].title}: {_why(candidates[0])}",
         )
+    refuted = dict.fromkeys(c.refuted for c in candidates if c.refuted)
+    if refuted:
+        first, *more = refuted
+        others = [f"{c.title}: {_why(c)}" for c in candidates if not c.refuted]
+        text = " ".join([*(f"{one}." for one in more), *others, CURE])
+        return f"{first}.", text
     closest = min(candidates, key=lambda c: known.get(c.title, float("inf")))
     return (
         f"No candidate explains the measurement; the closest is {closest.title}.",

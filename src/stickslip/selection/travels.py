@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
+from stickslip.formatting import lower_first
 from stickslip.friction import LAWS, FrictionLaw, law_type
 from stickslip.identification import (
     Laws,
@@ -13,6 +15,7 @@ from stickslip.identification import (
     Trial,
     arguments,
     compile_for,
+    payable,
     required_of,
     standard_errors,
     starting_law,
@@ -21,7 +24,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
-from stickslip.selection.candidates import check_apart
+from stickslip.selection.candidates import Watch, check_apart
 from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
 from stickslip.selection.design.discriminating_settings import (
     Proposal,
@@ -29,7 +32,8 @@ from stickslip.selection.design.discriminating_settings import (
     propose,
     separations,
 )
-from stickslip.selection.travel_candidates import Watch, try_law, with_held_out
+from stickslip.selection.given_levels import refuted_by_travels
+from stickslip.selection.travel_candidates import try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
 from stickslip.solver import Progress
@@ -125,8 +129,11 @@ def select_travels(
             )
         )
     candidates.sort(key=lambda c: list(named).index(c.name))
+    marks = assumed or {}
+    candidates = [replace(c, marked=tuple(marks.get(c.name, ()))) for c in candidates]
     if scored:
-        candidates = _freed(candidates, trials, assumed or {}, t_end, progress)
+        candidates = _freed(candidates, trials, t_end, progress)
+    candidates = [_refuted(c, trials, t_end) for c in candidates]
     candidates, best, against = (
         _ranked(candidates, trials, t_end, progress)
         if scored
@@ -208,7 +215,6 @@ def _repeats_of(
 def _freed(
     candidates: Sequence[TravelCandidate],
     trials: Sequence[Trial],
-    assumed: Mapping[str, Sequence[str]],
     t_end: float,
     watch: Watch | None,
 ) -> list[TravelCandidate]:
@@ -224,7 +230,7 @@ def _freed(
     simpler = [other for other in candidates if not other.invented]
     found = []
     for c in candidates:
-        free = _to_free(c, assumed.get(c.name, ()), settings)
+        free = _to_free(c, settings)
         if free and c.fit is not None:
             others = [other for other in simpler if other is not c]
             freed = try_law(
@@ -232,13 +238,31 @@ def _freed(
                 free=free, watch=watch,
             )  # fmt: skip
             better = not freed.dropped and (c.invented or misfit(freed) < WORTH * misfit(c))
-            found.append(freed if better else c)
+            found.append(replace(freed, marked=c.marked) if better else c)
         else:
             found.append(c)
     return found
 
 
-def _to_free(candidate: TravelCandidate, assumed: Sequence[str], settings: int) -> list[str]:
+def _refuted(candidate: TravelCandidate, trials: Sequence[Trial], t_end: float) -> TravelCandidate:
+    """Return a candidate without its fit where the readings refute what was given of it."""
+    if candidate.ordinary:
+        return candidate
+    law, held = candidate.law, candidate.assumed
+    if candidate.fit is None:
+        free = payable(law, trials)
+        paths = [path for path, _, _ in parameters(law, "friction")]
+        held = tuple(path.rpartition(".")[2] for path in paths if path not in free)
+    else:
+        law = candidate.fit.law
+    said = refuted_by_travels(law, held, trials, t_end=t_end)
+    if not said:
+        return candidate
+    why = lower_first(said)
+    return replace(candidate, fit=None, run=None, criteria=None, refuted=said, dropped=why)
+
+
+def _to_free(candidate: TravelCandidate, settings: int) -> list[str]:
     """Return the paths to fit where ordinary or assumed values may be wrong.
 
     Of assumed values those come first that move the travel most.
@@ -246,7 +270,7 @@ def _to_free(candidate: TravelCandidate, assumed: Sequence[str], settings: int) 
     if candidate.invented:
         paths = [f"friction.{name}" for name in required_of(type(candidate.law))]
         return paths if len(paths) < settings else []
-    moving = [name for name in assumed if candidate.influence.get(name, 0.0) > 0.0]
+    moving = [name for name in candidate.marked if candidate.influence.get(name, 0.0) > 0.0]
     if not moving or candidate.fit is None:
         return []
     moving.sort(key=lambda name: -candidate.influence[name])

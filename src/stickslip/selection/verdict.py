@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from statistics import median_high
-from typing import TYPE_CHECKING, Any, Generic, final
+from typing import TYPE_CHECKING, Any, Generic, cast, final
 
 from typing_extensions import TypeVar, override
 
-from stickslip.display import OnAxes, Summary, summary_of_table
+from stickslip.display import OnAxes, Summary, plots, summary_of_table
 from stickslip.experiments import Measurement
 from stickslip.formatting import EstimateText, Scale, count, scale_of
 from stickslip.identification import Fit, FittedLaw
@@ -19,6 +19,8 @@ from stickslip.quantities import parameters
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from stickslip.display import Drawing, Target
 
 __all__ = ["Candidate", "Verdict", "Wording", "plain", "score_scale", "score_text"]
 
@@ -101,6 +103,16 @@ class Candidate(ABC, Generic[Fit_co]):
     def parameters(self) -> int:
         """Number of parameters that were fitted."""
         return len(self.fit.estimates) if self.fit else 0
+
+    @property
+    def score(self) -> float | None:
+        """Held-out error, in the unit of the verdict's scores; None or infinite without one."""
+        return None
+
+    @property
+    def score_error(self) -> float | None:
+        """Its standard error; None, infinite or not a number if there is none."""
+        return None
 
     @property
     def fitted_law(self) -> FittedLaw | None:
@@ -189,6 +201,19 @@ class Verdict(OnAxes, ABC, Generic[Candidate_co]):
     def closest(self) -> Candidate_co | None:
         """The best law, or what comes closest to the measurement where none is named."""
         return self.best
+
+    @property
+    @final
+    def scored(self) -> tuple[Candidate_co, ...]:
+        """The candidates that have a held-out error."""
+        return tuple(
+            one for one in self.candidates if one.score is not None and math.isfinite(one.score)
+        )
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        """Draw the held-out errors; a route replaces it that has another plot."""
+        return cast("Drawing", plots().plot_scores(self, ax))
 
     @final
     def to_dataframe(self) -> "pd.DataFrame":

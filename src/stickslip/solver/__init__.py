@@ -31,7 +31,7 @@ INSIDE = {
     "notice": "compile.messages",
     "run_ensemble": "ensembles",
 }
-"""Names that other rooms of the package use, which are no part of its interface to users."""
+"""Names that other subpackages use, and that are not part of the public interface."""
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 

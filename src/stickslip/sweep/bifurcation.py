@@ -199,7 +199,7 @@ def bifurcation(
         raise InputError(f"bifurcation: {full} is not a parameter; give `starts`, or use basins.")
     begun = tuple(dict(start) for start in starts)
     if not begun:
-        raise InputError("bifurcation: starts must hold at least one mapping, got none.")
+        raise InputError("bifurcation: starts must contain at least one mapping, got none.")
     shared = _Shared(mechanism, law, full, state, keep, compiled(solver))
     method = _method(shared, sample, settle, t_end, period)
     tally = Tally(len(array) * len(begun), progress)

@@ -12,7 +12,14 @@ from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
-__all__ = ["explained", "frozen", "kebab_case", "parameters_checked", "quantities_declared", "told"]
+__all__ = [
+    "declared",
+    "explained",
+    "frozen",
+    "kebab_case",
+    "parameters_checked",
+    "quantities_declared",
+]
 
 _KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 
@@ -27,7 +34,7 @@ def kebab_case(one: Any) -> Iterator[str]:
         )
 
 
-def told(one: Any, names: Sequence[str]) -> Iterator[str]:
+def declared(one: Any, names: Sequence[str]) -> Iterator[str]:
     """Yield class attributes that are missing.
 
     Parameters

@@ -270,7 +270,7 @@ def _derived(case: _Case) -> Iterator[str]:
 
 FIRST: Suite[_Case] = {
     "its name is in kebab case": lambda case: class_declarations.kebab_case(case.mechanism),
-    "it declares its states": lambda case: class_declarations.told(
+    "it declares its states": lambda case: class_declarations.declared(
         case.mechanism, ("name", "coordinates", "rates", "units")
     ),
     "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(

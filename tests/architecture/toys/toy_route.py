@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from typing_extensions import override
@@ -26,6 +26,9 @@ from stickslip.routes.route import (
 )
 from stickslip.selection.verdict import Candidate, Verdict, Wording
 
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
+
 __all__ = ["ToyFit", "ToyRoute", "ToyVerdict"]
 
 NAME = "toy"
@@ -39,6 +42,13 @@ class ToyFit(Fit[Viscous]):
     @override
     def law_estimates(self) -> LawEstimates:
         return estimates_for(self.law, self.estimates, [[1.0]], levels="forces", largest_speed=None)
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        from stickslip.plots.core.axes import on_axes
+
+        draw = lambda figure, _: figure.add_subplot().set_title("Toy.")  # noqa: E731
+        return on_axes(draw, ax, (400, 300))
 
     @override
     def _notes(self) -> tuple[str, ...]:
@@ -57,6 +67,11 @@ class ToyFit(Fit[Viscous]):
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ToyCandidate(Candidate[ToyFit]):
     """The only law that a steady speed can tell."""
+
+    @property
+    @override
+    def score(self) -> float:
+        return 0.01
 
     @override
     def to_row(self) -> Mapping[str, Any]:

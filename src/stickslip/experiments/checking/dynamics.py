@@ -121,9 +121,9 @@ def energy(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding
     severity: Severity = "warning" if mechanism is None else "error"
     if gained > GAINED:
         sentence = (
-            f"The motion gains energy although {which}: it passes the same positions faster again,"
-            f" by {percent(gained)} of its largest energy. Check whether the force is missing, or"
-            " whether the record begins before the release."
+            f"The motion gains energy although {which}: it passes the same positions at a higher"
+            f" speed than before and gains {percent(gained)} of its largest energy. Check whether"
+            " the force is missing, or whether the record begins before the release."
         )
     elif turned > GAINED:
         sentence = (

@@ -137,14 +137,14 @@ def _doubt(values: Array) -> float:
     return float(np.std(means, ddof=1)) / float(np.sqrt(BLOCKS))
 
 
-def effective(record: Measurement, found: list[Level]) -> Iterator[Finding]:
+def effective(record: Measurement, levels: list[Level]) -> Iterator[Finding]:
     """Say how many independent values the record has, and of what.
 
     Parameters
     ----------
     record : Measurement
         One record.
-    found : list of Level
+    levels : list of Level
         Forces without what the motion explains of them.
 
     Yields
@@ -152,7 +152,7 @@ def effective(record: Measurement, found: list[Level]) -> Iterator[Finding]:
     Finding
         What was found.
     """
-    chosen = next((level for level in found if level.name != "load"), None)
+    chosen = next((level for level in levels if level.name != "load"), None)
     time = record.time
     if chosen is not None:
         what, values = chosen.what, chosen.values

@@ -40,14 +40,14 @@ def by_trial(frame: Frame) -> Iterator[tuple[str, Frame]]:
         yield name, replace(frame, data=frame.data[cells == value])
 
 
-def condition_keys(frame: Frame, wanted: Sequence[str]) -> dict[str, str]:
+def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
     """Return by name of a condition, with its unit if its column has one, the name of its column.
 
     Parameters
     ----------
     frame : Frame
         The table.
-    wanted : sequence of str
+    columns : sequence of str
         Names of the columns that hold conditions.
 
     Returns
@@ -61,7 +61,7 @@ def condition_keys(frame: Frame, wanted: Sequence[str]) -> dict[str, str]:
         If there is no such column.
     """
     found = {}
-    for name in wanted:
+    for name in columns:
         own = next((key for key, header in frame.names.items() if name in (key, header)), None)
         if own is None:
             raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
@@ -92,7 +92,7 @@ def condition_cells(frame: Frame, name: str) -> list[float | str | None]:
     return [None if pd.isna(cell) else str(cell).strip() or None for cell in column]
 
 
-def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]:
+def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str]:
     """Return the conditions of a record, whose columns have one value each.
 
     A condition without any value is left out.
@@ -101,7 +101,7 @@ def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]
     ----------
     frame : Frame
         The table of one record.
-    wanted : sequence of str
+    columns : sequence of str
         Names of the columns that hold conditions.
 
     Returns
@@ -115,7 +115,7 @@ def conditions_in(frame: Frame, wanted: Sequence[str]) -> dict[str, float | str]
         If a column is not known, or changes within the record.
     """
     found: dict[str, float | str] = {}
-    for key, name in condition_keys(frame, wanted).items():
+    for key, name in condition_keys(frame, columns).items():
         cells = [cell for cell in condition_cells(frame, name) if cell is not None]
         values = set(cells)
         if not values:

@@ -19,14 +19,14 @@ DEEPEST: Final = 5
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
 
-def read_mat(path: Path, wanted: Collection[str] = ()) -> pd.DataFrame:
+def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
     """Return the vectors of one length as columns; fields of structs as ``struct.field``.
 
     Parameters
     ----------
     path : Path
         A MATLAB file, version 5 to 7.3.
-    wanted : collection of str
+    names : collection of str
         Names that columns should have: where there are vectors of several lengths, those of the
         length with most of these names are taken, else of the length that is most common.
 
@@ -46,12 +46,12 @@ def read_mat(path: Path, wanted: Collection[str] = ()) -> pd.DataFrame:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
         raise InputError(
-            f"{path}: has no vector of numbers; it contains"
+            f"{path}: contains no numeric vector; contents:"
             f" {', '.join(listed[:MOST_LISTED]) or 'nothing'}{more}. Save time and signals as"
             " vectors of equal length."
         )
     sizes = Counter(value.size for value in vectors.values())
-    named = Counter(value.size for name, value in vectors.items() if name in wanted)
+    named = Counter(value.size for name, value in vectors.items() if name in names)
     size = max(sizes, key=lambda size: (named[size], sizes[size], size))
     return pd.DataFrame(
         {

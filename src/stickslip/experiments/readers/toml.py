@@ -72,7 +72,7 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
         raise InputError(f"{path}: is not a regular file.")
     if largest is not None and size > largest:
         raise InputError(
-            f"{path}: has {size / 1e6:.0f} MB; a rig file may have at most"
+            f"{path}: is {size / 1e6:.0f} MB; a rig file may be at most"
             f" {largest / 1e6:.0f} MB. Store long records in a CSV or Parquet file."
         )
     if size == 0:

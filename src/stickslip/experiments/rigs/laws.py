@@ -69,7 +69,7 @@ def known_laws(
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
             named.append(name)
-            changed = overridden_fields(law, overridden, own=False)
+            changed = overridden_fields(law, overridden, of_law=False)
             changed -= overridden_fields(law, overridden, shared=False)
             kept = {key: value for key, value in values.items() if key in changed}
             values |= _own(own, law, file, overridden) | kept
@@ -87,7 +87,7 @@ def known_laws(
 
 
 def overridden_fields(
-    law: type[FrictionLaw], overridden: Collection[str], *, shared: bool = True, own: bool = True
+    law: type[FrictionLaw], overridden: Collection[str], *, shared: bool = True, of_law: bool = True
 ) -> set[str]:
     """Return the fields of a law that overrides set: by shared paths, by those of its own table.
 
@@ -99,7 +99,7 @@ def overridden_fields(
         Paths that overrides set.
     shared : bool
         Whether paths shared by all laws count.
-    own : bool
+    of_law : bool
         Whether paths of the law's own table count.
 
     Returns
@@ -116,7 +116,7 @@ def overridden_fields(
             continue
         if shared and not rest:
             found.add(table)
-        elif own and table == law.name:
+        elif of_law and table == law.name:
             found.add(forces[key][0] if key != rest and key in forces else rest)
     return found & {field.name for field in dataclasses.fields(law)}
 

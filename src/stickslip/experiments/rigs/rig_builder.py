@@ -86,7 +86,7 @@ def read_rig(
         given=known.given,
         assumed=known.assumed,
         vary=_varied(table.mechanism),
-        doubts=_doubts(table.mechanism),
+        parameter_uncertainties=_doubts(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
@@ -183,7 +183,8 @@ def _estimates(
     for name, ends in table.intervals.items():
         if len(ends) != 2:
             raise ParameterError(
-                f"{file}: estimates.intervals.{name} must be a lower and an upper end, got {ends}."
+                f"{file}: estimates.intervals.{name} must be a lower and an upper bound, got"
+                f" {ends}."
             )
     given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
     given["covariance"] = tuple(map(tuple, table.covariance))
@@ -296,7 +297,11 @@ def _filed(
     for record in found.records():
         check_record(mechanism, record, label)
     return tuple(
-        replace(record, conditions={**record.conditions, **trial.conditions}, doubts=doubts)
+        replace(
+            record,
+            conditions={**record.conditions, **trial.conditions},
+            parameter_uncertainties=doubts,
+        )
         for record in found.records()
     )
 
@@ -344,7 +349,7 @@ def _record(
     record = Measurement(
         **given,
         overrides=settings,
-        doubts=doubts,
+        parameter_uncertainties=doubts,
         initial=_initial(initial, mechanism, f"{label}.initial"),
     )
     check_record(mechanism, record, label)

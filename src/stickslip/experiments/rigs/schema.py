@@ -219,7 +219,7 @@ class RigTable(Table):
 
 @functools.cache
 def rig_table(
-    own: tuple[str, type[Mechanism]] | None = None, laws: tuple[type[FrictionLaw], ...] = ()
+    mechanism: tuple[str, type[Mechanism]] | None = None, laws: tuple[type[FrictionLaw], ...] = ()
 ) -> type[RigTable]:
     """Return the model of a rig file with all mechanisms, drives and laws that are installed.
 
@@ -227,7 +227,7 @@ def rig_table(
 
     Parameters
     ----------
-    own : tuple of str and type of Mechanism, optional
+    mechanism : tuple of str and type of Mechanism, optional
         Import path and class of a mechanism that is in no registry.
     laws : tuple of type of FrictionLaw
         Types of laws that are in no registry.
@@ -237,7 +237,7 @@ def rig_table(
     type of RigTable
         A pydantic model of the whole file.
     """
-    known = {**mechanisms(), **({} if own is None else dict([own]))}
+    known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
     options = choice(
         {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     )

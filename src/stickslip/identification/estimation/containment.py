@@ -42,7 +42,7 @@ class FittedLaw:
 
 
 def reachable(
-    start: FrictionLaw, unknowns: FreeParameters, fitted: Sequence[FittedLaw]
+    start: FrictionLaw, free_parameters: FreeParameters, fitted: Sequence[FittedLaw]
 ) -> tuple[FittedLaw, ...]:
     """Return those of fitted simpler laws that a richer law can become with what it has free.
 
@@ -50,7 +50,7 @@ def reachable(
     ----------
     start : FrictionLaw
         The richer law; its values hold what is not free.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         What is free.
     fitted : sequence of FittedLaw
         Fits of simpler laws, or of the same law with fewer unknowns.
@@ -73,16 +73,18 @@ def reachable(
     >>> reachable(fixed, FreeParameters(()), [simple])
     ()
     """
-    return tuple(one for one in fitted if _reaches(start, unknowns, one))
+    return tuple(one for one in fitted if _reaches(start, free_parameters, one))
 
 
-def _reaches(start: FrictionLaw, unknowns: FreeParameters, one: FittedLaw) -> bool:
-    names = {path.partition(".")[2] for path in unknowns.paths if path.startswith("friction.")}
+def _reaches(start: FrictionLaw, free_parameters: FreeParameters, one: FittedLaw) -> bool:
+    names = {
+        path.partition(".")[2] for path in free_parameters.paths if path.startswith("friction.")
+    }
     beside = {path for path in one.values if not path.startswith("friction.")}
-    if not beside <= {*unknowns.paths, *CONSTANTS}:
+    if not beside <= {*free_parameters.paths, *CONSTANTS}:
         return False
     if type(one.law) is type(start):
-        return all(path in unknowns.paths for path in one.values)
+        return all(path in free_parameters.paths for path in one.values)
     how = containment_of(type(start), one.law.name)
     values = None if how is None else how.embed(one.law)
     if how is None or values is None or not names.issuperset(how.limits):
@@ -91,7 +93,10 @@ def _reaches(start: FrictionLaw, unknowns: FreeParameters, one: FittedLaw) -> bo
 
 
 def starts_from(
-    kind: type[FrictionLaw], unknowns: FreeParameters, fitted: Sequence[FittedLaw], load: float
+    kind: type[FrictionLaw],
+    free_parameters: FreeParameters,
+    fitted: Sequence[FittedLaw],
+    load: float,
 ) -> tuple[Array, ...]:
     """Return values (p,) of a richer law that make it a fitted simpler one.
 
@@ -99,7 +104,7 @@ def starts_from(
     ----------
     kind : type
         The richer law.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         What of it, and of the mechanism, is looked for; start values stand for what has no effect.
     fitted : sequence of FittedLaw
         Simpler laws, of which those count that the richer one contains at first hand, and the same
@@ -131,10 +136,10 @@ def starts_from(
     """
     found = []
     for one in fitted:
-        for point in _embedded(kind, unknowns, one, fitted, load):
-            given = [(item, point.get(item.path, item.start)) for item in unknowns.items]
+        for point in _embedded(kind, free_parameters, one, fitted, load):
+            given = [(item, point.get(item.path, item.start)) for item in free_parameters.items]
             values = np.array([not_whole(item, value) for item, value in given])
-            found.append(unknowns.values(unknowns.coordinates(values)))
+            found.append(free_parameters.values(free_parameters.coordinates(values)))
     return tuple(found)
 
 
@@ -161,7 +166,7 @@ def not_whole(item: FreeParameter, value: float) -> float:
 
 def _embedded(
     kind: type[FrictionLaw],
-    unknowns: FreeParameters,
+    free_parameters: FreeParameters,
     one: FittedLaw,
     fitted: Sequence[FittedLaw],
     load: float,
@@ -169,7 +174,7 @@ def _embedded(
     """Yield points, by path, at which the richer law is the simpler one or near it."""
     beside = {p: v for p, v in one.values.items() if not p.startswith("friction.")}
     if type(one.law) is kind:
-        fields = (item.path for item in unknowns.items if item.path.startswith("friction."))
+        fields = (item.path for item in free_parameters.items if item.path.startswith("friction."))
         own = {path: float(getattr(one.law, path.partition(".")[2])) for path in fields}
         yield {**beside, **own}
         return
@@ -184,7 +189,9 @@ def _embedded(
             if scale in ("level+", "level-"):
                 values[name] += float(f"{scale[-1]}1") * constant / load
     point = {**beside, **{f"friction.{name}": value for name, value in values.items()}}
-    stiff = [item for item in unknowns.items if item.path.partition(".")[2] in containment.limits]
+    stiff = [
+        item for item in free_parameters.items if item.path.partition(".")[2] in containment.limits
+    ]
     if not stiff:
         yield point
     for item in stiff:

@@ -165,12 +165,12 @@ def widened(inference: Inference, values: Array, halves: Halves) -> Inference:
     return replace(inference, covariance=covariance)
 
 
-def contradiction(unknowns: FreeParameters, halves: Halves) -> tuple[str, ...]:
+def contradiction(free_parameters: FreeParameters, halves: Halves) -> tuple[str, ...]:
     """Return a sentence on the parameter in which the halves contradict each other most.
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     halves : Halves
         Estimates of these from both halves.
@@ -180,7 +180,7 @@ def contradiction(unknowns: FreeParameters, halves: Halves) -> tuple[str, ...]:
     tuple of str
         The sentence; empty if the halves agree.
     """
-    apart = difference([item.quantity for item in unknowns.items], halves)
+    apart = difference([item.quantity for item in free_parameters.items], halves)
     if not apart:
         return ()
     parts = "first and second half of the trials" if halves.several else "two halves of the record"

@@ -59,12 +59,12 @@ class Displaced:
         """Return the same of some rows."""
         return replace(self, rows=self.rows[rows])
 
-    def followed(self, seen: ResidualJacobian, scale: Array) -> Array:
+    def followed(self, jacobian: ResidualJacobian, scale: Array) -> Array:
         """Return how far estimates (p,) follow: one Gauss-Newton step.
 
         Parameters
         ----------
-        seen : ResidualJacobian
+        jacobian : ResidualJacobian
             The record at the estimates.
         scale : array (p, p)
             Derivatives of the values by what the optimiser sees; rows that are free of bounds.
@@ -85,7 +85,7 @@ class Displaced:
         >>> Displaced(path="mechanism.mass", rows=np.array([0.1, 0.2])).followed(line, np.eye(1))
         array([0.1])
         """
-        known = Directions.of(seen.slopes @ scale)
+        known = Directions.of(jacobian.slopes @ scale)
         return np.asarray(scale @ known.inverse @ (known.columns.T @ self.rows))
 
 
@@ -168,13 +168,13 @@ class Inference:
 
 
 def block_sums(
-    seen: ResidualJacobian, table: Array, *, blocks: int = BLOCKS
+    jacobian: ResidualJacobian, table: Array, *, blocks: int = BLOCKS
 ) -> tuple[Array, Array]:
     """Return the Gauss-Newton matrices (b, p, p) and gradients (b, p) of contiguous blocks.
 
     Parameters
     ----------
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals (n,) of the record.
     table : array (n, p)
         Derivatives of the prediction by what the optimiser sees.
@@ -187,10 +187,10 @@ def block_sums(
         Gauss-Newton matrices and gradients.
     """
     squares, slopes = [], []
-    for rows in np.array_split(np.arange(len(seen.residual)), blocks):
+    for rows in np.array_split(np.arange(len(jacobian.residual)), blocks):
         part = table[rows]
         squares.append(part.T @ part)
-        slopes.append(part.T @ seen.residual[rows])
+        slopes.append(part.T @ jacobian.residual[rows])
     return np.array(squares), np.array(slopes)
 
 
@@ -235,7 +235,7 @@ def _neighbours(columns: Array) -> Array:
 
 
 def infer(
-    seen: ResidualJacobian,
+    jacobian: ResidualJacobian,
     scale: Array,
     *,
     blocks: int = BLOCKS,
@@ -261,7 +261,7 @@ def infer(
 
     Parameters
     ----------
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         The record at the estimates, rows in the order of time.
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
@@ -290,25 +290,25 @@ def infer(
     >>> infer(line, np.eye(2), blocks=5).condition < 10.0
     True
     """
-    known = Directions.of(seen.slopes @ scale)
-    spread = _spread(seen, known, blocks)
+    known = Directions.of(jacobian.slopes @ scale)
+    spread = _spread(jacobian, known, blocks)
     by_seen = scale @ known.inverse
     moved = spread.changes @ by_seen.T
     once = takes_part(by_seen, spread.alone)
     reasons = [
         why or (ONCE if one else "") for why, one in zip(known.reasons(scale), once, strict=True)
     ]
-    spare = max(len(seen.residual) - known.columns.shape[1], 1)
-    naive = by_seen @ by_seen.T * (seen.cost / spare)
+    spare = max(len(jacobian.residual) - known.columns.shape[1], 1)
+    naive = by_seen @ by_seen.T * (jacobian.cost / spare)
     return Inference(
         covariance=_unbounded(moved.T @ moved, reasons),
         naive=_unbounded(naive, reasons),
         freedom=np.array([spread.freedom(row) for row in by_seen]),
         condition=known.condition,
-        effective=effective_size(seen),
+        effective=effective_size(jacobian),
         reasons=tuple(reasons),
         held={
-            path: np.array([one.followed(seen, scale) for one in displaced if one.path == path])
+            path: np.array([one.followed(jacobian, scale) for one in displaced if one.path == path])
             for path in dict.fromkeys(one.path for one in displaced)
         },
     )
@@ -466,7 +466,7 @@ def effective_size(seen: ResidualJacobian) -> float:
 
 
 def bootstrap(
-    seen: ResidualJacobian,
+    jacobian: ResidualJacobian,
     scale: Array,
     *,
     draws: int = 2000,
@@ -484,7 +484,7 @@ def bootstrap(
 
     Parameters
     ----------
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals (n,) and Jacobian (n, p) at the estimates, rows in the order of time.
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
@@ -516,8 +516,8 @@ def bootstrap(
     >>> bool(abs(draws.std() - rows.std() / 200**0.5) < 0.04)
     True
     """
-    known = Directions.of(seen.slopes @ scale)
-    spread = _spread(seen, known, blocks)
+    known = Directions.of(jacobian.slopes @ scale)
+    spread = _spread(jacobian, known, blocks)
     _, singular, axes = np.linalg.svd(spread.changes, full_matrices=False)
     random = np.random.default_rng(seed)
     weights = random.standard_normal((draws, len(singular)))

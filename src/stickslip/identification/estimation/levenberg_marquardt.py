@@ -96,7 +96,7 @@ def search(
     *,
     starts: int = 4,
     seed: int = 0,
-    tried: Sequence[Array] = (),
+    start_values: Sequence[Array] = (),
     few: LeastSquaresProblem | None = None,
     rival: float = 0.0,
     watch: Watch | None = None,
@@ -111,7 +111,7 @@ def search(
         Number of starts; up to `FURTHER` more while only one of several came to the least cost.
     seed : int
         Of the jitter of further starts.
-    tried : sequence of array (p,)
+    start_values : sequence of array (p,)
         Values known to be worth a start, all of which are used, and before jittered ones.
     few : LeastSquaresProblem, optional
         The same with some of the segments, on which starts are compared; the best of them go on
@@ -132,13 +132,13 @@ def search(
     ConvergenceError
         If the record cannot be predicted from any start.
     """
-    race = _Race(problem if few is None else few, starts, seed, tried, rival, Counter(watch))
+    race = _Race(problem if few is None else few, starts, seed, start_values, rival, Counter(watch))
     race.run()
     ends = [one for one in race.ends if one]
     if not ends:
         raise ConvergenceError(
             f"the record cannot be simulated from any of {len(race.ends)} starting points near"
-            f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.unknowns.items)}."
+            f" {', '.join(f'{i.path} = {number(i.start)}' for i in problem.free_parameters.items)}."
         )
     best = min(ends, key=lambda end: end.cost)
     rows = len(best.residual)
@@ -213,12 +213,12 @@ class _Race:
     def run(self) -> None:
         """Search until starts agree, or the watcher stops it."""
         random = np.random.default_rng(self.seed)
-        unknowns = self.problem.unknowns
+        free_parameters = self.problem.free_parameters
         count = max(self.starts, 1 + len(self.tried))
         for start in range(count):
             if not self.cancelled:
                 self.ends.append(None)
-                self._go(start, _start(unknowns, start, self.tried, random), EARLY)
+                self._go(start, _start(free_parameters, start, self.tried, random), EARLY)
         limit = HOPELESS * min(self.costs)
         goal = 0.0
         for start in sorted(range(len(self.ends)), key=self.costs.__getitem__):
@@ -234,7 +234,7 @@ class _Race:
             if _agreeing(self.costs) > 1 or number >= FURTHER + count:
                 break
             self.ends.append(None)
-            values = _start(unknowns, number, self.tried, random)
+            values = _start(free_parameters, number, self.tried, random)
             self._go(number, values, ROUNDS, min(self.costs))
 
     def _far_above_rival(self) -> bool:
@@ -277,16 +277,19 @@ def _agreeing(costs: Sequence[float]) -> int:
 
 
 def _start(
-    unknowns: FreeParameters, number: int, tried: Sequence[Array], random: np.random.Generator
+    free_parameters: FreeParameters,
+    number: int,
+    tried: Sequence[Array],
+    random: np.random.Generator,
 ) -> Array:
     """Return the values of a start: the first one, those tried, then jittered ones."""
     if number == 0:
-        return unknowns.start
+        return free_parameters.start
     if number <= len(tried):
         return tried[number - 1]
-    factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(unknowns)))
-    base = tried[(number - 1) % len(tried)] if tried else unknowns.start
-    return unknowns.values(unknowns.coordinates(base * factors))
+    factors = np.exp(JITTER * random.choice((-1.0, 1.0), size=len(free_parameters)))
+    base = tried[(number - 1) % len(tried)] if tried else free_parameters.start
+    return free_parameters.values(free_parameters.coordinates(base * factors))
 
 
 def improve(
@@ -332,10 +335,10 @@ def improve(
     ConvergenceError
         If the record cannot be predicted at the start.
     """
-    unknowns = problem.unknowns
-    low, high = unknowns.limits()
-    at = unknowns.coordinates(values)
-    here = problem.linearise(unknowns.values(at)) if near is None else near
+    free_parameters = problem.free_parameters
+    low, high = free_parameters.limits()
+    at = free_parameters.coordinates(values)
+    here = problem.linearise(free_parameters.values(at)) if near is None else near
     if not here.finite:
         raise ConvergenceError("the record cannot be simulated with these start values.")
     damping, growth = FIRST_DAMPING, GROWTH
@@ -344,11 +347,11 @@ def improve(
         if counter is not None and near is None:
             counter(here)
         for _ in range(rounds):
-            table = here.slopes @ unknowns.slopes(at)
+            table = here.slopes @ free_parameters.slopes(at)
             step, promised = step_of(table, here.residual, at, low, high, damping)
             done = promised <= flat * here.cost
             trial = at if done and (moved or flat <= FLAT) else np.clip(at + step, low, high)
-            there = problem.linearise(unknowns.values(trial), here)
+            there = problem.linearise(free_parameters.values(trial), here)
             if counter is not None:
                 counter(there)
             gained = here.cost - there.cost

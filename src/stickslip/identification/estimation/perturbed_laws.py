@@ -51,7 +51,7 @@ class PerturbedLaws:
     """By how much the parameter of each moved copy was moved (m,)."""
     columns: tuple[int, ...]
     """Which unknown each moved copy is of."""
-    unknowns: int
+    free_parameters: int
     """Number of unknowns."""
 
     @property
@@ -68,7 +68,7 @@ class PerturbedLaws:
     def of(
         cls,
         law: FrictionLaw,
-        unknowns: FreeParameters,
+        free_parameters: FreeParameters,
         values: Array,
         *,
         constant: str,
@@ -80,7 +80,7 @@ class PerturbedLaws:
         ----------
         law : FrictionLaw
             Holds the parameters that are not looked for.
-        unknowns : FreeParameters
+        free_parameters : FreeParameters
             Parameters of the law; others stand beside it, such as a constant force.
         values : array (p,)
             Their values.
@@ -100,7 +100,7 @@ class PerturbedLaws:
         ParameterError
             If a value is out of its range.
         """
-        items = unknowns.items
+        items = free_parameters.items
         own = [i for i, item in enumerate(items) if item.path.startswith("friction.")]
         numbers = {items[i].path: float(values[i]) for i in own}
         base = vary(law, "friction", numbers)
@@ -120,12 +120,12 @@ class PerturbedLaws:
             offset=None if at is None else float(values[at]),
             moved=moved,
             columns=tuple(own) if slopes else (),
-            unknowns=len(items),
+            free_parameters=len(items),
         )
 
     def slopes_of(self, forces: Array) -> Array:
         """Return slopes by the unknowns (n, p) from the forces of the copies (n, copies)."""
-        table = np.zeros((len(forces), self.unknowns))
+        table = np.zeros((len(forces), self.free_parameters))
         moved = forces[:, 1 : 1 + len(self.moved)]
         table[:, list(self.columns)] = (moved - forces[:, :1]) / self.moved
         if self.constant is not None:

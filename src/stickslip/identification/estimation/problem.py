@@ -2,17 +2,19 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, Self, final
+from typing import Any, NamedTuple, Protocol, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.trajectory import Trajectory
 
 __all__ = [
     "STEEPEST",
     "FixedParameterProblem",
+    "FrictionSamples",
     "LeastSquaresProblem",
     "Problem",
     "RecordProblem",
@@ -109,7 +111,7 @@ class LeastSquaresProblem(Protocol):
     """What a search needs."""
 
     @property
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """What is looked for."""
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
@@ -134,7 +136,7 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """What is looked for."""
 
     @property
@@ -181,6 +183,19 @@ class Problem(ABC):
         """
 
 
+class FrictionSamples(NamedTuple):
+    """Friction that a law is compared with, along a stretch of the measured motion."""
+
+    time: Array | None
+    """Times (n,) [s]; None in a table."""
+    velocity: Array
+    """Slip velocities (n,) [m/s]."""
+    friction: Array
+    """Friction forces (n,) [N]."""
+    load: Array
+    """Normal forces (n,) [N]."""
+
+
 class RecordProblem(Problem):
     """A problem whose rows are samples of a record, which predictions stand beside."""
 
@@ -200,6 +215,33 @@ class RecordProblem(Problem):
         return False
 
     @property
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        """Friction along the measured motion, by stretch; empty where motion is simulated."""
+        return ()
+
+    @property
+    def held_offset(self) -> float | None:
+        """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
+        return None
+
+    def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:  # noqa: ARG002
+        """Return the segments simulated again from their fitted states, each with its certificate.
+
+        Times of a run count from the start of its segment. There are none along measured motion.
+
+        Parameters
+        ----------
+        seen : ResidualJacobian
+            An answer with the fitted states.
+
+        Returns
+        -------
+        tuple of Trajectory
+            The runs that reached their end.
+        """
+        return ()
+
+    @property
     def few(self) -> "RecordProblem | None":
         """Some segments, on which starts are compared; None where that saves little.
 
@@ -209,7 +251,7 @@ class RecordProblem(Problem):
         return None
 
     @abstractmethod
-    def with_unknowns(self, unknowns: FreeParameters) -> Self:
+    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
         """Return the same with other bounds or start values of the unknowns."""
 
     @abstractmethod
@@ -237,7 +279,7 @@ class SubsetProblem:
 
     def __init__(self, whole: Problem, chosen: Sequence[int], known: ResidualJacobian) -> None:
         self.whole, self.chosen, self.known = whole, chosen, known
-        self.unknowns = whole.unknowns
+        self.free_parameters = whole.free_parameters
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at values (p,).
@@ -274,9 +316,9 @@ class FixedParameterProblem:
 
     def __init__(self, whole: Problem, index: int, value: float) -> None:
         self.whole, self.index, self.value = whole, index, value
-        items = whole.unknowns.items
-        known = {**(whole.unknowns.known or {}), items[index].path: value}
-        self.unknowns = FreeParameters(items[:index] + items[index + 1 :], known)
+        items = whole.free_parameters.items
+        known = {**(whole.free_parameters.known or {}), items[index].path: value}
+        self.free_parameters = FreeParameters(items[:index] + items[index + 1 :], known)
 
     def linearise(self, values: Array, near: ResidualJacobian | None = None) -> ResidualJacobian:
         """Return residuals and slopes at the values (p - 1,) of the others.

@@ -266,7 +266,9 @@ def refuse_uncertainties(measurement: Measurement) -> None:
     --------
     >>> refuse_uncertainties(Measurement(time=[0.0, 1.0], spring_force=[0.1, 0.2]))
     """
-    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    stated = [
+        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
+    ]
     if stated:
         raise InputError(
             f"fits to features do not propagate the uncertainty of {stated[0]}: leave it out."

@@ -129,13 +129,15 @@ def fit_features(
     usual = [f"friction.{name}" for name in free_of(start) if name not in known]
     named = [path for path in free if path != LAW]
     names = list(dict.fromkeys([*(usual if LAW in free else ()), *named]))
-    unknowns = unknowns_of(block, start, observed, unknown=chosen.unknown, free=names)
-    if not len(unknowns):
+    free_parameters = unknowns_of(block, start, observed, unknown=chosen.unknown, free=names)
+    if not len(free_parameters):
         raise InputError(
             f"there is nothing to fit: all friction levels and speeds of {start.title} are fixed;"
             " name at least one parameter in vary."
         )
-    problem = FeatureProblem(block=block, law=start, observed=observed, unknowns_=unknowns)
+    problem = FeatureProblem(
+        block=block, law=start, observed=observed, free_parameters_=free_parameters
+    )
     return _result(problem, _searched(problem, points, seed, progress), held, measurement)
 
 
@@ -174,12 +176,12 @@ def _result(
     problem: FeatureProblem, end: _End, held: StickSlipFeatures | None, measurement: Measurement
 ) -> FeatureFit:
     best = end.best
-    block, observed, unknowns = problem.block, problem.observed, problem.unknowns
-    pairs = dict(zip(unknowns.paths, map(float, best.values), strict=True))
+    block, observed, free_parameters = problem.block, problem.observed, problem.free_parameters
+    pairs = dict(zip(free_parameters.paths, map(float, best.values), strict=True))
     own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
     others = {path: value for path, value in pairs.items() if path not in own}
     predicted = observed.compared * np.exp(-best.residual)
-    estimates, correlation = estimates_of(unknowns, best, observed.covariance)
+    estimates, correlation = estimates_of(free_parameters, best, observed.covariance)
     errors = errors_of(predicted, observed)
     said = sentences_of(estimates, observed, held, errors)
     if observed.frequency > FASTER * observed.natural_frequency and MASS not in pairs:
@@ -357,7 +359,7 @@ def _searched(
         )
     best = min(ends, key=lambda end: end.cost)
     alike = [end.values for end in ends if end.cost <= best.cost + ALIKE**2]
-    runs = len(places) + counter.count * (1 + len(problem.unknowns))
+    runs = len(places) + counter.count * (1 + len(problem.free_parameters))
     best.memory = np.array(alike)
     return _End(best, runs, cancelled)
 
@@ -368,11 +370,11 @@ def _spread(
     """Return points (n, p) of a Sobol sequence over all ranges, and what each costs (n,)."""
     from scipy.stats import qmc
 
-    unknowns = problem.unknowns
-    low, high = unknowns.limits()
+    free_parameters = problem.free_parameters
+    low, high = free_parameters.limits()
     exponent = max(4, math.ceil(math.log2(max(points, 1))))
-    cube = qmc.Sobol(len(unknowns), rng=np.random.default_rng(seed)).random_base2(exponent)
-    places = np.array([unknowns.values(low + (high - low) * row) for row in cube])
+    cube = qmc.Sobol(len(free_parameters), rng=np.random.default_rng(seed)).random_base2(exponent)
+    places = np.array([free_parameters.values(low + (high - low) * row) for row in cube])
     costs = np.sum(problem.residuals(problem.features(places, progress)) ** 2, axis=1)
     costs[~np.isfinite(costs)] = math.inf
     return places, costs

@@ -49,13 +49,13 @@ class FeatureProblem(Problem):
     """Holds the parameters that are not fitted."""
     observed: StickSlipFeatures
     """Features of the record, which the limit cycle is compared with."""
-    unknowns_: FreeParameters
+    free_parameters_: FreeParameters
     """The free parameters."""
 
     @property
     @override
-    def unknowns(self) -> FreeParameters:
-        return self.unknowns_
+    def free_parameters(self) -> FreeParameters:
+        return self.free_parameters_
 
     @property
     @override
@@ -90,7 +90,7 @@ class FeatureProblem(Problem):
         return cycle_features(
             self.block,
             self.law,
-            self.unknowns.paths,
+            self.free_parameters.paths,
             values,
             period=1.0 / self.observed.frequency,
             level=self.observed.mean,
@@ -112,11 +112,11 @@ class FeatureProblem(Problem):
         slopes: bool = True,
     ) -> ResidualJacobian:
         rows = [values]
-        at = self.unknowns.coordinates(values)
-        steps = np.where(at + NUDGE < self.unknowns.limits()[1], NUDGE, -NUDGE)
+        at = self.free_parameters.coordinates(values)
+        steps = np.where(at + NUDGE < self.free_parameters.limits()[1], NUDGE, -NUDGE)
         if slopes:
             rows += [
-                self.unknowns.values(at + step * axis)
+                self.free_parameters.values(at + step * axis)
                 for step, axis in zip(steps, np.eye(len(at)), strict=True)
             ]
         residual = self.residuals(self.features(np.array(rows)))
@@ -124,7 +124,7 @@ class FeatureProblem(Problem):
         table = np.zeros((len(COMPARED), len(at)))
         if slopes and np.all(np.isfinite(residual)):
             by_coordinate = (residual[0] - residual[1:]).T / steps
-            table = by_coordinate @ np.linalg.inv(self.unknowns.slopes(at))
+            table = by_coordinate @ np.linalg.inv(self.free_parameters.slopes(at))
         return ResidualJacobian(
             values=values,
             residual=residual[0],

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.experiments import LawEstimates, Measurement, levels_at
 from stickslip.formatting import joined, number, percent, signed_percent
 from stickslip.identification.estimation.parameters import FreeParameters
@@ -25,6 +26,9 @@ from stickslip.identification.features.problem import SETTLING
 from stickslip.identification.results import Estimate, Fit, Law_co, estimates_for
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import simulate
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = ["FeatureFit", "errors_of", "estimates_of", "sentences_of"]
 
@@ -71,6 +75,10 @@ class FeatureFit(Fit[Law_co]):
     """What can be said, in words."""
     correlation: Array
     """Of the estimates (p, p), along what the features tell."""
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_feature_errors(self, ax))
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -177,13 +185,13 @@ def errors_of(predicted: Array, observed: StickSlipFeatures) -> dict[str, float]
 
 
 def estimates_of(
-    unknowns: FreeParameters, best: ResidualJacobian, covariance: Array
+    free_parameters: FreeParameters, best: ResidualJacobian, covariance: Array
 ) -> tuple[tuple[Estimate, ...], Array]:
     """Return what was looked for and which of it no feature tells; its correlation (p, p).
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     best : ResidualJacobian
         Residuals and Jacobian at the estimates; its memory holds other values with the same
@@ -196,11 +204,11 @@ def estimates_of(
     (tuple of Estimate, array (p, p))
         Estimates with 95 % intervals, and their correlation.
     """
-    at = unknowns.coordinates(best.values)
+    at = free_parameters.coordinates(best.values)
     # what other starts came to with the same features
     alike = np.atleast_2d(best.values if best.memory is None else np.asarray(best.memory))
-    low, high = unknowns.limits()
-    to_values = unknowns.slopes(at)
+    low, high = free_parameters.limits()
+    to_values = free_parameters.slopes(at)
     table = best.slopes @ to_values
     _, singular, right = np.linalg.svd(table)
     rank = int(np.sum(singular > TOLD * singular[0])) if len(singular) else 0
@@ -214,8 +222,10 @@ def estimates_of(
     np.fill_diagonal(correlation, 1.0)
     loose = hidden > FLAT
     found = []
-    for i, (item, value) in enumerate(zip(unknowns.items, best.values, strict=True)):
-        tied = item.above in unknowns.paths and bool(loose[unknowns.paths.index(item.above)])
+    for i, (item, value) in enumerate(zip(free_parameters.items, best.values, strict=True)):
+        tied = item.above in free_parameters.paths and bool(
+            loose[free_parameters.paths.index(item.above)]
+        )
         reason = "other values give the same features" if loose[i] or tied else ""
         if not low[i] + EDGE < at[i] < high[i] - EDGE and not reason:
             reason = "it reached the end of the search range"

@@ -36,7 +36,7 @@ from stickslip.identification.series.inverse_dynamics import (
     mass_of,
     positions_of,
 )
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
@@ -187,16 +187,16 @@ class BalanceProblemBuilder:
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
         return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
 
-    def with_unknowns(self, unknowns: FreeParameters) -> "BalanceProblemBuilder":
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "BalanceProblemBuilder":
         """Return what builds the same with other bounds or start values of the unknowns."""
-        return replace(self, problem=self.problem.with_unknowns(unknowns))
+        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
 
     def at(self, values: Array) -> "BalanceProblemBuilder":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""
         path = self.problem.inertia
         if not path:
             return self
-        mass = float(values[self.problem.unknowns.paths.index(path)])
+        mass = float(values[self.problem.free_parameters.paths.index(path)])
         return replace(self, mechanism=vary(self.mechanism, "mechanism", {path: mass}))
 
 

@@ -13,7 +13,11 @@ from stickslip.experiments import Measurement
 from stickslip.friction import BristleLaw, FrictionLaw, towards
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
-from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
+from stickslip.identification.estimation.problem import (
+    FrictionSamples,
+    RecordProblem,
+    ResidualJacobian,
+)
 from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
@@ -79,7 +83,7 @@ class ForceMap(RecordProblem):
 
     law: FrictionLaw
     """Holds the parameters that are not looked for."""
-    unknowns_: FreeParameters
+    free_parameters_: FreeParameters
     """The free parameters."""
     stretches: tuple[MotionSegment, ...]
     """Measured motion and friction, between gaps."""
@@ -94,8 +98,8 @@ class ForceMap(RecordProblem):
 
     @property
     @override
-    def unknowns(self) -> FreeParameters:
-        return self.unknowns_
+    def free_parameters(self) -> FreeParameters:
+        return self.free_parameters_
 
     @property
     @override
@@ -109,8 +113,8 @@ class ForceMap(RecordProblem):
         return float(np.sum((self.measured - np.mean(self.measured)) ** 2))
 
     @override
-    def with_unknowns(self, unknowns: FreeParameters) -> "ForceMap":
-        return replace(self, unknowns_=unknowns)
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "ForceMap":
+        return replace(self, free_parameters_=free_parameters)
 
     @property
     @override
@@ -131,6 +135,24 @@ class ForceMap(RecordProblem):
     @override
     def measured(self) -> Array:
         return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
+
+    @property
+    @override
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        return tuple(
+            FrictionSamples(
+                time=one.path.time if one.timed else None,
+                velocity=one.path.velocity,
+                friction=one.friction,
+                load=one.path.load,
+            )
+            for one in self.stretches
+        )
+
+    @property
+    @override
+    def held_offset(self) -> float:
+        return float(self.offset)
 
     def along(self, stretches: Sequence[MotionSegment], measurement: Measurement) -> "ForceMap":
         """Return the same along other stretches, with the constant force that records set.
@@ -163,7 +185,7 @@ class ForceMap(RecordProblem):
         >>> v = np.linspace(-1.0, 1.0, 8)
         >>> table = Measurement(velocity=v, friction=2.0 * np.sign(v) + 0.5)
         >>> problem = force_map(Coulomb, Axis(inertia=1.0), table)
-        >>> problem.unknowns.paths
+        >>> problem.free_parameters.paths
         ('friction.kinetic_coefficient', 'mechanism.offset')
         >>> problem.predicted(np.array([2.0, 0.5]))[[0, -1]]
         array([-1.5,  2.5])
@@ -194,7 +216,7 @@ class ForceMap(RecordProblem):
         with np.errstate(all="ignore"):  # a law that fails far out gives infinite residuals
             try:
                 own = PerturbedLaws.of(
-                    self.law, self.unknowns, values, constant=self.constant, slopes=slopes
+                    self.law, self.free_parameters, values, constant=self.constant, slopes=slopes
                 )
                 mass = self._mass(values)
                 for k, mask in enumerate(masks):
@@ -222,7 +244,7 @@ class ForceMap(RecordProblem):
         """Return the mass [kg]: looked for, or that friction was derived with."""
         if not self.inertia:
             return self.mass
-        return float(values[self.unknowns.paths.index(self.inertia)])
+        return float(values[self.free_parameters.paths.index(self.inertia)])
 
     def _local(
         self,
@@ -255,7 +277,7 @@ class ForceMap(RecordProblem):
         if self.inertia and one.acceleration is not None:
             residual = residual - (mass - self.mass) * one.acceleration
             column = one.acceleration + one.seen(by_weight) / mass
-            slopes[:, self.unknowns.paths.index(self.inertia)] = column
+            slopes[:, self.free_parameters.paths.index(self.inertia)] = column
         basis, inverse = _inverted(local, rows)
         return _Local(
             start=states[:, 0, 0],

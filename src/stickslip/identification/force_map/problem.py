@@ -96,7 +96,7 @@ def force_map(
     stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
     problem, starts = map_along(law, mechanism, stretches, few, free=free, held=held, known=known)
-    return replace(problem, unknowns_=problem.unknowns.starting_at(starts[0]))
+    return replace(problem, free_parameters_=problem.free_parameters.starting_at(starts[0]))
 
 
 def map_along(
@@ -167,7 +167,7 @@ def map_along(
         start = _with_defaults(start, paths, known or {})
     whole = ForceMap(
         law=start,
-        unknowns_=rough.unknowns(start, paths, constant if sought else None),
+        free_parameters_=rough.free_parameters(start, paths, constant if sought else None),
         stretches=tuple(stretches),
         constant=constant,
         offset=own or 0.0,
@@ -175,14 +175,14 @@ def map_along(
     if all(one.acceleration is not None for one in stretches):
         whole = replace(whole, mass=mass_of(mechanism))
     coarse = replace(whole, stretches=tuple(few))
-    unknowns = _effective(coarse if isinstance(law, type) else whole)
+    free_parameters = _effective(coarse if isinstance(law, type) else whole)
     if mass is not None:
-        unknowns = replace(unknowns, items=(*unknowns.items, mass))
+        free_parameters = replace(free_parameters, items=(*free_parameters.items, mass))
         whole, coarse = (replace(one, inertia=mass.path) for one in (whole, coarse))
-    problem = replace(whole, unknowns_=unknowns)
+    problem = replace(whole, free_parameters_=free_parameters)
     if not isinstance(law, type):
-        return problem, (unknowns.start,)
-    return problem, screened_starts(problem, replace(coarse, unknowns_=unknowns))
+        return problem, (free_parameters.start,)
+    return problem, screened_starts(problem, replace(coarse, free_parameters_=free_parameters))
 
 
 def _with_defaults(
@@ -207,13 +207,13 @@ def _effective(problem: ForceMap) -> FreeParameters:
     InputError
         If none is left.
     """
-    here = problem.linearise(problem.unknowns.start)
+    here = problem.linearise(problem.free_parameters.start)
     dead = np.all(here.slopes == 0.0, axis=0) & here.finite
-    items = problem.unknowns.items
+    items = problem.free_parameters.items
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
     if not left:
         raise InputError(
             f"there is nothing to fit: all parameters of {problem.law.title} are fixed or have no"
             " effect on the record."
         )
-    return replace(problem.unknowns, items=left)
+    return replace(problem.free_parameters, items=left)

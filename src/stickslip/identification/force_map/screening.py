@@ -80,18 +80,20 @@ def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     >>> v = np.linspace(-1.0, 1.0, 2001)
     >>> table = Measurement(velocity=v, friction=truth.force(v, 1.0))
     >>> problem = force_map(Stribeck, Axis(inertia=1.0), table)
-    >>> best = dict(zip(problem.unknowns.paths, screened_starts(problem, problem)[0], strict=True))
+    >>> best = dict(
+    ...     zip(problem.free_parameters.paths, screened_starts(problem, problem)[0], strict=True)
+    ... )
     >>> bool(abs(best["friction.stribeck_velocity"] / 3e-3 - 1.0) < 0.2)
     True
     """
     memory = _has_memory(problem)
-    points = _grid_points(problem.unknowns, memory=memory)
+    points = _grid_points(problem.free_parameters, memory=memory)
     if len(points) < 2:
-        return (problem.unknowns.start,)
+        return (problem.free_parameters.start,)
     seen, compare = (problem, _rated_with_memory) if memory else (coarse, _rated_without)
-    rated = _best_of_each(compare(seen, points), points, problem.unknowns)
+    rated = _best_of_each(compare(seen, points), points, problem.free_parameters)
     ends = sorted((_polished(seen, one) for one in rated), key=lambda one: one.cost)
-    return _distinct(problem.unknowns, ends)
+    return _distinct(problem.free_parameters, ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,13 +105,13 @@ class _Rated:
 
 
 def _best_of_each(
-    rated: Sequence[_Rated], points: Sequence[dict[str, float]], unknowns: FreeParameters
+    rated: Sequence[_Rated], points: Sequence[dict[str, float]], free_parameters: FreeParameters
 ) -> list[_Rated]:
     """Return the best points, one of each speed where there is one.
 
     Where a surplus goes to 0, its speed has no effect, and all of the best points may be such.
     """
-    speeds = [item.path for item in unknowns.items if item.quantity.scale == "speed"]
+    speeds = [item.path for item in free_parameters.items if item.quantity.scale == "speed"]
     order = sorted(range(len(rated)), key=lambda k: rated[k].cost)
     kept: dict[tuple[float, ...], _Rated] = {}
     for k in order:
@@ -122,12 +124,12 @@ def _has_memory(problem: ForceMap) -> bool:
     return isinstance(problem.law, BristleLaw) and any(one.timed for one in problem.stretches)
 
 
-def _grid_points(unknowns: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
+def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
     """Return the points of the grid, by path of what is looked at in decades."""
-    fades = any(item.quantity.scale == "speed" for item in unknowns.items)
+    fades = any(item.quantity.scale == "speed" for item in free_parameters.items)
     axes = {
         item.path: FADINGS if fades and item.quantity.structural else _axis(item)
-        for item in unknowns.items
+        for item in free_parameters.items
         if item.path.startswith("friction.") and (item.log or (memory and item.above))
     }
     return [dict(zip(axes, point, strict=True)) for point in product(*axes.values())]
@@ -145,9 +147,9 @@ def _axis(item: FreeParameter) -> Sequence[float]:
     return [value for value in inside if item.low <= value <= item.high]
 
 
-def _placed(unknowns: FreeParameters, point: dict[str, float]) -> Array:
-    values = np.array([point.get(item.path, item.start) for item in unknowns.items])
-    return unknowns.values(unknowns.coordinates(values))
+def _placed(free_parameters: FreeParameters, point: dict[str, float]) -> Array:
+    values = np.array([point.get(item.path, item.start) for item in free_parameters.items])
+    return free_parameters.values(free_parameters.coordinates(values))
 
 
 def _rated_without(coarse: ForceMap, points: Sequence[dict[str, float]]) -> list[_Rated]:
@@ -157,16 +159,18 @@ def _rated_without(coarse: ForceMap, points: Sequence[dict[str, float]]) -> list
 
 def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
     """Fit what is not on the grid at one of its points."""
-    items = coarse.unknowns.items
-    values = _placed(coarse.unknowns, point)
+    items = coarse.free_parameters.items
+    values = _placed(coarse.free_parameters, point)
     free = [k for k, item in enumerate(items) if item.path not in point]
     if not free:
         return _Rated(values, coarse.linearise(values, slopes=False).cost)
     held = {path: value for path, value in point.items() if path.startswith("friction.")}
     law = vary(coarse.law, "friction", held)
-    unknowns = FreeParameters(tuple(items[k] for k in free), coarse.unknowns.known)
+    free_parameters = FreeParameters(tuple(items[k] for k in free), coarse.free_parameters.known)
     try:
-        end, _ = improve(replace(coarse, law=law, unknowns_=unknowns), values[free], rounds=4)
+        end, _ = improve(
+            replace(coarse, law=law, free_parameters_=free_parameters), values[free], rounds=4
+        )
     except ConvergenceError:
         return _Rated(values, np.inf)
     values[free] = end.values
@@ -180,13 +184,13 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
     part, a constant force and, where friction was derived from accelerations, a mass are fitted
     linearly.
     """
-    unknowns = coarse.unknowns
-    values = np.array([_placed(unknowns, point) for point in points])
-    paths = [(k, p) for k, p in enumerate(unknowns.paths) if p.startswith("friction.")]
+    free_parameters = coarse.free_parameters
+    values = np.array([_placed(free_parameters, point) for point in points])
+    paths = [(k, p) for k, p in enumerate(free_parameters.paths) if p.startswith("friction.")]
     base = vary(coarse.law, "friction", {p: float(values[0, k]) for k, p in paths})
     assert isinstance(base, BristleLaw)
     columns = {p: values[:, k] for k, p in paths}
-    damping = [item.path for item in unknowns.items if item.quantity.scale == "damping"]
+    damping = [item.path for item in free_parameters.items if item.quantity.scale == "damping"]
     law = with_arrays(base, columns)
     bare = with_arrays(base, columns | {path: 0.0 * columns[path] for path in damping})
     with np.errstate(all="ignore"):  # points that fail far out are rated infinite
@@ -233,14 +237,14 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
     fits best, half of the critical one stands for it: from 0, which is a bound, searches seldom
     come away.
     """
-    constant = coarse.unknowns.paths.index(coarse.constant) if _seeks(coarse) else None
+    constant = coarse.free_parameters.paths.index(coarse.constant) if _seeks(coarse) else None
     if not np.all(np.isfinite(table)):
         return _Rated(values, np.inf)
     found = np.linalg.lstsq(table, measured, rcond=None)[0]
     factor, damping = float(np.clip(found[0], 0.1, 10.0)), max(float(found[1]), 0.0)
     residual = measured - table @ [factor, damping, *found[2:]]
     new, undamped = values.copy(), None
-    for k, item in enumerate(coarse.unknowns.items):
+    for k, item in enumerate(coarse.free_parameters.items):
         if is_level(item.quantity):
             new[k] = factor * values[k]
         elif item.quantity.scale == "damping":
@@ -253,18 +257,24 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
         elif item.path == coarse.inertia and table.shape[1] > MASS:
             new[k] = coarse.mass + float(found[MASS])
     stiffness = next(
-        (v for v, i in zip(new, coarse.unknowns.items, strict=True) if i.quantity.scale == STIFF),
+        (
+            v
+            for v, i in zip(new, coarse.free_parameters.items, strict=True)
+            if i.quantity.scale == STIFF
+        ),
         0.0,
     )
     if undamped is not None and stiffness > 0.0 and coarse.mass > 0.0:
         load = float(np.median(np.concatenate([one.path.load for one in coarse.stretches])))
         new[undamped] = math.sqrt(stiffness * coarse.mass / load)
-    unknowns = coarse.unknowns
-    return _Rated(unknowns.values(unknowns.coordinates(new)), float(residual @ residual))
+    free_parameters = coarse.free_parameters
+    return _Rated(
+        free_parameters.values(free_parameters.coordinates(new)), float(residual @ residual)
+    )
 
 
 def _seeks(coarse: ForceMap) -> bool:
-    return coarse.constant in coarse.unknowns.paths
+    return coarse.constant in coarse.free_parameters.paths
 
 
 def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
@@ -278,9 +288,9 @@ def _polished(coarse: ForceMap, rated: _Rated) -> _Rated:
     return _Rated(end.values, end.cost)
 
 
-def _distinct(unknowns: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, ...]:
+def _distinct(free_parameters: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, ...]:
     """Return the values of ends that are not much worse than the best and not the same as one."""
-    log = [k for k, item in enumerate(unknowns.items) if item.log]
+    log = [k for k, item in enumerate(free_parameters.items) if item.log]
     kept: list[Array] = []
     for one in ends:
         if not np.isfinite(one.cost) or one.cost > WORSE * ends[0].cost or len(kept) == KEPT:
@@ -288,4 +298,4 @@ def _distinct(unknowns: FreeParameters, ends: Sequence[_Rated]) -> tuple[Array, 
         near = [np.abs(np.log(one.values[log] / other[log])) for other in kept]
         if all(np.max(gap, initial=0.0) > APART for gap in near):
             kept.append(one.values)
-    return tuple(kept) or (unknowns.start,)
+    return tuple(kept) or (free_parameters.start,)

@@ -187,7 +187,7 @@ class StartEstimate:
                 values[declared.name] = value
         return kind(**values)
 
-    def unknowns(
+    def free_parameters(
         self, law: FrictionLaw, paths: Collection[str], constant: str | None
     ) -> FreeParameters:
         """Return the parameters at some paths, and a constant force, to be looked for.

@@ -33,11 +33,11 @@ from stickslip.identification.rate_state.result import (
     rate_of,
     result_of,
 )
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments, check_given
 from stickslip.mechanisms import Mechanism, TowedBlock
 
-__all__ = ["STARTS", "Drift", "fit_rate_state", "fit_steps", "form_of", "with_profile"]
+__all__ = ["STARTS", "Drift", "fit_rate_state", "form_of", "with_profile"]
 
 Array: TypeAlias = NDArray[np.float64]
 Drift: TypeAlias = Literal["auto", "none", "linear"]
@@ -76,6 +76,7 @@ def fit_rate_state(
     lowest_evolution_effect: float = 0.0,
     starts: int = STARTS,
     seed: int = 0,
+    profile: bool = True,
     progress: Watch | None = None,
 ) -> RateStateFit:
     """Fit rate-and-state friction to a record with steps of the speed of the load point.
@@ -111,6 +112,9 @@ def fit_rate_state(
         after a step.
     starts, seed : int
         Number of starts of the search, and seed of those that are drawn.
+    profile : bool
+        Whether fits at other evolution effects widen the intervals, and fits to less of the way
+        give `RateStateFit.windows`. Without, intervals are those of the jackknife alone.
     progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -148,90 +152,23 @@ def fit_rate_state(
     (True, True)
     """
     check_given("fit_rate_state", mechanism, measurement)
-    return with_profile(
-        fit_steps(
-            mechanism,
-            law,
-            measurement,
-            vary=vary,
-            fixed=fixed,
-            before=before,
-            after=after,
-            drift=drift,
-            lowest_evolution_effect=lowest_evolution_effect,
-            starts=starts,
-            seed=seed,
-            progress=progress,
-        )
-    )
-
-
-def fit_steps(
-    mechanism: Mechanism,
-    law: RateState | type[RateState] | str,
-    measurement: Measurement,
-    *,
-    vary: str | Sequence[str] | None = None,
-    fixed: Mapping[str, float] | None = None,
-    before: float | None = None,
-    after: float | None = None,
-    drift: Drift = "auto",
-    lowest_evolution_effect: float = 0.0,
-    starts: int = STARTS,
-    seed: int = 0,
-    progress: Watch | None = None,
-) -> RateStateFit:
-    """Fit as `fit_rate_state` does, without fits at other evolution effects and windows.
-
-    Parameters
-    ----------
-    mechanism : TowedBlock
-        Stiffness of spring and machine, and the load where none was measured.
-    law : RateState, type or str
-        The law, as for `fit_rate_state`.
-    measurement : Measurement
-        One record with ``time``, ``pull`` and ``friction``.
-    vary : str or sequence of str, optional
-        Parameters to fit.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI].
-    before, after : float, optional
-        Way of the load point [m] before the first and after the last step that is used.
-    drift : {"auto", "none", "linear"}
-        Whether friction changes steadily with the way of the load point.
-    lowest_evolution_effect : float
-        Lower bound of b.
-    starts, seed : int
-        Number of starts of the search, and seed of those that are drawn.
-    progress : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RateStateFit
-        The fit, without `windows`; its intervals are those of the jackknife alone.
-
-    Raises
-    ------
-    InputError
-        If the record, the mechanism or a name cannot be used.
-    ConvergenceError
-        If the slider runs away from every start.
-    """
     if drift not in ("auto", "none", "linear"):
         raise InputError(f"drift must be 'auto', 'none' or 'linear', got {drift!r}.")
     asked = _asked(mechanism, law, measurement, vary, fixed)
     record = _used(measurement, asked.block, before, after)
-    unknowns = [
+    free_parameters = [
         _unknowns(asked, record, drift=drifts, lowest=lowest_evolution_effect)
         for drifts in ((False,) if drift == "none" else (False, True))
     ]
     reference = record.speed if asked.reference is None else asked.reference
-    slider = Slider.of(record, asked.form.evolution, unknowns[0], reference)
-    found = search(slider, starts=starts, seed=seed, tried=_tried(slider), watch=progress)
+    slider = Slider.of(record, asked.form.evolution, free_parameters[0], reference)
+    found = search(slider, starts=starts, seed=seed, start_values=_tried(slider), watch=progress)
     if drift != "none" and not found.cancelled:
-        slider, found = _drifting(slider, found, unknowns[1], progress, always=drift == "linear")
-    return result_of(asked.block, measurement, slider, found)
+        slider, found = _drifting(
+            slider, found, free_parameters[1], progress, always=drift == "linear"
+        )
+    fit = result_of(asked.block, measurement, slider, found)
+    return with_profile(fit) if profile else fit
 
 
 def with_profile(fit: RateStateFit) -> RateStateFit:
@@ -243,7 +180,7 @@ def with_profile(fit: RateStateFit) -> RateStateFit:
         fit.mechanism,
         fit.measurement,
         slider,
-        fit.found,
+        fit.optimum,
         profile=_profile(slider, best),
         windows=_windows(slider, best),
     )
@@ -300,7 +237,9 @@ def _asked(
     form = form_of(law)
     kind = RateState if isinstance(law, str) else law
     chosen = Parameters.of(_pulled(mechanism), kind, vary, fixed, measurement=measurement)
-    stated = [path for one in (measurement, *measurement.trials) for path in one.doubts]
+    stated = [
+        path for one in (measurement, *measurement.trials) for path in one.parameter_uncertainties
+    ]
     if stated:
         raise InputError(
             f"the uncertainty of {stated[0]} is not propagated into intervals of rate-and-state"
@@ -390,12 +329,12 @@ def _used(
 
 def _tried(slider: Slider) -> Sequence[Array]:
     """Return starts with other critical distances; the first one has 0.01 of the way."""
-    distance = slider.unknowns.items[2]
+    distance = slider.free_parameters.items[2]
     if distance.low == distance.high:
         return ()
     tried = []
     for share in DISTANCES:
-        start = slider.unknowns.start
+        start = slider.free_parameters.start
         start[2] = share * slider.record.slid
         tried.append(start)
     return tried
@@ -404,19 +343,21 @@ def _tried(slider: Slider) -> Sequence[Array]:
 def _drifting(
     slider: Slider,
     found: OptimizeResult,
-    unknowns: FreeParameters,
+    free_parameters: FreeParameters,
     watch: Watch | None,
     *,
     always: bool,
 ) -> tuple[Slider, OptimizeResult]:
     """Return problem and end with a drift, or those without if the data do not need it."""
-    drifting = slider.with_unknowns(unknowns)
-    ends = [search(drifting, starts=1 + len(DISTANCES), tried=_tried(drifting), watch=watch)]
-    carried = unknowns.starting_at([*found.best.values, 0.0])
-    ends.append(search(drifting.with_unknowns(carried), starts=1, watch=watch))
+    drifting = slider.with_free_parameters(free_parameters)
+    ends = [search(drifting, starts=1 + len(DISTANCES), start_values=_tried(drifting), watch=watch)]
+    carried = free_parameters.starting_at([*found.best.values, 0.0])
+    ends.append(search(drifting.with_free_parameters(carried), starts=1, watch=watch))
     best = min(ends, key=lambda end: end.best.cost)
     if not always:
-        width = inference_of(drifting, best.best).half_widths[drifting.unknowns.paths.index(DRIFT)]
+        width = inference_of(drifting, best.best).half_widths[
+            drifting.free_parameters.paths.index(DRIFT)
+        ]
         sure = abs(best.best.values[-1]) > width
         if not sure or best.best.rms > (1.0 - WORTH) * found.best.rms:
             return slider, found
@@ -425,7 +366,7 @@ def _drifting(
 
 def _profile(slider: Slider, best: ResidualJacobian) -> Profile:
     """Return fits with other evolution effects held, as far as the record allows them."""
-    items = slider.unknowns.items
+    items = slider.free_parameters.items
     if any(item.low == item.high for item in items[:3]):  # of a and b, one alone has no rival
         return Profile()
     values = best.values
@@ -452,20 +393,20 @@ def _holding(slider: Slider, values: Array, b: float) -> ResidualJacobian | None
     start = values.copy()
     start[0] = max(values[0] + b - values[1], 1e-2 * values[0])
     start[1] = b
-    items = list(slider.unknowns.starting_at(start).items)
+    items = list(slider.free_parameters.starting_at(start).items)
     items[1] = replace(items[1], low=b, high=b)
     minute = start.copy()
     minute[2] = MINUTE * slider.record.slid
-    held = slider.with_unknowns(replace(slider.unknowns, items=tuple(items)))
+    held = slider.with_free_parameters(replace(slider.free_parameters, items=tuple(items)))
     try:
-        return search(held, starts=2, tried=[minute]).best
+        return search(held, starts=2, start_values=[minute]).best
     except ConvergenceError:
         return None
 
 
 def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
     """Return a - b with less of the record after the last step, and with all that was given."""
-    if slider.unknowns.items[0].low == slider.unknowns.items[0].high:
+    if slider.free_parameters.items[0].low == slider.free_parameters.items[0].high:
         return ()
     whole = rate_of(slider, best)
     wider = whole[1] / whole[2] if whole[2] > 0.0 else math.inf
@@ -474,8 +415,8 @@ def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
         record = slider.record.within(None, share * slider.record.after)
         if not len(record.path.steps) or len(record.time) < FEWEST:
             continue
-        unknowns = slider.unknowns.starting_at(best.values)
-        part = Slider.of(record, slider.evolution, unknowns, slider.reference_velocity)
+        free_parameters = slider.free_parameters.starting_at(best.values)
+        part = Slider.of(record, slider.evolution, free_parameters, slider.reference_velocity)
         rate, _, naive = rate_of(part, search(part, starts=3).best)
         found.append(Window(after=record.after, rate=rate, half_width=wider * naive))
     return (*found, Window(after=slider.record.after, rate=whole[0], half_width=whole[1]))

@@ -213,7 +213,7 @@ class Slider(Problem):
     """How the state follows: ``"ageing"``, ``"slip"`` or ``"none"``."""
     reference_velocity: float
     """Speed at which the reference coefficient holds [m/s]."""
-    unknowns_: FreeParameters
+    free_parameters_: FreeParameters
     """What is looked for, in the order of `PATHS`; a drift comes last, if any."""
     mean_time: Array
     """Mean times of the stretches (n,) [s]."""
@@ -224,7 +224,10 @@ class Slider(Problem):
 
     @staticmethod
     def of(
-        record: Record, evolution: Evolution, unknowns: FreeParameters, reference_velocity: float
+        record: Record,
+        evolution: Evolution,
+        free_parameters: FreeParameters,
+        reference_velocity: float,
     ) -> "Slider":
         """Return the problem of a record; sums of squares differ by scatter within stretches.
 
@@ -234,7 +237,7 @@ class Slider(Problem):
             The record; means are taken if it is long.
         evolution : {"ageing", "slip", "none"}
             How the state follows.
-        unknowns : FreeParameters
+        free_parameters : FreeParameters
             What is looked for, from `unknowns_for`.
         reference_velocity : float
             Speed at which the reference coefficient holds [m/s].
@@ -252,20 +255,20 @@ class Slider(Problem):
             record=record,
             evolution=evolution,
             reference_velocity=reference_velocity,
-            unknowns_=unknowns,
+            free_parameters_=free_parameters,
             mean_time=np.bincount(which, record.time) / count,
             mean=np.bincount(which, record.coefficient) / count,
             weight=np.sqrt(count / count.mean()),
         )
 
-    def with_unknowns(self, unknowns: FreeParameters) -> "Slider":
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "Slider":
         """Return the same record with other unknowns, of the same paths."""
-        return replace(self, unknowns_=unknowns)
+        return replace(self, free_parameters_=free_parameters)
 
     @property
     @override
-    def unknowns(self) -> FreeParameters:
-        return self.unknowns_
+    def free_parameters(self) -> FreeParameters:
+        return self.free_parameters_
 
     @property
     @override
@@ -373,7 +376,7 @@ class Slider(Problem):
     def _slopes(self, values: Array, times: Array, base: Array) -> Array:
         """Return the derivatives of the prediction by the unknowns (n, p)."""
         table = np.ones((len(times), len(values)))  # the fifth is that of the level
-        items = self.unknowns.items
+        items = self.free_parameters.items
         for i in range(4):
             if items[i].low == items[i].high:
                 table[:, i] = 0.0

@@ -3,12 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.experiments import LawEstimates, Measurement
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
@@ -29,6 +30,9 @@ from stickslip.identification.rate_state.slider import SliderHistory, simulate_v
 from stickslip.identification.results import Estimate, Fit, estimates_for
 from stickslip.mechanisms import TowedBlock
 from stickslip.quantities import Quantity
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = [
     "Profile",
@@ -132,20 +136,24 @@ class RateStateFit(Fit[RateState]):
     """Times [s] and positions [m] between which the load point moves steadily."""
     problem: Slider
     """The record as residuals."""
-    found: OptimizeResult
+    optimum: OptimizeResult
     """The least cost found, and what each start came to."""
     inference: Inference
     """Covariance of the fitted values, those that were held included."""
 
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_coefficient(self, ax))
+
     @property
     def best(self) -> ResidualJacobian:
         """Residuals and slopes at the fitted values."""
-        return self.found.best
+        return self.optimum.best
 
     @property
     def starts_agreeing(self) -> int:
         """How many starts came to the least cost."""
-        return self.found.agreeing
+        return self.optimum.agreeing
 
     @property
     def stiffness(self) -> float:
@@ -188,13 +196,15 @@ class RateStateFit(Fit[RateState]):
         """
         record = record_of(measurement, self.problem.record.load)
         other = Slider.of(
-            record, self.law.evolution, self.problem.unknowns, self.law.reference_velocity
+            record, self.law.evolution, self.problem.free_parameters, self.law.reference_velocity
         )
         return other.linearise(self.best.values, slopes=False).rms
 
     @override
     def law_estimates(self) -> LawEstimates:
-        own = [i for i, item in enumerate(self.problem.unknowns.items) if item.low < item.high]
+        own = [
+            i for i, item in enumerate(self.problem.free_parameters.items) if item.low < item.high
+        ]
         return estimates_for(
             self.law,
             self.estimates,
@@ -259,8 +269,8 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     array (p,) of bool
         False for what is held, at a bound, or without effect.
     """
-    low, high = slider.unknowns.limits()
-    at = slider.unknowns.coordinates(values)
+    low, high = slider.free_parameters.limits()
+    at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
     if abs(values[1]) < UNSPENT * abs(values[0]):
         free[1:3] = False
@@ -269,11 +279,11 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
 
 def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
     """Return the symbols of what ended at a bound of the search; b = 0 is a limit of the law."""
-    low, high = fit.problem.unknowns.limits()
-    at = fit.problem.unknowns.coordinates(fit.best.values)
+    low, high = fit.problem.free_parameters.limits()
+    at = fit.problem.free_parameters.coordinates(fit.best.values)
     met = (low < high) & ((at <= low) | (at >= high))
     met[1] = met[1] and at[1] >= high[1]
-    items = zip(fit.problem.unknowns.items, met, strict=True)
+    items = zip(fit.problem.free_parameters.items, met, strict=True)
     return tuple(item.quantity.symbol for item, one in items if one)
 
 
@@ -292,7 +302,7 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
     Inference
         Covariances (p, p), 0 for what stands at a bound.
     """
-    scale = slider.unknowns.slopes(slider.unknowns.coordinates(best.values))
+    scale = slider.free_parameters.slopes(slider.free_parameters.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
     return infer(best, scale, blocks=blocks_of(best))
 
@@ -332,7 +342,7 @@ def result_of(
     block: TowedBlock,
     measurement: Measurement,
     slider: Slider,
-    found: OptimizeResult,
+    optimum: OptimizeResult,
     *,
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
@@ -347,7 +357,7 @@ def result_of(
         The whole record.
     slider : Slider
         The problem.
-    found : OptimizeResult
+    optimum : OptimizeResult
         End of its search.
     profile : Profile
         Fits with other evolution effects, by which intervals are widened.
@@ -359,11 +369,11 @@ def result_of(
     RateStateFit
         Law, mechanism, estimates with intervals, and sentences.
     """
-    values, record = found.best.values, slider.record
+    values, record = optimum.best.values, slider.record
     fitted = slider.predict(values, record.time)
     assert fitted is not None
-    inference = inference_of(slider, found.best)
-    everyone = _estimates(slider, found.best, inference, profile)
+    inference = inference_of(slider, optimum.best)
+    everyone = _estimates(slider, optimum.best, inference, profile)
     a, b = everyone[:2]
     both = HELD not in (a.reason, b.reason)
     separable = both and all(e.bounded and e.half_width < TOLD * abs(e.value) for e in (a, b))
@@ -372,11 +382,11 @@ def result_of(
         mechanism=replace(block, load=record.load, stiffness=float(values[3]) * record.load),
         measurement=measurement,
         estimates=tuple(e for e in everyone if e.reason != HELD),
-        cancelled=found.cancelled,
+        cancelled=optimum.cancelled,
         drift=float(values[5]) if len(values) > 5 else 0.0,
-        rate=_rate(slider, found.best, inference, profile),
+        rate=_rate(slider, optimum.best, inference, profile),
         rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
-        correlation=_correlation(slider, found.best, profile) if both else 0.0,
+        correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
         sentences=(),
@@ -385,10 +395,10 @@ def result_of(
         fitted=fitted,
         load_point={"time": record.path.time, "position": record.path.position},
         problem=slider,
-        found=found,
+        optimum=optimum,
         inference=inference,
     )
-    return replace(fit, sentences=_sentences(fit, found), remarks=_remarks(fit))
+    return replace(fit, sentences=_sentences(fit, optimum), remarks=_remarks(fit))
 
 
 def blocks_of(best: ResidualJacobian) -> int:
@@ -422,7 +432,7 @@ def _estimates(
     values, load = best.values, slider.record.load
     others = np.array([end.values for end in profile.ends]).reshape(-1, len(values))
     found: list[Estimate] = []
-    for i, item in enumerate(slider.unknowns.items):
+    for i, item in enumerate(slider.free_parameters.items):
         unit = load if item.path == PATHS[3] else 1.0
         quantity = Quantity("k", "N/m", above=0) if item.path == PATHS[3] else item.quantity
         known = item.low == item.high
@@ -463,7 +473,7 @@ def _rate(
     rate, width, _ = rate_of(slider, best, inference)
     others = np.array([end.values[0] - end.values[1] for end in profile.ends])
     low, high = _hull(rate, width, others)
-    known = slider.unknowns.items[0].low == slider.unknowns.items[0].high
+    known = slider.free_parameters.items[0].low == slider.free_parameters.items[0].high
     return Estimate(
         path=RATE,
         quantity=Quantity("a - b"),

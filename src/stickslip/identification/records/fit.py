@@ -4,12 +4,13 @@ import math
 import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol, Self, final
+from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.errors import ParameterError
 from stickslip.experiments import (
     QUANTITIES,
@@ -35,9 +36,14 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.series.applied_force import inside
+from stickslip.identification.travels.model import uncertainties_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import vary
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from stickslip.display import Drawing, Target
 
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
 
@@ -71,7 +77,7 @@ class ProblemBuilder(Protocol):
             The problem.
         """
 
-    def with_unknowns(self, unknowns: FreeParameters) -> Self:
+    def with_free_parameters(self, free_parameters: FreeParameters) -> Self:
         """Return what builds the same with other bounds or start values of the unknowns."""
 
     def at(self, values: Array) -> Self:
@@ -161,7 +167,7 @@ class RecordFit(Fit[Law_co]):
     """The record as residuals."""
     build: ProblemBuilder = field(repr=False)
     """Makes the same problem of other records."""
-    found: OptimizeResult
+    optimum: OptimizeResult
     """Least cost and where it is; of a free decay, those of the last and longest segments."""
     inference: Inference
     """Covariance, condition and effective sample size."""
@@ -183,9 +189,37 @@ class RecordFit(Fit[Law_co]):
     """What the residuals show to be wrong with model, rig or record; intervals leave it out."""
 
     @property
+    def friction_was_measured(self) -> bool:
+        """Whether friction itself was measured and fitted, with no force that acts beside it."""
+        return self.route == "force-map"
+
+    @property
+    def offset(self) -> float:
+        """The constant force that stands beside friction [N], fitted or held."""
+        for estimate in self.estimates:
+            if estimate.path in {"mechanism.offset", "measurement.offset.friction"}:
+                return estimate.value
+        held = self.problem.held_offset
+        return float(getattr(self.mechanism, "offset", 0.0)) if held is None else held
+
+    @property
+    @override
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        mechanism, records = self.mechanism, self.measurement.records()
+        pairs = zip(records, uncertainties_of(mechanism, self.measurement), strict=True)
+        return [
+            (vary(mechanism, "mechanism", record.overrides), {**shared, **own})
+            for record, (own, shared) in pairs
+        ]
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_friction_map(self, ax))
+
+    @property
     def restarts(self) -> OptimizeResult:
         """The search that began from all starts."""
-        return self.found if self.first is None else self.first
+        return self.optimum if self.first is None else self.first
 
     @override
     def law_estimates(self) -> LawEstimates:
@@ -216,36 +250,36 @@ class RecordFit(Fit[Law_co]):
         return (*map(str, self.model_errors), *self.sentences)
 
     @property
-    def unknowns(self) -> FreeParameters:
+    def free_parameters(self) -> FreeParameters:
         """What was looked for."""
-        return self.problem.unknowns
+        return self.problem.free_parameters
 
     @property
     def values(self) -> Array:
         """Best values of the unknowns (p,)."""
-        return self.found.best.values
+        return self.optimum.best.values
 
     @property
     def rms(self) -> float:
         """Root mean square of the residuals, in the unit of the quantity compared."""
-        return self.found.best.rms
+        return self.optimum.best.rms
 
     @property
     def residual(self) -> Array:
         """Measured less predicted (n,), what is local to segments taken out."""
-        return self.found.best.residual
+        return self.optimum.best.residual
 
     @property
     def fitted_law(self) -> FittedLaw:
         """The fit as searches of richer laws begin from it."""
-        values = dict(zip(self.unknowns.paths, self.values.tolist(), strict=True))
-        best = self.found.best
+        values = dict(zip(self.free_parameters.paths, self.values.tolist(), strict=True))
+        best = self.optimum.best
         return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
 
     @property
     def scale(self) -> Array:
         """Derivatives of the values by what the optimiser saw; 0 for sizes that ran to a bound."""
-        return scale_of(self.unknowns, self.found.best.values, self.at_bounds)
+        return scale_of(self.free_parameters, self.optimum.best.values, self.at_bounds)
 
     def predict(
         self, measurement: Measurement | None = None, *, horizon: float | None = None
@@ -321,7 +355,7 @@ class RecordFit(Fit[Law_co]):
         self, measurement: Measurement | None, horizon: float | None
     ) -> tuple[RecordProblem, ResidualJacobian]:
         if measurement is None and horizon is None:
-            return self.problem, self.found.best
+            return self.problem, self.optimum.best
         if horizon is not None:
             check_horizon(horizon)
         if measurement is not None:
@@ -350,13 +384,13 @@ class RecordFit(Fit[Law_co]):
             Estimates [SI], in the order of the free parameters; NaN where a standard error is
             infinite.
         """
-        unknowns = self.unknowns
-        low, high = unknowns.limits()
+        free_parameters = self.free_parameters
+        low, high = free_parameters.limits()
         steps = bootstrap(
-            self.found.best, self.scale, draws=draws, seed=seed, held=self.inference.held
+            self.optimum.best, self.scale, draws=draws, seed=seed, held=self.inference.held
         )
-        at = np.clip(unknowns.coordinates(self.values) + steps, low, high)
-        found = np.array([unknowns.values(one) for one in at])
+        at = np.clip(free_parameters.coordinates(self.values) + steps, low, high)
+        found = np.array([free_parameters.values(one) for one in at])
         found[:, ~np.isfinite(self.inference.errors)] = np.nan
         return found
 
@@ -375,7 +409,7 @@ class RecordFit(Fit[Law_co]):
         array (n,)
             Sums of squares.
         """
-        index = self.unknowns.paths.index(self.estimate(name).path)
+        index = self.free_parameters.paths.index(self.estimate(name).path)
         costs = []
         for value in values:
             held = FixedParameterProblem(self.problem, index, float(value))
@@ -385,7 +419,7 @@ class RecordFit(Fit[Law_co]):
 
     @override
     def to_dict(self) -> Mapping[str, Any]:
-        found, restarts = self.found, self.restarts
+        found, restarts = self.optimum, self.restarts
         rows = len(restarts.best.residual)
         return {
             "law": self.law.name,
@@ -496,7 +530,7 @@ def _better(one: ResidualJacobian, other: ResidualJacobian) -> ResidualJacobian:
     return other.with_residual(residual)
 
 
-def scale_of(unknowns: FreeParameters, values: Array, at_bounds: Mapping[str, str]) -> Array:
+def scale_of(free_parameters: FreeParameters, values: Array, at_bounds: Mapping[str, str]) -> Array:
     """Return the derivatives of values by coordinates, 0 for sizes that ran to a bound.
 
     A level or a slope that a bound holds, such as 0, is as unsure as any: were it taken for known,
@@ -504,7 +538,7 @@ def scale_of(unknowns: FreeParameters, values: Array, at_bounds: Mapping[str, st
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     values : array (p,)
         Their estimates [SI].
@@ -516,8 +550,8 @@ def scale_of(unknowns: FreeParameters, values: Array, at_bounds: Mapping[str, st
     array (p, p)
         Derivatives of values by the coordinates of the optimiser.
     """
-    scale = unknowns.slopes(unknowns.coordinates(values))
-    for i, item in enumerate(unknowns.items):
+    scale = free_parameters.slopes(free_parameters.coordinates(values))
+    for i, item in enumerate(free_parameters.items):
         if item.path in at_bounds and item.log:
             scale[:, i] = 0.0
     return scale

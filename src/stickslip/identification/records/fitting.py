@@ -11,17 +11,17 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, laws
-from stickslip.identification.estimates import (
-    bounds_met,
-    estimates_of,
-    offset_left_out,
-    sentences_of,
-)
 from stickslip.identification.estimation.containment import (
     FittedLaw,
     reachable,
     search_failure,
     starts_from,
+)
+from stickslip.identification.estimation.estimates import (
+    bounds_met,
+    estimates_of,
+    offset_left_out,
+    sentences_of,
 )
 from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import infer
@@ -30,7 +30,12 @@ from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import in_forces, turned_as
-from stickslip.identification.records.problems import FitSetup, ProblemRequest, Route, prepared
+from stickslip.identification.records.problems import (
+    FitSetup,
+    ProblemRequest,
+    RecordRouteName,
+    prepared,
+)
 from stickslip.identification.records.propagation import displacements
 from stickslip.identification.records.refits import halves_of
 from stickslip.identification.records.route_choice import (
@@ -39,17 +44,16 @@ from stickslip.identification.records.route_choice import (
     choose_route,
     to_compare,
 )
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.residuals.tests import model_errors
 from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "route_of"]
+__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "record_route_name"]
 
 Array = NDArray[np.float64]
 
@@ -65,10 +69,10 @@ DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
 
-ROUTES: tuple[Route, ...] = ("shooting", "force-map", "inverse-dynamics")
+ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamics")
 
 
-def route_of(measurement: Measurement, route: str | None = None) -> Route:
+def record_route_name(measurement: Measurement, route: str | None = None) -> RecordRouteName:
     """Return how a measurement is fitted: as asked, or as its quantities suggest.
 
     Parameters
@@ -92,7 +96,7 @@ def route_of(measurement: Measurement, route: str | None = None) -> Route:
 
     Examples
     --------
-    >>> route_of(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
+    >>> record_route_name(Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]))
     'force-map'
     """
     if route is not None:
@@ -279,7 +283,7 @@ def _fitted_by(
     build = ready.build.at(found.best.values)
     if build is not ready.build:
         ready = replace(ready, build=build, problem=build.fitted(measurement, None))
-    contained = reachable(ready.start, ready.problem.unknowns, contained)
+    contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
     fit = _tested(_finished(way, measurement, ready, found, first), choice.settings.hold)
@@ -292,7 +296,7 @@ def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
 
 
 def _searched(
-    way: Route,
+    way: RecordRouteName,
     wanted: ProblemRequest,
     contained: Sequence[FittedLaw],
     watch: Watch | None,
@@ -303,14 +307,14 @@ def _searched(
     They differ for a free decay only, which is fitted again in longer segments.
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
-    contained = reachable(ready.start, ready.problem.unknowns, contained)
-    nested = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+    contained = reachable(ready.start, ready.problem.free_parameters, contained)
+    nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = _widened(ready, wanted.settings, watch, rival)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
-        again = starts_from(kind, ready.problem.unknowns, contained, ready.load)
+        again = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
         found = _best_of(ready, found, again, watch)
     return ready, found, first
 
@@ -323,14 +327,51 @@ def _route(
     settings: RecordSettings | None,
 ) -> RouteChoice:
     """Return the route, its settings and why it was chosen; as asked for if it was."""
-    if isinstance(route, RouteChoice):
-        return route
     if route is None:
         return choose_route(mechanism, measurement, vary=[LAW, *unknown], settings=settings)
-    return RouteChoice(route=route_of(measurement, route), settings=settings or RecordSettings())
+    return choice_of(route, measurement, settings)
 
 
-def _simpler_fits(way: Route, wanted: ProblemRequest, watch: Watch | None) -> tuple[FittedLaw, ...]:
+def choice_of(
+    route: str | RouteChoice, measurement: Measurement, settings: RecordSettings | None = None
+) -> RouteChoice:
+    """Return the choice of a route that was asked for; one that was made is kept.
+
+    Parameters
+    ----------
+    route : str or RouteChoice
+        Name of a route of records, or a choice with settings of its own.
+    measurement : Measurement
+        The records.
+    settings : RecordSettings, optional
+        Settings of a route that is given by its name; the usual ones if not given.
+
+    Returns
+    -------
+    RouteChoice
+        The route with its settings.
+
+    Raises
+    ------
+    InputError
+        If the route is none of records.
+
+    Examples
+    --------
+    >>> table = Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6])
+    >>> choice_of("force-map", table).settings.starts
+    4
+    """
+    if isinstance(route, RouteChoice):
+        return route
+    return RouteChoice(
+        route=record_route_name(measurement, route), settings=settings or RecordSettings()
+    )
+
+
+def _simpler_fits(
+    way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
+) -> tuple[FittedLaw, ...]:
     """Fit the laws that a law contains at first hand, and those that they contain.
 
     The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
@@ -356,7 +397,9 @@ def _simpler_fits(way: Route, wanted: ProblemRequest, watch: Watch | None) -> tu
             ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
         except (ConvergenceError, InputError):
             return
-        values = dict(zip(ready.problem.unknowns.paths, end.best.values.tolist(), strict=True))
+        values = dict(
+            zip(ready.problem.free_parameters.paths, end.best.values.tolist(), strict=True)
+        )
         friction = {path: v for path, v in values.items() if path.startswith("friction.")}
         found[name] = FittedLaw(
             law=vary(ready.start, "friction", friction),
@@ -383,7 +426,7 @@ def _best_of(
         if found.cancelled:
             break
         try:
-            near = ready.looking_for(ready.problem.unknowns.starting_at(start)).problem
+            near = ready.looking_for(ready.problem.free_parameters.starting_at(start)).problem
             again = search(near, starts=1, watch=watch)
         except ConvergenceError:
             continue
@@ -397,14 +440,14 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
 
     Residuals that are the noise of the sensor show none, whatever a test finds in them.
     """
-    if fit.route == "force-map":  # no force that inertia would balance
+    if fit.friction_was_measured:  # no force that inertia would balance
         return fit
     if drives_itself(fit.mechanism, fit.measurement):  # nor one that was recorded
         return fit
     if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
         return fit
     errors = model_errors(
-        fit.mechanism, fit.law, fit.measurement, fit.unknowns, fit.estimates, hold=hold
+        fit.mechanism, fit.law, fit.measurement, fit.free_parameters, fit.estimates, hold=hold
     )
     return replace(fit, model_errors=errors)
 
@@ -421,15 +464,15 @@ def _widened(
         ready.problem,
         starts=settings.starts,
         seed=settings.seed,
-        tried=ready.tried,
+        start_values=ready.tried,
         few=ready.problem.few,
         rival=rival,
         watch=watch,
     )
     for _ in range(WIDENINGS):
-        unknowns = ready.problem.unknowns
-        wider = unknowns.widened(bounds_met(unknowns, found.best.values), WIDER)
-        if found.cancelled or wider == unknowns:
+        free_parameters = ready.problem.free_parameters
+        wider = free_parameters.widened(bounds_met(free_parameters, found.best.values), WIDER)
+        if found.cancelled or wider == free_parameters:
             break
         wide = ready.looking_for(wider.starting_at(found.best.values))
         again = search(
@@ -466,8 +509,8 @@ def _lengthened(
         if found.cancelled or length <= settings.segment or length > whole:
             continue
         longer = ready.build(measurement, length)
-        near = longer.unknowns.starting_at(found.best.values)
-        problem = longer.with_unknowns(near)
+        near = longer.free_parameters.starting_at(found.best.values)
+        problem = longer.with_free_parameters(near)
         try:
             again = search(problem, starts=1, watch=watch)
         except ConvergenceError as error:
@@ -481,16 +524,16 @@ def _lengthened(
 
 
 def _finished(
-    route: Route,
+    route: RecordRouteName,
     measurement: Measurement,
     ready: FitSetup,
     found: OptimizeResult,
     searched: OptimizeResult,
 ) -> RecordFit:
     """Return a fit from the end of its search, which began with one from several starts."""
-    unknowns, best = ready.problem.unknowns, found.best
-    at_bounds = bounds_met(unknowns, best.values)
-    values = dict(zip(unknowns.paths, best.values.tolist(), strict=True))
+    free_parameters, best = ready.problem.free_parameters, found.best
+    at_bounds = bounds_met(free_parameters, best.values)
+    values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))
     law, own = (
         {path: value for path, value in values.items() if path.startswith(f"{room}.")}
         for room in ("friction", "mechanism")
@@ -498,7 +541,7 @@ def _finished(
     mechanism = vary(ready.mechanism, "mechanism", own) if own else ready.mechanism
     again = partial(ready.build.fitted, length=ready.length)
     moved = displacements(again, best, mechanism, measurement)
-    inference = infer(best, scale_of(unknowns, best.values, at_bounds), displaced=moved)
+    inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
     mechanism, said = as_loaded(mechanism, measurement)
     fit = RecordFit(
         law=vary(ready.start, "friction", law),
@@ -509,7 +552,7 @@ def _finished(
         measurement=measurement,
         problem=ready.problem,
         build=ready.build,
-        found=found,
+        optimum=found,
         first=None if searched is found else searched,
         inference=inference,
         displaced=moved,
@@ -517,15 +560,18 @@ def _finished(
         cancelled=found.cancelled,
         sentences=(),
     )
-    sentences = (*offset_left_out(ready.start, ready.mechanism, unknowns), *_doubtful(searched))
-    told = turned_as(measurement, in_forces(unknowns, ready.mechanism, measurement))
+    sentences = (
+        *offset_left_out(ready.start, ready.mechanism, free_parameters),
+        *_doubtful(searched),
+    )
+    told = turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
     return _with_estimates(fit, told, sentences)
 
 
 def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
-    best = fit.found.best
-    halves = None if fit.found.cancelled else halves_of(fit)
+    best = fit.optimum.best
+    halves = None if fit.optimum.cancelled else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
     estimates = estimates_of(told, best, inference, fit.at_bounds)
     return replace(

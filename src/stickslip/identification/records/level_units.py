@@ -43,7 +43,7 @@ def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
 
 
 def in_forces(
-    unknowns: FreeParameters, mechanism: Mechanism, measurement: Measurement
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
 ) -> FreeParameters:
     """Return the unknowns with the units that their values read in.
 
@@ -52,7 +52,7 @@ def in_forces(
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
     mechanism : Mechanism
         What was measured.
@@ -75,18 +75,18 @@ def in_forces(
     'N'
     """
     if not reads_as_forces(mechanism, measurement):
-        return unknowns
-    return replace(unknowns, items=tuple(_in_forces(unknowns.items)))
+        return free_parameters
+    return replace(free_parameters, items=tuple(_in_forces(free_parameters.items)))
 
 
-def turned_as(measurement: Measurement, unknowns: FreeParameters) -> FreeParameters:
+def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> FreeParameters:
     """Return the unknowns in the units of what was measured: about an axis, forces are torques.
 
     Parameters
     ----------
     measurement : Measurement
         Records, which say whether the mechanism turns about an axis.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters, in units of translation.
 
     Returns
@@ -104,9 +104,11 @@ def turned_as(measurement: Measurement, unknowns: FreeParameters) -> FreeParamet
     >>> turned_as(swing, offset).items[0].quantity.unit
     'N m'
     """
-    pairs = [(item, turned(item.quantity.unit, measurement.turning)) for item in unknowns.items]
+    pairs = [
+        (item, turned(item.quantity.unit, measurement.turning)) for item in free_parameters.items
+    ]
     items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
-    return replace(unknowns, items=tuple(items))
+    return replace(free_parameters, items=tuple(items))
 
 
 def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:

@@ -153,7 +153,7 @@ def sample_posterior(
     for moved in fit.inference.held.values():
         draws += random.standard_normal((len(draws), len(moved))) @ moved
     return Posterior(
-        paths=fit.unknowns.paths,
+        paths=fit.free_parameters.paths,
         draws=draws,
         runs=target.runs,
         cancelled=target.cancelled,
@@ -184,14 +184,16 @@ class _Target:
     def __init__(self, fit: RecordFit, watch: Watch | None) -> None:
         self.fit, self.watch = fit, watch
         self.runs, self.cancelled = 0, False
-        self.best = fit.unknowns.coordinates(fit.values)
-        self.free = [i for i, path in enumerate(fit.unknowns.paths) if path not in fit.at_bounds]
+        self.best = fit.free_parameters.coordinates(fit.values)
+        self.free = [
+            i for i, path in enumerate(fit.free_parameters.paths) if path not in fit.at_bounds
+        ]
         size = np.linalg.norm(fit.scale, axis=0)
         size[size == 0.0] = 1.0  # a logarithm that ran to a bound
         scale = np.linalg.pinv(fit.scale / size) / size[:, None]
         known = np.where(np.isfinite(fit.inference.covariance), fit.inference.covariance, 0.0)
         spread = np.sqrt(np.maximum(np.diag(scale @ known @ scale.T), 0.0))[self.free]
-        low, high = (edge[self.free] for edge in fit.unknowns.limits())
+        low, high = (edge[self.free] for edge in fit.free_parameters.limits())
         middle = self.best[self.free]
         # what the record does not depend on may be anywhere within its bounds
         room = np.where(np.isfinite(high - low), (high - low) / (2.0 * WIDE), 1.0)
@@ -200,19 +202,19 @@ class _Target:
         self.high = np.minimum(high, middle + WIDE * self.spread)
         rows = len(fit.residual)
         share = min(fit.inference.effective / rows, 1.0)
-        self.weight = 0.5 * share * rows / fit.found.best.cost
+        self.weight = 0.5 * share * rows / fit.optimum.best.cost
 
     def values(self, free: Array) -> Array:
         """Return values (p,) for the free coordinates."""
         at = self.best.copy()
         at[self.free] = free
-        return self.fit.unknowns.values(at)
+        return self.fit.free_parameters.values(at)
 
     def __call__(self, free: Array) -> float:
         """Return the logarithm of the posterior, less its largest value."""
         if np.any(free < self.low) or np.any(free > self.high):
             return -math.inf
-        best = self.fit.found.best
+        best = self.fit.optimum.best
         self.runs += 1
         seen = self.fit.problem.linearise(self.values(free), best, slopes=False)
         return -self.weight * (seen.cost - best.cost) if math.isfinite(seen.cost) else -1e300

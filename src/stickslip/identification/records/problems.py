@@ -20,7 +20,6 @@ from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, map_along
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
-from stickslip.identification.records.settings import RecordSettings
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
@@ -30,17 +29,18 @@ from stickslip.identification.series.start_values import (
     mechanism_unknowns,
     scales_of,
 )
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["FitSetup", "ProblemRequest", "Route", "prepared", "simulated"]
+__all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulated"]
 
 Array = NDArray[np.float64]
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
-Route: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
+RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,12 +87,12 @@ class FitSetup(Generic[P_co]):
     length: float | None = None
     """Length of its segments [s], if it is not that of the settings."""
 
-    def looking_for(self, unknowns: FreeParameters) -> "FitSetup[P_co]":
+    def looking_for(self, free_parameters: FreeParameters) -> "FitSetup[P_co]":
         """Return the same with other bounds or start values of the unknowns."""
         return replace(
             self,
-            problem=self.problem.with_unknowns(unknowns),
-            build=self.build.with_unknowns(unknowns),
+            problem=self.problem.with_free_parameters(free_parameters),
+            build=self.build.with_free_parameters(free_parameters),
         )
 
 
@@ -105,7 +105,7 @@ class _ShootingBuilder:
 
     mechanism: Mechanism
     law: FrictionLaw
-    unknowns: FreeParameters
+    free_parameters: FreeParameters
     settings: RecordSettings
     quantity: str
     """What runs are compared with, in every record alike."""
@@ -113,7 +113,7 @@ class _ShootingBuilder:
     def __call__(self, record: Measurement, length: float | None) -> Shooting:
         return Shooting(
             law=self.law,
-            unknowns_=self.unknowns,
+            free_parameters_=self.free_parameters,
             segments=segments_of(
                 self.mechanism,
                 record,
@@ -128,8 +128,8 @@ class _ShootingBuilder:
     def fitted(self, record: Measurement, length: float | None) -> Shooting:
         return self(record, length)
 
-    def with_unknowns(self, unknowns: FreeParameters) -> "_ShootingBuilder":
-        return replace(self, unknowns=unknowns)
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "_ShootingBuilder":
+        return replace(self, free_parameters=free_parameters)
 
     def at(self, _values: Array) -> "_ShootingBuilder":
         return self
@@ -149,8 +149,8 @@ class _ForceMapBuilder:
         own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
         return self.problem.along(own, record)
 
-    def with_unknowns(self, unknowns: FreeParameters) -> "_ForceMapBuilder":
-        return replace(self, problem=self.problem.with_unknowns(unknowns))
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "_ForceMapBuilder":
+        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
 
     def at(self, _values: Array) -> "_ForceMapBuilder":
         return self
@@ -163,14 +163,14 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
     return max(settings.resolution, math.ceil(settings.resolution * length / settings.segment))
 
 
-def prepared(route: Route, wanted: ProblemRequest) -> FitSetup:
+def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
     """Return the problem of a route.
 
     Parameters
     ----------
     route : {"shooting", "force-map", "inverse-dynamics"}
         Name of the route.
-    wanted : ProblemRequest
+    request : ProblemRequest
         Law, mechanism, record and free parameters.
 
     Returns
@@ -183,7 +183,7 @@ def prepared(route: Route, wanted: ProblemRequest) -> FitSetup:
     InputError
         If the record does not serve, or a name is not known.
     """
-    return PROBLEMS[route](wanted)
+    return PROBLEMS[route](request)
 
 
 def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
@@ -200,17 +200,22 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
         )
     start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
     own = mechanism_unknowns(mechanism, start, wanted.unknown, scales, wanted.held)
-    unknowns = joined(start, [*items, *own])
-    if not len(unknowns):
+    free_parameters = joined(start, [*items, *own])
+    if not len(free_parameters):
         raise InputError("there is nothing to fit: name at least one parameter in vary.")
-    _refuse_overrides(under_load, unknowns)
+    _refuse_overrides(under_load, free_parameters)
 
     if scales.nominal is not None:
-        masses = (p for p in unknowns.paths if p in ("mechanism.inertia", "mechanism.mass"))
+        masses = (p for p in free_parameters.paths if p in ("mechanism.inertia", "mechanism.mass"))
         further = (dict.fromkeys(masses, scales.nominal), *further)
-    build = _ShootingBuilder(mechanism, start, unknowns, wanted.settings, quantity)
+    build = _ShootingBuilder(mechanism, start, free_parameters, wanted.settings, quantity)
     tried = tuple(
-        np.array([other.get(p, v) for p, v in zip(unknowns.paths, unknowns.start, strict=True)])
+        np.array(
+            [
+                other.get(p, v)
+                for p, v in zip(free_parameters.paths, free_parameters.start, strict=True)
+            ]
+        )
         for other in further
     )
     with with_doubts(measurement, mechanism):
@@ -219,10 +224,10 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
         drives_itself(mechanism, under_load) or _acts_at_rest_alone(wanted.law)
     ):
         tried = (*surplus_starts(problem), *tried)
-    near = _by_inverse_dynamics(wanted, unknowns)
+    near = _by_inverse_dynamics(wanted, free_parameters)
     if near is not None:
-        tried = (unknowns.start, *tried)
-        problem = problem.with_unknowns(unknowns.starting_at(near))
+        tried = (free_parameters.start, *tried)
+        problem = problem.with_free_parameters(free_parameters.starting_at(near))
     return FitSetup(mechanism, start, problem, build, tried, scales.load)
 
 
@@ -233,34 +238,34 @@ def _acts_at_rest_alone(law: type[FrictionLaw]) -> bool:
     return above and not any(quantity.scale == "speed" for quantity in known.values())
 
 
-def _by_inverse_dynamics(wanted: ProblemRequest, unknowns: FreeParameters) -> Array | None:
+def _by_inverse_dynamics(wanted: ProblemRequest, free_parameters: FreeParameters) -> Array | None:
     """Return start values (p,) that inverse dynamics finds; None if it cannot or nothing asks.
 
     Simulated segments say nothing of a velocity or a stiffness that is decades away.
     """
     if drives_itself(wanted.mechanism, wanted.measurement):
         return None
-    decades = any(i.log and i.path.startswith("friction.") for i in unknowns.items)
+    decades = any(i.log and i.path.startswith("friction.") for i in free_parameters.items)
     if not decades or not isinstance(wanted.law, type):
         return None
     try:
-        derived = _derived(wanted).problem.unknowns
+        derived = _derived(wanted).problem.free_parameters
     except InputError:
         return None
     found = dict(zip(derived.paths, derived.start.tolist(), strict=True))
-    near = np.array([found.get(item.path, item.start) for item in unknowns.items])
-    return unknowns.values(unknowns.coordinates(near))
+    near = np.array([found.get(item.path, item.start) for item in free_parameters.items])
+    return free_parameters.values(free_parameters.coordinates(near))
 
 
 def _load(problem: ForceMap) -> float:
     return float(np.median(np.concatenate([one.path.load for one in problem.stretches])))
 
 
-def _refuse_overrides(measurement: Measurement, unknowns: FreeParameters) -> None:
+def _refuse_overrides(measurement: Measurement, free_parameters: FreeParameters) -> None:
     """Refuse trials with values of their own for what is one unknown of all of them."""
     for number, record in enumerate(measurement.records(), 1):
         for path in record.overrides:
-            if path in unknowns.paths:
+            if path in free_parameters.paths:
                 raise InputError(
                     f"trial {record.name or number} overrides {path}, which is fitted as one value"
                     " for all trials: leave the override out, or do not vary it."
@@ -284,7 +289,7 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
     )
-    problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
+    problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     build = _ForceMapBuilder(mechanism, problem)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
@@ -305,14 +310,14 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         held=[path for path in wanted.held if path == "mechanism.offset"],
         mass=mass,
     )
-    problem = problem.with_unknowns(problem.unknowns.starting_at(starts[0]))
+    problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     if mass is not None:
-        _refuse_overrides(measurement, problem.unknowns)
+        _refuse_overrides(measurement, problem.free_parameters)
     build = BalanceProblemBuilder(mechanism, problem, hold)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 
-PROBLEMS: Mapping[Route, Callable[[ProblemRequest], FitSetup]] = {
+PROBLEMS: Mapping[RecordRouteName, Callable[[ProblemRequest], FitSetup]] = {
     "shooting": simulated,
     "force-map": _mapped,
     "inverse-dynamics": _derived,

@@ -69,7 +69,7 @@ def displacements(
         return ()
     _refuse_load(stated, measurement)
     problem = again(measurement)
-    paths = [path for path in stated if path not in problem.unknowns.paths]
+    paths = [path for path in stated if path not in problem.free_parameters.paths]
     record_of = problem.spans[:, 0].astype(int)[best.segment]
     found = []
     for path in paths:

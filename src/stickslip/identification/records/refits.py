@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Measurement, rows_of
-from stickslip.identification.estimates import bounds_met
+from stickslip.identification.estimation.estimates import bounds_met
 from stickslip.identification.estimation.halves import Halves, blocks_of_half
 from stickslip.identification.estimation.jackknife import Displaced, infer
 from stickslip.identification.estimation.levenberg_marquardt import improve
@@ -79,7 +79,7 @@ def halves_of(fit: RecordFit) -> Halves | None:
     known = [
         infer(
             one,
-            scale_of(fit.unknowns, one.values, bounds_met(fit.unknowns, one.values)),
+            scale_of(fit.free_parameters, one.values, bounds_met(fit.free_parameters, one.values)),
             blocks=blocks_of_half(one),
             displaced=_displaced_in(fit, one),
         )
@@ -101,7 +101,7 @@ def _displaced_in(fit: RecordFit, half: ResidualJacobian) -> list[Displaced]:
     """
     if _decays(fit):
         return []
-    rows = np.isin(fit.found.best.segment, half.segment)
+    rows = np.isin(fit.optimum.best.segment, half.segment)
     return [one.of(rows) for one in fit.displaced]
 
 
@@ -141,7 +141,7 @@ def _refitted(fit: RecordFit, first: float, last: float) -> ResidualJacobian | N
     seen = (placed[:, 1] <= first) | (placed[:, 0] >= last)
     if not seen.any():
         return None
-    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.found.best)
+    part = SubsetProblem(fit.problem, np.flatnonzero(seen).tolist(), fit.optimum.best)
     end, _ = improve(part, fit.values, rounds=ROUNDS, flat=FLAT)
     return end
 

@@ -19,9 +19,14 @@ from stickslip.formatting import number, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
-from stickslip.identification.records.problems import ProblemRequest, Route, prepared, simulated
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.records.problems import (
+    ProblemRequest,
+    RecordRouteName,
+    prepared,
+    simulated,
+)
 from stickslip.identification.series.applied_force import driven, drives_itself
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import Parameters
 from stickslip.mechanisms import Mechanism
@@ -37,10 +42,12 @@ __all__ = [
     "unexplained_share",
 ]
 
-RouteName: TypeAlias = Literal[
+OwnRouteName: TypeAlias = Literal[
     "shooting", "force-map", "inverse-dynamics", "features", "rate-state"
 ]
-"""What `fit` and `select` may be asked for."""
+RouteName: TypeAlias = OwnRouteName | str
+"""What `fit` and `select` may be asked for; editors complete ours, and other packages add theirs.
+"""
 
 UNPREDICTED = 0.5
 """Share of the motion left unexplained beyond which simulated segments do not serve."""
@@ -63,13 +70,13 @@ SHORTER = (0.5, 0.25, 0.125)
 class RouteChoice:
     """How a record is fitted, and why."""
 
-    route: Route
+    route: RecordRouteName
     """The route."""
     settings: RecordSettings
     """Settings with the length of segments that serves."""
     reason: str = ""
     """Why it is not simulated segments of the usual length; empty if it is."""
-    alternative: Route | None = None
+    alternative: RecordRouteName | None = None
     """Route that may serve better, to be compared once laws are fitted; None if none may."""
 
 
@@ -90,7 +97,7 @@ def unexplained_share(fit: RecordFit) -> float:
     Of simulated segments, that of their motion about a straight line, as their first position and
     velocity are fitted; of friction, that of its variation about its mean.
     """
-    return math.sqrt(fit.found.best.cost / max(fit.problem.variation, 1e-300))
+    return math.sqrt(fit.optimum.best.cost / max(fit.problem.variation, 1e-300))
 
 
 def better_route(fits: Sequence[RecordFit], others: Sequence[RecordFit]) -> str:
@@ -140,7 +147,7 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     bool
         True if the alternative is to be fitted as well.
     """
-    if choice.alternative is None or any(fit.found.cancelled for fit in fits):
+    if choice.alternative is None or any(fit.optimum.cancelled for fit in fits):
         return False
     return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 
@@ -289,10 +296,10 @@ def _contradiction(
     try:
         wanted = _plain_fit(mechanism, measurement, unknown, settings)
         problem = prepared("inverse-dynamics", wanted).problem
-        end, _ = improve(problem, problem.unknowns.start)
+        end, _ = improve(problem, problem.free_parameters.start)
     except StickslipError:
         return None
-    derived = dict(zip(problem.unknowns.paths, end.values.tolist(), strict=True))
+    derived = dict(zip(problem.free_parameters.paths, end.values.tolist(), strict=True))
     for path, value in seen.values.items():
         other = derived.get(path, 0.0)
         if path.endswith(COMPARED) and value > 0.0 and other > 0.0:
@@ -354,7 +361,7 @@ def _motion_left(problem: Shooting) -> _Simulated:
     step = max(1, math.ceil(count / LOOKED_AT))
     few = replace(problem, segments=problem.segments[::step])
     moved = few.variation
-    seen = settled(few, few.unknowns.start)
+    seen = settled(few, few.free_parameters.start)
     for starts in (1, STARTS):
         enough = SUSPECT if starts == 1 else UNPREDICTED
         if seen.cost <= enough**2 * moved:
@@ -363,5 +370,5 @@ def _motion_left(problem: Shooting) -> _Simulated:
             seen = search(few, starts=starts).best
         except ConvergenceError:
             return _Simulated(values={}, left=math.inf)
-    values = dict(zip(few.unknowns.paths, seen.values.tolist(), strict=True))
+    values = dict(zip(few.free_parameters.paths, seen.values.tolist(), strict=True))
     return _Simulated(values=values, left=math.sqrt(seen.cost / max(moved, 1e-300)))

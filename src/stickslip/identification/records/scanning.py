@@ -81,7 +81,7 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
     level = FreeParameter(path=path, quantity=bounds, start=LEVELS[0], low=0.0, high=LEVELS[-1])
     problem = Shooting(
         law=Coulomb(kinetic_coefficient=LEVELS[0]),
-        unknowns_=FreeParameters((level,), {}),
+        free_parameters_=FreeParameters((level,), {}),
         segments=segments_of(
             mechanism, measurement, length=LONGEST, resolution=ROWS, quantity=quantity
         ),
@@ -129,15 +129,15 @@ def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
     problem : RecordProblem
         With start values of its unknowns.
     """
-    unknowns = problem.unknowns
-    above = [item.path for item in unknowns.items if item.above]
+    free_parameters = problem.free_parameters
+    above = [item.path for item in free_parameters.items if item.above]
     if not above:
         return ()
-    rest = unknowns.paths.index(above[0])
-    level = unknowns.paths.index(unknowns.items[rest].above)
+    rest = free_parameters.paths.index(above[0])
+    level = free_parameters.paths.index(free_parameters.items[rest].above)
     found = []
     for near, surplus in itertools.product(NEAR, SURPLUSES):
-        values = unknowns.start.copy()
+        values = free_parameters.start.copy()
         values[level] *= near
         values[rest] = surplus * values[level]
         found.append((problem.linearise(values, slopes=False).cost, values))

@@ -20,7 +20,7 @@ from stickslip.identification.residuals.effects import Effect, Signals
 from stickslip.identification.residuals.gains import beside
 from stickslip.identification.results import Estimate
 from stickslip.identification.series.inverse_dynamics import mass_of, positions_of
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
@@ -45,7 +45,7 @@ class Fitted:
     """The same."""
     measurement: Measurement
     """Records that were fitted."""
-    unknowns: FreeParameters
+    free_parameters: FreeParameters
     """What was fitted."""
     estimates: Sequence[Estimate]
     """Their values and intervals, in the same order."""
@@ -170,7 +170,7 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     )
     stretches = stretched(mechanism)
     residual, slopes = _linearised(fit, stretches)
-    for i, path in enumerate(fit.unknowns.paths):
+    for i, path in enumerate(fit.free_parameters.paths):
         if path.startswith("mechanism.") and path != MECHANISM:
             value = fit.values[path]
             step = 1e-4 * max(abs(value), 1e-6)
@@ -202,13 +202,13 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
 
 def _linearised(fit: Fitted, stretches: tuple[MotionSegment, ...]) -> tuple[Array, Array]:
     """Return residuals (n,) [N] and slopes (n, p) by what stands in the law or beside it."""
-    values, paths = fit.values, fit.unknowns.paths
+    values, paths = fit.values, fit.free_parameters.paths
     constant = SENSOR if SENSOR in paths else MECHANISM
     along = [i for i, p in enumerate(paths) if p.startswith("friction.") or p == constant]
-    own = FreeParameters(tuple(fit.unknowns.items[i] for i in along), values)
+    own = FreeParameters(tuple(fit.free_parameters.items[i] for i in along), values)
     problem = ForceMap(
         law=fit.law,
-        unknowns_=own,
+        free_parameters_=own,
         stretches=stretches,
         constant=constant,
         offset=values.get(constant, 0.0),

@@ -124,7 +124,7 @@ def _unfiltered(fit: Fitted, one: MotionSegment) -> tuple[Array, Array, Array]:
     mass, rest = known_forces(mechanism, x, one.path.velocity, force[rows])
     problem = ForceMap(
         law=fit.law,
-        unknowns_=FreeParameters(()),
+        free_parameters_=FreeParameters(()),
         stretches=(replace(one, passed=0.0, segment=np.zeros(len(x), dtype=np.intp)),),
         offset=float(getattr(mechanism, "offset", 0.0)),
     )

@@ -50,7 +50,7 @@ from stickslip.identification.residuals.gains import (
 from stickslip.identification.residuals.peaks import peaks_of
 from stickslip.identification.residuals.wording import finding_of
 from stickslip.identification.results import Estimate
-from stickslip.identification.shooting.segments import Hold
+from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["model_errors"]
@@ -111,7 +111,7 @@ def model_errors(
     mechanism: Mechanism,
     law: FrictionLaw,
     measurement: Measurement,
-    unknowns: FreeParameters,
+    free_parameters: FreeParameters,
     estimates: Sequence[Estimate],
     *,
     hold: Hold,
@@ -124,7 +124,7 @@ def model_errors(
         With the fitted values.
     measurement : Measurement
         Records in time with position or velocity, and the force applied.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         What was fitted.
     estimates : sequence of Estimate
         Its intervals, in the same order.
@@ -155,7 +155,7 @@ def model_errors(
         mechanism=mechanism,
         law=law,
         measurement=measurement,
-        unknowns=unknowns,
+        free_parameters=free_parameters,
         estimates=estimates,
         hold=hold,
     )

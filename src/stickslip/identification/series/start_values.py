@@ -219,7 +219,7 @@ def law_unknowns(
     else:
         values |= {n: float(v) for n, v in known.items()}
     start = _made(kind, law, values)
-    unknowns = []
+    free_parameters = []
     for name in names:
         quantity, low, high = fields_of(kind)[name], ranges[name].low, ranges[name].high
         above = quantity.at_least or ""
@@ -229,7 +229,7 @@ def law_unknowns(
         if log and low <= 0.0:
             low = 1e-6 * max(ranges[name].start, 1e-300)
         surplus = getattr(start, above) if above else 0.0
-        unknowns.append(
+        free_parameters.append(
             FreeParameter(
                 path=f"friction.{name}",
                 quantity=quantity,
@@ -242,7 +242,7 @@ def law_unknowns(
             )
         )
     further = _further(kind, scales) if isinstance(law, type) else ()
-    return start, tuple(unknowns), further
+    return start, tuple(free_parameters), further
 
 
 def _made(

@@ -84,7 +84,7 @@ class Shooting(RecordProblem):
 
     law: FrictionLaw
     """Holds the parameters that are not fitted."""
-    unknowns_: FreeParameters
+    free_parameters_: FreeParameters
     """The free parameters."""
     segments: tuple[Segment, ...]
     """Stretches of the records that are simulated."""
@@ -93,8 +93,8 @@ class Shooting(RecordProblem):
 
     @property
     @override
-    def unknowns(self) -> FreeParameters:
-        return self.unknowns_
+    def free_parameters(self) -> FreeParameters:
+        return self.free_parameters_
 
     @property
     @override
@@ -145,8 +145,8 @@ class Shooting(RecordProblem):
         return replace(self, segments=tuple(self.segments[k] for k in chosen))
 
     @override
-    def with_unknowns(self, unknowns: FreeParameters) -> "Shooting":
-        return replace(self, unknowns_=unknowns)
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
+        return replace(self, free_parameters_=free_parameters)
 
     @override
     def linearise(
@@ -185,7 +185,7 @@ class Shooting(RecordProblem):
 
     def _changed(self, values: Array) -> tuple[FrictionLaw, Mapping[int, Mechanism]]:
         """Return the law and, by identity, the segments' mechanisms with other values."""
-        items = zip(self.unknowns.items, map(float, values), strict=True)
+        items = zip(self.free_parameters.items, map(float, values), strict=True)
         pairs = {item.path: not_whole(item, value) for item, value in items}
         own = {path: value for path, value in pairs.items() if path.startswith("mechanism.")}
         law = vary(self.law, "friction", {p: v for p, v in pairs.items() if p not in own})
@@ -214,7 +214,7 @@ class Shooting(RecordProblem):
             state=state,
             residual=segment.measured - run.at(segment.times)[:, column],
             size=float(np.ptp(segment.measured)),
-            sense=cache(partial(sense, self.unknowns.paths)),
+            sense=cache(partial(sense, self.free_parameters.paths)),
             units=units,
             columns=columns,
             singular=singular,
@@ -234,11 +234,8 @@ class Shooting(RecordProblem):
             found.append(one.measured - predicted)
         return np.concatenate(found)
 
+    @override
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
-        """Return the segments simulated again from their fitted states, each with its certificate.
-
-        Times of a run count from the start of its segment.
-        """
         law, mechanisms = self._changed(seen.values)
         found = []
         for k, one in enumerate(self.segments):

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,24 +12,20 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number
 from stickslip.identification.series.applied_force import applied_force, drives_itself, inside
 from stickslip.identification.series.measured_load import loaded
+from stickslip.identification.settings import LEAST, RESOLUTION, Hold
 from stickslip.identification.shooting.multiple_shooting import Segment
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
-__all__ = ["LEAST", "RESOLUTION", "Hold", "measured_quantity", "segments_of", "with_drive"]
+__all__ = ["measured_quantity", "segments_of", "with_drive"]
 
 Array = NDArray[np.float64]
 
-RESOLUTION = 100
-"""Samples a segment is compared at, and pieces its drive has, at most."""
-Hold: TypeAlias = Literal["zero", "first"]
 
 GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, which no segment crosses."""
 GUESSED = 20
 """Rows of a segment from whose parabola its first velocity is guessed."""
-LEAST = 8
-"""Rows that a segment must have to say anything beside its initial state."""
 
 
 def measured_quantity(measurement: Measurement) -> str:

@@ -1,11 +1,12 @@
 """Fits a law to travels: distances to rest, or per cycle of a drive."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import logging
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import CompilationError, InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import count
-from stickslip.friction import FrictionLaw
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.travels.model import (
     TravelModel,
     Trial,
@@ -13,7 +14,6 @@ from stickslip.identification.travels.model import (
     trials_of,
     under_cycles,
 )
-from stickslip.identification.travels.precompile import compile_for
 from stickslip.identification.travels.result import TravelFit
 from stickslip.identification.travels.several_travels import fit_several
 from stickslip.identification.travels.single_travel import fit_one
@@ -25,8 +25,11 @@ from stickslip.identification.travels.start_values import (
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
+from stickslip.solver import Progress, is_writable, prepare, warm_up
 
-__all__ = ["check_rest", "fit_travels", "fit_trials", "payable"]
+__all__ = ["check_rest", "compile_for", "fit_travels", "fit_trials", "payable"]
+
+LOG = logging.getLogger("stickslip")
 
 TOLD = ("level", "slope")
 """Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
@@ -159,12 +162,12 @@ def fit_trials(
     return fit_several(model, trials, starts)
 
 
-def check_rest(found: TravelFit, t_end: float) -> None:
+def check_rest(fit: TravelFit, t_end: float) -> None:
     """Refuse a fit to travels to rest with whose law the body still moves at ``t_end``.
 
     Parameters
     ----------
-    found : TravelFit
+    fit : TravelFit
         Fit whose law and trials are run.
     t_end : float
         Time after which a body counts as stopped [s].
@@ -174,8 +177,8 @@ def check_rest(found: TravelFit, t_end: float) -> None:
     ConvergenceError
         If a body whose travel to rest was measured still moves at ``t_end``.
     """
-    errors, _ = standard_errors(found.trials)
-    TravelModel(found.law, (), t_end).check_rest(found.trials, (), errors)
+    errors, _ = standard_errors(fit.trials)
+    TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), errors)
 
 
 def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = ()) -> list[str]:
@@ -220,3 +223,34 @@ def _path(law: FrictionLaw, name: str) -> str:
     if full not in paths:
         raise UnknownNameError(f"parameter of {type(law).__name__}", name, paths)
     return full
+
+
+def compile_for(
+    trials: Sequence[Trial], laws: Iterable[FrictionLaw], *, progress: Progress | None = None
+) -> None:
+    """Compile the laws whose fit to trials takes so many slow runs that it is worth the wait.
+
+    These are the laws with bristles, if there are several trials, and all laws if the trials are
+    of many cycles.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Trials, whose mechanisms are compiled with the laws.
+    laws : iterable of FrictionLaw
+        Laws to fit.
+    progress : callable, optional
+        Called with the number of modules done and of all to compile, and the pair in work.
+    """
+    cycles = under_cycles(trials)
+    slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]
+    if len(trials) < 2 or not slow:
+        return
+    pairs = [(trial.mechanism, law) for law in slow for trial in trials]
+    if len(slow) > 1 and is_writable():  # for a single law a process would win nothing
+        try:
+            warm_up(pairs, ensembles=False, progress=progress)
+        except CompilationError as error:
+            LOG.warning("%s; going on without processes", error)
+    for mechanism, law in pairs:
+        prepare(mechanism, law)

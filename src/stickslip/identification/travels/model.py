@@ -204,7 +204,7 @@ def uncertainties_of(
     mechanism : Mechanism
         What was measured; records may override its parameters.
     measurement : Measurement
-        Records with uncertainties of the mechanism's parameters, `Measurement.doubts`.
+        Records with `Measurement.parameter_uncertainties`, those of the mechanism.
 
     Returns
     -------
@@ -221,17 +221,20 @@ def uncertainties_of(
     >>> from stickslip import SpringBlock
     >>> rig = SpringBlock(mass=1.0, stiffness=100.0)
     >>> trials = [Measurement(travel=s, overrides={"mechanism.compression": s}) for s in (0.1, 0.2)]
-    >>> both = Measurement(trials=tuple(trials), doubts={"compression": 1e-3, "mass": 0.01})
+    >>> both = Measurement(
+    ...     trials=tuple(trials), parameter_uncertainties={"compression": 1e-3, "mass": 0.01}
+    ... )
     >>> uncertainties_of(rig, both)[0]
     ({'mechanism.compression': 0.001}, {'mechanism.mass': 0.01})
     """
     records = measurement.records()
-    common = _doubts(mechanism, measurement.doubts) if measurement.trials else {}
+    common = _doubts(mechanism, measurement.parameter_uncertainties) if measurement.trials else {}
     anew = {path for record in records for path in record.overrides}
     by_hand = {path: one for path, one in common.items() if path in anew}
     found = []
     for record in records:
-        own = {**by_hand, **_doubts(vary(mechanism, "mechanism", record.overrides), record.doubts)}
+        varied = vary(mechanism, "mechanism", record.overrides)
+        own = {**by_hand, **_doubts(varied, record.parameter_uncertainties)}
         shared = {path: one for path, one in common.items() if path not in own}
         found.append((own, shared))
     return found
@@ -251,7 +254,7 @@ def _doubts(mechanism: Mechanism, given: Mapping[str, float]) -> dict[str, float
         try:
             check_uncertainty(doubt, value, quantity)
         except ParameterError as error:
-            raise ParameterError(f"doubts: {path} {error}") from None
+            raise ParameterError(f"parameter_uncertainties: {path} {error}") from None
     return found
 
 

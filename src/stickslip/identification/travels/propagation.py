@@ -8,16 +8,15 @@ from typing import TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.identification.results import READINGS
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["READINGS", "Propagated", "agreeing_scale", "covariance_of", "propagated", "span_of"]
+__all__ = ["Propagated", "agreeing_scale", "covariance_of", "propagated", "span_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
-READINGS = "readings"
-"""What the readings themselves are called among the sources of an estimate's uncertainty."""
 STEP = 1e-3
 """Half the span of a central difference over the value: runs are exact to 1e-8, so that neither
 their error nor the curvature changes the fourth digit of an uncertainty."""

@@ -3,19 +3,24 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import plots
 from stickslip.experiments import LawEstimates, levels_at
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.travels.model import Trial
 from stickslip.identification.travels.propagation import agreeing_scale, covariance_of
+from stickslip.mechanisms import Mechanism
 from stickslip.simulation import simulate
+
+if TYPE_CHECKING:
+    from stickslip.display import Drawing, Target
 
 __all__ = ["TravelFit", "variance_of"]
 
@@ -111,6 +116,20 @@ class TravelFit(Fit[Law_co]):
     """Of the estimates (p, p); 0 with what the travels do not tell."""
     trials: tuple[Trial, ...] = ()
     """What was fitted."""
+
+    @property
+    @override
+    def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
+        return [(one.mechanism, {**one.shared, **one.doubts}) for one in self.trials]
+
+    @property
+    @override
+    def readings(self) -> str:
+        return "the readings" if len(self.trials) > 1 else "the reading"
+
+    @override
+    def _plot(self, ax: "Target") -> "Drawing":
+        return cast("Drawing", plots().plot_travel_residuals(self, ax))
 
     @override
     def law_estimates(self) -> LawEstimates:

@@ -81,7 +81,7 @@ def fit_several(
     problem = _Problem(model, trials)
     points = starting_points(model, trials) if starts is None else list(starts)
     tried = sorted(
-        (problem.cost(problem.unknowns(point)), index, problem.unknowns(point))
+        (problem.cost(problem.free_parameters(point)), index, problem.free_parameters(point))
         for index, point in enumerate(points)
     )
     cost, _, best = tried[0]
@@ -123,7 +123,7 @@ def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[f
     measured = model.travels(trials, values)
     pairs = zip(trials, measured.tolist(), strict=True)
     problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])
-    best = problem.unknowns(values)
+    best = problem.free_parameters(values)
     problem.weighed(best)
     return problem.fit(best)
 
@@ -167,20 +167,20 @@ class _Problem:
         self.least = self.low + np.where(above, 1e-3 * self.scale, 0.0)
         self._seen: dict[tuple[float, ...], Array] = {}
 
-    def unknowns(self, values: Sequence[float]) -> Array:
+    def free_parameters(self, values: Sequence[float]) -> Array:
         """Return the unknowns for values of the parameters, just inside their bounds."""
         found = np.linalg.solve(self.matrix, np.asarray(values, dtype=float))
         clipped: Array = np.clip(found, self.least, self.high)
         return clipped
 
-    def weighed(self, unknowns: Array) -> bool:
+    def weighed(self, free_parameters: Array) -> bool:
         """Weigh residuals by what the mechanism's uncertainties make of them; False without any."""
         if not any((*trial.doubts, *trial.shared) for trial in self.trials):
             return False
-        values = (self.matrix @ unknowns).tolist()
+        values = (self.matrix @ free_parameters).tolist()
         self.spread = self.weights = propagated(self.model, self.trials, values)
         self._whiten()
-        left = self.measured - self.predicted(unknowns)
+        left = self.measured - self.predicted(free_parameters)
         freedom = len(left) - len(values)
         whole = float(np.sum((self.whitening @ left) ** 2))
         self.relative = (
@@ -209,36 +209,36 @@ class _Problem:
         """Return the covariance of the travels (n, n) as residuals are weighed, up to a factor."""
         return covariance_of(self.weights.scatter(self.readings), self.weights.shared)
 
-    def predicted(self, unknowns: Array) -> Array:
+    def predicted(self, free_parameters: Array) -> Array:
         """Return the travels [m] (n,); NaN where a run cannot be made."""
-        key = tuple(unknowns.tolist())
+        key = tuple(free_parameters.tolist())
         if key not in self._seen:
-            values = (self.matrix @ unknowns).tolist()
+            values = (self.matrix @ free_parameters).tolist()
             try:
                 self._seen[key] = self.model.travels(self.trials, values)
             except (SimulationError, ParameterError):
                 self._seen[key] = np.full(len(self.trials), math.nan)
         return self._seen[key]
 
-    def residuals(self, unknowns: Array) -> Array:
+    def residuals(self, free_parameters: Array) -> Array:
         """Return measured less predicted travels, whitened (n,)."""
-        left = self.measured - self.predicted(unknowns)
+        left = self.measured - self.predicted(free_parameters)
         if not np.all(np.isfinite(left)):
             return np.full(len(self.trials), FAILED)
         return np.asarray(self.whitening @ left)
 
-    def cost(self, unknowns: Array) -> float:
-        return float(np.sum(self.residuals(unknowns) ** 2))
+    def cost(self, free_parameters: Array) -> float:
+        return float(np.sum(self.residuals(free_parameters) ** 2))
 
-    def jacobian(self, unknowns: Array) -> Array:
+    def jacobian(self, free_parameters: Array) -> Array:
         """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
-        base = self.residuals(unknowns)
+        base = self.residuals(free_parameters)
         columns = []
-        for i, scale in enumerate(np.maximum(np.abs(unknowns), 0.1 * self.scale)):
-            moved = unknowns.copy()
-            side = 1.0 if unknowns[i] + STEP * scale <= self.high[i] else -1.0
+        for i, scale in enumerate(np.maximum(np.abs(free_parameters), 0.1 * self.scale)):
+            moved = free_parameters.copy()
+            side = 1.0 if free_parameters[i] + STEP * scale <= self.high[i] else -1.0
             moved[i] += side * STEP * scale
-            columns.append((self.residuals(moved) - base) / (moved[i] - unknowns[i]))
+            columns.append((self.residuals(moved) - base) / (moved[i] - free_parameters[i]))
         return np.stack(columns, axis=1)
 
     def polished(self, start: Array, steps: int) -> Array:

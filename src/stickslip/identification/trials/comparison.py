@@ -13,7 +13,7 @@ from stickslip.display import InPanels, Summary, summary_of_table
 from stickslip.errors import ConvergenceError, InputError, SimulationError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw, law_type
-from stickslip.identification.estimates import bounds_met, estimates_of
+from stickslip.identification.estimation.estimates import bounds_met, estimates_of
 from stickslip.identification.estimation.jackknife import Displaced, infer, quantile_of
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.problem import (
@@ -25,7 +25,7 @@ from stickslip.identification.features.features import by_features
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.fitting import fit_records
 from stickslip.identification.records.route_choice import RouteName
-from stickslip.identification.records.settings import RecordSettings
+from stickslip.identification.settings import RecordSettings
 from stickslip.identification.trials.condition_lines import ConditionLine, line_over
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity, homogeneity, rows_of
@@ -290,10 +290,10 @@ def comparison_of(joint: RecordFit) -> TrialComparison:
         If there is one trial only, or nothing of the law was fitted.
     """
     _refuse(joint.measurement)
-    own = [i for i, path in enumerate(joint.unknowns.paths) if path.startswith(LAW)]
+    own = [i for i, path in enumerate(joint.free_parameters.paths) if path.startswith(LAW)]
     if not own:
         raise InputError("trials cannot be compared by a law without fitted parameters.")
-    best, spans = joint.found.best, joint.problem.spans
+    best, spans = joint.optimum.best, joint.problem.spans
     record_of = spans[:, 0].astype(int)
     records = joint.measurement.records()
     trials, failed = [], {}
@@ -328,18 +328,18 @@ def _alone(
 ) -> TrialEstimates:
     """Fit the law to one trial, from the joint optimum; all else is kept."""
     problem: SubsetProblem | FixedParameterProblem = SubsetProblem(
-        joint.problem, segments.tolist(), joint.found.best
+        joint.problem, segments.tolist(), joint.optimum.best
     )
-    for i in reversed(range(len(joint.unknowns))):
+    for i in reversed(range(len(joint.free_parameters))):
         if i not in own:
             # a part of a problem answers to what is asked of all of it here
             problem = FixedParameterProblem(problem, i, float(joint.values[i]))  # type: ignore[arg-type]
     end, _ = improve(problem, joint.values[list(own)])
-    unknowns = problem.unknowns
-    bounds = bounds_met(unknowns, end.values)
-    rows = np.isin(joint.found.best.segment, segments)
+    free_parameters = problem.free_parameters
+    bounds = bounds_met(free_parameters, end.values)
+    rows = np.isin(joint.optimum.best.segment, segments)
     moved = [one.of(rows) for one in joint.displaced]
-    inference = infer(end, scale_of(unknowns, end.values, bounds), displaced=moved)
+    inference = infer(end, scale_of(free_parameters, end.values, bounds), displaced=moved)
     alone = {one.path for one in moved if not one.shared}
     # what all trials share moves them together, which no difference between them shows
     apart = replace(
@@ -347,8 +347,10 @@ def _alone(
     )
     known = {one.path: one for one in joint.estimates}
     told = replace(
-        unknowns,
-        items=tuple(replace(item, quantity=known[item.path].quantity) for item in unknowns.items),
+        free_parameters,
+        items=tuple(
+            replace(item, quantity=known[item.path].quantity) for item in free_parameters.items
+        ),
     )
     estimates = estimates_of(told, end, inference, bounds)
     errors = [
@@ -361,7 +363,9 @@ def _alone(
         number=number,
         conditions=joint.measurement.records()[number].conditions,
         law=vary(
-            joint.law, "friction", dict(zip(unknowns.paths, end.values.tolist(), strict=True))
+            joint.law,
+            "friction",
+            dict(zip(free_parameters.paths, end.values.tolist(), strict=True)),
         ),
         estimates=estimates,
         errors=tuple(errors),

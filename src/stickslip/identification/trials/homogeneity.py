@@ -43,12 +43,12 @@ class Homogeneity:
     """Degrees of freedom of the F distribution."""
 
 
-def rows_of(seen: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian:
+def rows_of(jacobian: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian:
     """Return some rows of linearised residuals.
 
     Parameters
     ----------
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian with n rows.
     rows : array of bool (n,)
         Which rows are kept.
@@ -70,17 +70,17 @@ def rows_of(seen: ResidualJacobian, rows: NDArray[np.bool_]) -> ResidualJacobian
     [0.0, 1.0]
     """
     return ResidualJacobian(
-        values=seen.values,
-        residual=seen.residual[rows],
-        slopes=seen.slopes[rows],
-        segment=seen.segment[rows],
+        values=jacobian.values,
+        residual=jacobian.residual[rows],
+        slopes=jacobian.slopes[rows],
+        segment=jacobian.segment[rows],
     )
 
 
 def homogeneity(
     trials: Sequence[ResidualJacobian],
     scale: Array,
-    own: Sequence[int],
+    separate: Sequence[int],
     displaced: Sequence[Sequence[Displaced]] = (),
 ) -> Homogeneity:
     """Test whether trials share the values of some unknowns.
@@ -91,7 +91,7 @@ def homogeneity(
         The residuals of each trial at the joint optimum, rows in the order of time.
     scale : array (p, p)
         Derivatives of the values by what the optimiser sees; rows that are free of bounds.
-    own : sequence of int
+    separate : sequence of int
         Which of these each trial may have values of its own for; all trials share the others.
     displaced : sequence of sequence of Displaced
         What the uncertainties of the mechanism make of each trial, in one order; none if not given.
@@ -117,9 +117,9 @@ def homogeneity(
     (True, True)
     """
     width = len(scale)
-    shared = [i for i in range(width) if i not in own]
-    places = _places(len(trials), own, shared)
-    size = len(trials) * len(own) + len(shared)
+    shared = [i for i in range(width) if i not in separate]
+    places = _places(len(trials), separate, shared)
+    size = len(trials) * len(separate) + len(shared)
     normal, score = np.zeros((size, size)), np.zeros(size)
     gathered = np.zeros((size, width))
     scatters, freedoms = [], []

@@ -18,12 +18,12 @@ def in_words(number: int) -> str:
     return NUMBERS[number] if number < len(NUMBERS) else str(number)
 
 
-def travel_axis(found: PaperAudit, caption: str) -> Axis:
+def travel_axis(audit: PaperAudit, caption: str) -> Axis:
     """Return the travel axis of the tables, with the measured travel as its line.
 
     Parameters
     ----------
-    found : PaperAudit
+    audit : PaperAudit
         The audit, which has the measured travel.
     caption : str
         What the marks are.
@@ -37,6 +37,6 @@ def travel_axis(found: PaperAudit, caption: str) -> Axis:
         low=0.0,
         high=0.5,
         ticks=(0.0, 0.1, 0.2, 0.3, 0.4, 0.5),
-        reference=found.measured,
+        reference=audit.measured,
         caption=caption,
     )

@@ -157,7 +157,7 @@ def plot_limit_cycle(
     check_type("run", run, Trajectory, ClosedLoop)
     slip, rate = motion_names(run, slip, rate)
     cycle = limit_cycle(run, rate)
-    if not cycle.found:
+    if not cycle.is_limit_cycle:
         how = "fewer than three cycles" if cycle.kind == "none" else f"a {cycle.kind} motion"
         raise InputError(
             f"{rate} has no limit cycle: the second half of the run has {how}; plot_run shows it."

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import scale_of
-from stickslip.identification import ForceMap, RecordFit, inverse_dynamics, load_of
+from stickslip.identification import RecordFit, inverse_dynamics, load_of
 from stickslip.plots.selection.residuals import ErrorSeries, ResidualPanel
 from stickslip.selection import RecordCandidate, RecordVerdict
 
@@ -22,7 +22,6 @@ __all__ = [
     "errors_of",
     "is_timed",
     "map_points",
-    "offset_of",
     "panel_of",
     "residual_panels",
     "rows_of",
@@ -143,33 +142,22 @@ def is_timed(fit: RecordFit) -> bool:
     return all(record.time is not None for record in fit.measurement.records())
 
 
-def offset_of(fit: RecordFit) -> float:
-    """Return the constant force that stands beside friction in a fit [N]."""
-    for estimate in fit.estimates:
-        if estimate.path in {"mechanism.offset", "measurement.offset.friction"}:
-            return estimate.value
-    if isinstance(fit.problem, ForceMap):
-        return float(fit.problem.offset)
-    return float(getattr(fit.mechanism, "offset", 0.0))
-
-
 def map_points(fit: RecordFit) -> MapPoints | None:
     """Return friction against velocity, measured or by inverse dynamics; None if neither can be."""
-    if isinstance(fit.problem, ForceMap):
-        stretches = fit.problem.stretches
-        load = np.concatenate([one.path.load for one in stretches])
+    if stretches := fit.problem.samples:
+        load = np.concatenate([one.load for one in stretches])
         middle = float(np.median(load))
         return MapPoints(
-            velocity=np.concatenate([one.path.velocity for one in stretches]),
+            velocity=np.concatenate([one.velocity for one in stretches]),
             friction=np.concatenate([one.friction for one in stretches]),
             load=middle,
             load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
             measured=True,
             trend=np.concatenate(
                 [
-                    trend_of(one.path.time, one.path.velocity)
-                    if one.timed
-                    else np.zeros(len(one.friction))
+                    np.zeros(len(one.friction))
+                    if one.time is None
+                    else trend_of(one.time, one.velocity)
                     for one in stretches
                 ]
             ),
@@ -249,10 +237,9 @@ def speeds_of(fit: RecordFit, record: Measurement) -> tuple[Array, Array] | None
 
 def rows_of(fit: RecordFit) -> Rows:
     """Return the residuals of a fit with times, velocities and positions."""
-    problem, seen = fit.problem, fit.found.best
+    problem, seen = fit.problem, fit.optimum.best
     if not is_timed(fit):
-        assert isinstance(problem, ForceMap)
-        velocity = np.concatenate([one.path.velocity for one in problem.stretches])
+        velocity = np.concatenate([one.velocity for one in problem.samples])
         return Rows(None, velocity, None, seen.residual)
     record = problem.spans[seen.segment, 0].astype(int)
     t, shift = problem.times, _shifts(problem.spans)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,22 +18,24 @@ from stickslip.plots.laws.friction_map import MAP_SIZES, MapLaw, draw_friction_m
 from stickslip.plots.selection.fit_data import (
     MapPoints,
     map_points,
-    offset_of,
     residual_panels,
     sampled,
 )
 from stickslip.plots.selection.intervals import INTERVAL_SIZE, Interval, draw_intervals
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes
-from stickslip.plots.selection.separation import plot_separation
-from stickslip.selection import (
-    FeatureVerdict,
-    RateStateVerdict,
-    RecordVerdict,
-    TravelVerdict,
-    Verdict,
-)
+from stickslip.selection import Verdict
 
-__all__ = ["draw_fitted_map", "plot_fit", "plot_friction_map", "plot_residuals", "plot_verdict"]
+__all__ = [
+    "draw_fitted_map",
+    "plot_coefficient",
+    "plot_feature_errors",
+    "plot_fit",
+    "plot_friction_map",
+    "plot_residuals",
+    "plot_scores",
+    "plot_travel_residuals",
+    "plot_verdict",
+]
 
 
 def draw_fitted_map(
@@ -60,7 +63,7 @@ def draw_fitted_map(
     return draw_friction_map(
         points.velocity[shown],
         points.friction[shown],
-        {title: MapLaw(fit.law, offset_of(fit)) for title, fit in fits.items()},
+        {title: MapLaw(fit.law, fit.offset) for title, fit in fits.items()},
         points.load,
         chosen=chosen,
         trend=points.trend[shown],
@@ -159,13 +162,14 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     return on_panels(draw, ax, residual_sizes(len(panels))["wide"])
 
 
-def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
+def plot_fit(fit: Fit[Any], ax: Target = None) -> Axes:
     """Plot a fit beside what was measured.
 
     Parameters
     ----------
     fit : Fit
-        A fit to records, travels, features or velocity steps.
+        A fit to records, travels, features or velocity steps, or one of another package whose class
+        has a plot.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
 
@@ -179,7 +183,7 @@ def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
     Raises
     ------
     InputError
-        If `fit` is of another type, or friction cannot be read off the record.
+        If `fit` is no fit, its class has no plot, or friction cannot be read off the record.
 
     Examples
     --------
@@ -190,27 +194,68 @@ def plot_fit(fit: Fit | RateStateFit, ax: Target = None) -> Axes:
     >>> plot_fit(fit(rig, Coulomb, reading), Figure()).get_xlabel()
     'measured minus predicted travel, mm'
     """
-    check_type("fit", fit, RecordFit, TravelFit, FeatureFit, RateStateFit)
-    if isinstance(fit, RateStateFit):
-        return on_axes(_draw_coefficient(fit), ax, MAP_SIZES["wide"])
-    if isinstance(fit, RecordFit):
-        return plot_friction_map(fit, ax)
-    if isinstance(fit, TravelFit):
-        errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
-        pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
-        rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
-        draw = draw_intervals(rows, "measured minus predicted travel", "mm")
-    else:
-        assert isinstance(fit, FeatureFit)
-        kind = "held-out" if fit.held_out_errors else "fitted"
-        found = fit.held_out_errors or fit.errors
-        rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
-        draw = draw_intervals(rows, f"relative error, {kind}", "1")
+    check_type("fit", fit, Fit)
+    return fit.plot(ax)
+
+
+def plot_travel_residuals(fit: TravelFit, ax: Target = None) -> Axes:
+    """Plot measured less predicted travel, by trial.
+
+    Parameters
+    ----------
+    fit : TravelFit
+        A fit to travels.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
+    errors = fit.standard_errors or (math.nan,) * len(fit.residuals)
+    pairs = enumerate(zip(fit.residuals, errors, strict=True), 1)
+    rows = [Interval(f"trial {i}", 1e3 * value, 1e3 * error) for i, (value, error) in pairs]
+    draw = draw_intervals(rows, "measured minus predicted travel", "mm")
     return on_axes(draw, ax, INTERVAL_SIZE)
 
 
-def _draw_coefficient(fit: RateStateFit) -> Draw:
-    """Return a drawing of the coefficient of friction over time, measured and fitted."""
+def plot_feature_errors(fit: FeatureFit, ax: Target = None) -> Axes:
+    """Plot relative errors of the features of stick-slip, held out where they can be.
+
+    Parameters
+    ----------
+    fit : FeatureFit
+        A fit to features of stick-slip.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
+    kind = "held-out" if fit.held_out_errors else "fitted"
+    found = fit.held_out_errors or fit.errors
+    rows = [Interval(name.replace("_", " "), error) for name, error in found.items()]
+    return on_axes(draw_intervals(rows, f"relative error, {kind}", "1"), ax, INTERVAL_SIZE)
+
+
+def plot_coefficient(fit: RateStateFit, ax: Target = None) -> Axes:
+    """Plot the coefficient of friction over time, measured and fitted.
+
+    Parameters
+    ----------
+    fit : RateStateFit
+        A fit to velocity steps.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel.
+    """
     shown = sampled(len(fit.time))
 
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
@@ -224,7 +269,7 @@ def _draw_coefficient(fit: RateStateFit) -> Draw:
         axes.set_ylabel("coefficient of friction")
         axes.legend()
 
-    return draw
+    return on_axes(draw, ax, MAP_SIZES["wide"])
 
 
 def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
@@ -240,13 +285,13 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     Returns
     -------
     matplotlib.axes.Axes
-        Held-out errors with their standard errors, the law to use in blue. Where nothing is
-        ranked, what laws predict at other settings, as `plot_separation`.
+        Held-out errors with their standard errors, the law to use in blue. Where travels rank
+        nothing, what laws predict at other settings, as `plot_separation`.
 
     Raises
     ------
     InputError
-        If `verdict` is of another type, or has neither.
+        If `verdict` is no verdict, or has neither.
 
     Examples
     --------
@@ -259,22 +304,42 @@ def plot_verdict(verdict: Verdict, ax: Target = None) -> Axes:
     >>> plot_verdict(verdict, Figure()).get_xlabel()
     'held-out error, N'
     """
-    known = (TravelVerdict, RecordVerdict, FeatureVerdict, RateStateVerdict)
-    check_type("verdict", verdict, *known)
-    assert isinstance(verdict, known)
+    check_type("verdict", verdict, Verdict)
+    return verdict.plot(ax)
+
+
+def plot_scores(verdict: Verdict, ax: Target = None) -> Axes:
+    """Plot held-out errors of the laws that have one.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        What `select` returns, on any route.
+    ax : Axes, Figure or SubFigure, optional
+        Where; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The panel, the law to use in blue.
+
+    Raises
+    ------
+    InputError
+        If no law has one.
+    """
     best = verdict.best.name if verdict.best else ""
     rows = [
-        Interval(one.title, one.score, _or_nan(one.score_error), one.name == best)
-        for one in verdict.candidates
-        if one.score is not None and math.isfinite(one.score)
+        Interval(
+            one.title,
+            one.score,
+            math.nan if one.score_error is None else one.score_error,
+            one.name == best,
+        )
+        for one in verdict.scored
+        if one.score is not None
     ]
-    if not rows and isinstance(verdict, TravelVerdict):
-        return plot_separation(verdict, ax)
     if not rows:
         raise InputError(f"no law has a held-out error to plot. {verdict.words.no_score}".strip())
     rows.sort(key=lambda row: row.value)
     return on_axes(draw_intervals(rows, "held-out error", verdict.score_unit), ax, INTERVAL_SIZE)
-
-
-def _or_nan(value: float | None) -> float:
-    return math.nan if value is None else value

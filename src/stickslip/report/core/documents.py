@@ -1,10 +1,10 @@
 """The frame of a report: a page, its sections, and the opening with the verdict."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar, Final, TypeAlias, final
+from typing import ClassVar, Final, Generic, TypeAlias, TypeVar, final
 
 from stickslip.errors import InputError
 from stickslip.report.core.blocks import Block, Fact, Note, at_most_three
@@ -15,6 +15,7 @@ __all__ = [
     "Opening",
     "Origin",
     "Page",
+    "PageSections",
     "Section",
     "SectionMaker",
     "failed_section",
@@ -228,6 +229,43 @@ class Origin:
 
 SectionMaker: TypeAlias = partial[Section] | partial[Section | None]
 """A function ``..._section`` with its arguments."""
+V = TypeVar("V")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PageSections(Generic[V]):
+    """The sections of the page of one kind of verdict, in the order in which a reader decides."""
+
+    opening: Callable[[V, str, str], Section]
+    """Made of the verdict, the data in one line, and a remark."""
+    middle: Sequence[Callable[[V], Section | None]]
+    """Made of the verdict alone; None where there is nothing to show."""
+    reproduce: Callable[[V, Origin], Section]
+    """How to make the verdict again."""
+
+    def __call__(self, verdict: V, origin: Origin, remark: str = "") -> tuple[SectionMaker, ...]:
+        """Return what makes the sections of a page.
+
+        Parameters
+        ----------
+        verdict : Verdict
+            What `stickslip.select` gave; every number of the page is computed from it.
+        origin : Origin
+            Where it is from.
+        remark : str
+            A sentence of one's own, at the end of the lede.
+
+        Returns
+        -------
+        tuple of callable
+            Functions without arguments, each of which makes a section.
+        """
+        return (
+            partial(self.opening, verdict, origin.data, remark),
+            *(partial(one, verdict) for one in self.middle),
+            partial(self.reproduce, verdict, origin),
+        )
 
 
 def made_sections(*parts: Section | SectionMaker) -> tuple[Section, ...]:

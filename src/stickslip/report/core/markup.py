@@ -2,6 +2,7 @@
 
 import html
 import re
+from collections.abc import Iterable
 from types import MappingProxyType
 from typing import Final
 from xml.etree import ElementTree
@@ -10,8 +11,18 @@ from markupsafe import Markup, escape
 
 from stickslip.errors import InputError
 from stickslip.formatting import unbroken
+from stickslip.identification import Estimate
 
-__all__ = ["equation_parts", "inline", "mathml", "plain", "symbol", "symbol_text"]
+__all__ = [
+    "equation_parts",
+    "inline",
+    "label_of",
+    "mathml",
+    "plain",
+    "symbol",
+    "symbol_text",
+    "typeset",
+]
 
 _GREEK: Final = MappingProxyType(
     {"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ"}
@@ -317,3 +328,40 @@ def _plain_token(match: re.Match[str]) -> str:
     if kind in ("sub", "sup"):
         return (lowered if kind == "sub" else raised)("", content)
     return plain(content) if kind == "bold" else content
+
+
+def typeset(text: str, symbols: Iterable[str]) -> str:
+    """Return text whose symbols stand between dollar signs, which the page typesets.
+
+    Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
+
+    Parameters
+    ----------
+    text : str
+        Text with plain symbols.
+    symbols : iterable of str
+        Symbols to typeset.
+
+    Returns
+    -------
+    str
+        The text, with symbols between dollar signs.
+
+    Examples
+    --------
+    >>> typeset("mu_- and sigma_- trade off (-0.98).", ["mu_-", "sigma_-", "J"])
+    '$mu_-$ and $sigma_-$ trade off (−0.98).'
+    """
+    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text)
+    for name in sorted((s for s in symbols if "_" in s), key=len, reverse=True):
+        text = re.sub(rf"(?<![\w$]){re.escape(name)}(?![\w$+-])", lambda m: f"${m[0]}$", text)
+    return text
+
+
+def label_of(estimate: Estimate) -> str:
+    """Return a parameter in words with its symbol."""
+    if estimate.path == "measurement.offset.friction":
+        name = "Offset of the force sensor"
+    else:
+        name = estimate.path.rpartition(".")[2].replace("_", " ").capitalize()
+    return f"{name} ${estimate.quantity.symbol}$"

@@ -6,6 +6,7 @@ from stickslip.formatting import estimate_text, in_words, number, percent, quant
 from stickslip.identification import COMPARED, QUANTILE, FeatureFit
 from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.features.texts import (
@@ -14,7 +15,6 @@ from stickslip.report.features.texts import (
     symbols_of,
     typeset_lines,
 )
-from stickslip.report.records.texts import label_of, typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict, share_parts
 
 __all__ = ["parameters_section", "scores_section"]

@@ -6,8 +6,8 @@ from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
+from stickslip.report.core.markup import label_of
 from stickslip.report.features.texts import typeset_lines
-from stickslip.report.records.texts import label_of
 from stickslip.selection import FeatureVerdict, share_parts, share_text
 
 __all__ = ["opening_section"]

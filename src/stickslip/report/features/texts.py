@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from stickslip.identification import COMPARED
-from stickslip.report.records.texts import typeset
+from stickslip.report.core.markup import typeset
 from stickslip.selection import FeatureCandidate, FeatureVerdict
 
 __all__ = ["UNITS", "label", "symbols_of", "typeset_lines"]

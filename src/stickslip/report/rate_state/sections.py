@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -44,11 +43,11 @@ from stickslip.report.core.blocks import (
     Subheading,
 )
 from stickslip.report.core.checks import check_items
-from stickslip.report.core.documents import LawLine, Opening, Origin, Section, SectionMaker
+from stickslip.report.core.documents import LawLine, Opening, Origin, PageSections, Section
+from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.sparklines import error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import label_of, typeset
 from stickslip.selection import RateStateCandidate, RateStateVerdict, score_text
 
 __all__ = ["rate_state_sections"]
@@ -58,37 +57,6 @@ MILLI: Final = Scale(1e3, "10⁻³")
 """Errors of coefficients in figures."""
 BEFORE, AFTER = 0.5, 8.0
 """Way of the load point about a step that the close view shows, in that over which it settles."""
-
-
-def rate_state_sections(
-    verdict: RateStateVerdict, origin: Origin, remark: str = ""
-) -> tuple[SectionMaker, ...]:
-    """Return what makes the sections of a page, in the order in which a reader decides.
-
-    Parameters
-    ----------
-    verdict : RateStateVerdict
-        What `stickslip.select` gave; every number of the page is computed from it.
-    origin : Origin
-        Where it is from.
-    remark : str
-        A sentence of one's own, at the end of the lede.
-
-    Returns
-    -------
-    tuple of callable
-        Functions without arguments, each of which makes a section.
-    """
-    return (
-        partial(opening_section, verdict, origin.data, remark),
-        partial(friction_section, verdict),
-        partial(scores_section, verdict),
-        partial(parameters_section, verdict),
-        partial(residuals_section, verdict),
-        partial(record_section, verdict),
-        partial(next_section, verdict),
-        partial(reproduce_section, verdict, origin),
-    )
 
 
 def opening_section(verdict: RateStateVerdict, kicker: str, remark: str = "") -> Section:
@@ -538,3 +506,18 @@ def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
     laws = {c.law.formula: c.law for c in verdict.candidates if c.law is not None}
     references = law_references([one for one in laws.values() if one.evolution != "none"], {})
     return reproduce(origin, code=[(text, note)], items=items, references=references)
+
+
+rate_state_sections = PageSections[RateStateVerdict](
+    opening=opening_section,
+    middle=(
+        friction_section,
+        scores_section,
+        parameters_section,
+        residuals_section,
+        record_section,
+        next_section,
+    ),
+    reproduce=reproduce_section,
+)
+"""Makes the sections of a page, in the order in which a reader decides."""

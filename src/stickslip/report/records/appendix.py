@@ -10,11 +10,9 @@ from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, spee
 from stickslip.report.core.blocks import Block, Figure, KeyValues
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import typeset
 from stickslip.report.core.tables import Column, Number, Row, Table
-from stickslip.report.records.texts import (
-    symbols_of,
-    typeset,
-)
+from stickslip.report.records.texts import symbols_of
 from stickslip.selection import Experiment, RecordCandidate, RecordVerdict, score_text
 
 __all__ = ["dropped_section", "next_section", "record_section"]

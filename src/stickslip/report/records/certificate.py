@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
-from stickslip.identification import SEPARABLE, RecordFit, Shooting
+from stickslip.identification import SEPARABLE, RecordFit
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.records.scores import picks_text
@@ -54,7 +54,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
 
 def _search(fit: RecordFit) -> list[KeyValue]:
     """Return how the least residual was found."""
-    found, restarts = fit.found, fit.restarts
+    found, restarts = fit.optimum, fit.restarts
     agreeing = restarts.agreeing
     text = restarts_text(fit)
     if agreeing < len(restarts.costs):
@@ -86,9 +86,7 @@ def _worst(costs: Sequence[float]) -> str:
 
 def _runs(fit: RecordFit) -> list[KeyValue]:
     """Return what the runs of the segments say of themselves; nothing where none are simulated."""
-    if not isinstance(fit.problem, Shooting):
-        return []
-    runs = fit.problem.runs(fit.found.best)
+    runs = fit.problem.runs(fit.optimum.best)
     known = [run.certificate for run in runs]
     if not known:
         return []

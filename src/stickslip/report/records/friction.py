@@ -14,7 +14,6 @@ from stickslip.plots import (
     draw_fitted_map,
     inline_svg,
     map_points,
-    offset_of,
     sampled,
 )
 from stickslip.report.core.blocks import Figure
@@ -91,7 +90,7 @@ def _off(fit: RecordFit, points: MapPoints) -> float:
     if not points.measured:
         kept = np.abs(points.velocity) > MIXED * top
     friction = points.friction[kept]
-    gaps = friction - np.interp(points.velocity[kept], v, force) - offset_of(fit)
+    gaps = friction - np.interp(points.velocity[kept], v, force) - fit.offset
     size = float(np.sqrt(np.mean(friction**2))) if len(friction) else 0.0
     return float(np.sqrt(np.mean(gaps**2))) / size if size > 0.0 else 0.0
 

@@ -51,8 +51,8 @@ def loops_section(verdict: RecordVerdict) -> Section | None:
 def _has_loops(fit: RecordFit) -> bool:
     """Whether friction and position were measured in time."""
     record = fit.measurement.records()[0]
-    known = {"position", "friction"} <= set(record.quantities())
-    return known and record.time is not None and fit.route == "force-map"
+    placed = "position" in record.quantities() and record.time is not None
+    return placed and fit.friction_was_measured
 
 
 def _loops(laws: list[RecordCandidate]) -> tuple[list[Loop], int]:

@@ -16,13 +16,10 @@ from stickslip.identification import (
 )
 from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.records.texts import (
-    label_of,
-    symbols_of,
-    typeset,
-)
+from stickslip.report.records.texts import symbols_of
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["parameters_section"]
@@ -165,7 +162,7 @@ def _caption(fit: RecordFit) -> str:
 
 def _together(fit: RecordFit) -> tuple[Block, ...]:
     """Return the triangle of correlations."""
-    count = len(fit.unknowns)
+    count = len(fit.free_parameters)
     table = np.clip(fit.inference.correlation, -1.0, 1.0)
     if count < 2 or count > MOST_CORRELATED or not np.all(np.isfinite(table)):
         return ()
@@ -226,8 +223,8 @@ def _hidden(verdict: RecordVerdict) -> KeyValue | None:
 
 def _undetermined(fit: RecordFit) -> str:
     """Return the path of a step or an exponent of a law that is not settled, "" if all are."""
-    steps = step_intervals(fit.unknowns, fit.found.best, fit.inference)
-    for estimate in fit.estimates[: len(fit.unknowns)]:
+    steps = step_intervals(fit.free_parameters, fit.optimum.best, fit.inference)
+    for estimate in fit.estimates[: len(fit.free_parameters)]:
         is_step = estimate.path in steps and steps[estimate.path][1] <= 0.0
         shapes = estimate.quantity.structural or estimate.path in steps
         if is_step or (shapes and not estimate.bounded):

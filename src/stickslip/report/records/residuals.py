@@ -3,7 +3,7 @@
 import numpy as np
 
 from stickslip.formatting import joined, number, percent, quantity, significant
-from stickslip.identification import ForceMap, RecordFit, has_trend, ljung_box, noise_floor
+from stickslip.identification import RecordFit, has_trend, ljung_box, noise_floor
 from stickslip.plots import (
     ERROR_SIZES,
     ResidualPanel,
@@ -99,7 +99,7 @@ def _residual_figure(
         prefix="residual-figure",
         **residual_sizes(len(panels)),
     )
-    start = "" if verdict.quantity == "friction" else (
+    start = "" if not verdict.simulates else (
         ", each segment of the fit started from its own fitted state"
     )  # fmt: skip
     caption = (
@@ -145,7 +145,7 @@ def _autocorrelation(fit: RecordFit) -> str:
 
 def _share(fit: RecordFit) -> str:
     """Return how much of measured friction a law leaves, in words; nothing on other routes."""
-    if not isinstance(fit.problem, ForceMap):
+    if fit.problem.simulates:
         return ""
     spread = float(np.std(fit.problem.measured))
     share = percent(fit.rms / spread) if spread > 0.0 else ""
@@ -173,7 +173,7 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
     )
     horizon = quantity(verdict.plan.horizon, "s", 2)
     lead = f"segments of {horizon}, each from its own fitted state"
-    if verdict.quantity == "friction":
+    if not verdict.simulates:
         lead = "measured minus predicted friction"
     caption = (
         f"**Prediction errors.** Above: {lead}. Below: each block predicted by a fit without it."

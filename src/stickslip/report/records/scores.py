@@ -6,9 +6,10 @@ from typing import Final
 from stickslip.formatting import Scale, in_words, joined, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
+from stickslip.report.core.markup import typeset
 from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
-from stickslip.report.records.texts import symbols_of, typeset
+from stickslip.report.records.texts import symbols_of
 from stickslip.selection import (
     LEVEL,
     LIKELY,
@@ -124,7 +125,7 @@ def _how(verdict: RecordVerdict) -> str:
         f"The record of {quantity(plan.length, 's')} is divided into {plan.folds} blocks, {gap} on"
         " both sides of each. Every candidate is fitted to the other blocks"
     )
-    if verdict.quantity == "friction":
+    if not verdict.simulates:
         return f"{text} and predicts the friction force in {block}."
     return (
         f"{text} and predicts the {verdict.quantity} in {block}, in segments of"

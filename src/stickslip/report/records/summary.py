@@ -19,17 +19,12 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.identification import Estimate, RecordFit
-from stickslip.plots import map_points, offset_of
+from stickslip.plots import map_points
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
-from stickslip.report.records.texts import (
-    label_of,
-    paired,
-    rival_of,
-    symbols_of,
-    typeset,
-)
+from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.records.texts import paired, rival_of, symbols_of
 from stickslip.selection import (
     RecordVerdict,
     Steady,
@@ -201,7 +196,7 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
             for name, q in fields_of(type(law)).items()
             if getattr(law, name) is not None
         ]
-    offset = offset_of(fit)
+    offset = fit.offset
     if offset:
         text = with_unit(number(offset, 2), fit.measurement.unit("friction"))
         lines.append(LawLine(label="constant force", formula=text))

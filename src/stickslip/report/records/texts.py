@@ -1,20 +1,16 @@
 """Words and numbers that several sections of the report on records share."""
 
 import math
-import re
 from collections.abc import Iterable
 
 import numpy as np
 
-from stickslip.identification import Estimate
 from stickslip.selection import RecordCandidate, RecordVerdict
 
 __all__ = [
-    "label_of",
     "paired",
     "rival_of",
     "symbols_of",
-    "typeset",
 ]
 
 
@@ -54,44 +50,7 @@ def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
     return float(gaps.mean()) / error if error > 0.0 else None
 
 
-def label_of(estimate: Estimate) -> str:
-    """Return a parameter in words with its symbol."""
-    if estimate.path == "measurement.offset.friction":
-        name = "Offset of the force sensor"
-    else:
-        name = estimate.path.rpartition(".")[2].replace("_", " ").capitalize()
-    return f"{name} ${estimate.quantity.symbol}$"
-
-
 def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:
     """Return the symbols with subscripts of all fitted parameters."""
     fits = [c.fit for c in candidates if c.fit]
     return frozenset(e.quantity.symbol for fit in fits for e in fit.estimates)
-
-
-def typeset(text: str, symbols: Iterable[str]) -> str:
-    """Return text whose symbols stand between dollar signs, which the page typesets.
-
-    Minus signs become true ones. A single letter is left alone: it may be a word or a unit.
-
-    Parameters
-    ----------
-    text : str
-        Text with plain symbols.
-    symbols : iterable of str
-        Symbols to typeset.
-
-    Returns
-    -------
-    str
-        The text, with symbols between dollar signs.
-
-    Examples
-    --------
-    >>> typeset("mu_- and sigma_- trade off (-0.98).", ["mu_-", "sigma_-", "J"])
-    '$mu_-$ and $sigma_-$ trade off (−0.98).'
-    """
-    text = re.sub(r"(?<![\w$.])-(?=\d)", "−", text)
-    for name in sorted((s for s in symbols if "_" in s), key=len, reverse=True):
-        text = re.sub(rf"(?<![\w$]){re.escape(name)}(?![\w$+-])", lambda m: f"${m[0]}$", text)
-    return text

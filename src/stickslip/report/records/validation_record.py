@@ -135,7 +135,7 @@ def _figure(verdict: RecordVerdict, record: Measurement, laws: list[RecordCandid
         **piece_sizes(len(pieces)),
     )
     start = "the law along the measured motion"
-    if verdict.quantity != "friction":
+    if verdict.simulates:
         start = f"{quantity(horizon, 's', 2)} simulated from a fitted state"
     several = len(pieces) > 1
     which = (

@@ -108,7 +108,7 @@ def reproduce_section(about: RunReport) -> Section:
     """Return commands, versions, hashes and the sources of the law."""
     references = law_references([about.law], {"paper": ["criteria"]})
     origin = Origin(
-        title=about.rig.title,
+        title=about.rig.heading,
         data="",
         files=about.digests,
         commands=about.commands,

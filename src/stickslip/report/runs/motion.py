@@ -61,7 +61,7 @@ def motion_section(about: RunReport) -> Section:
     until = None
     if len(about.cycles) > MOST_DRAWN:
         until = about.cycles[DRAWN].begin
-    caption += "; yellow: the body sticks." if _sticks(about.run, until=until) else "."
+    caption += f"; yellow: the {about.part} sticks." if _sticks(about.run, until=until) else "."
     if until is not None:
         caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
     if about.band is not None:
@@ -126,8 +126,9 @@ def cycles_section(about: RunReport) -> Section | None:
             prefix="cycles",
             **CYCLE_SIZES,
         ),
-        caption="**All cycles, and the velocity in the last one**, near zero if the body moves back"
-        " in it." + (" Yellow: the body sticks." if _sticks(about.run, last.begin, end) else ""),
+        caption="**All cycles, and the velocity in the last one**, near zero if the"
+        f" {about.part} moves back in it."
+        + (f" Yellow: the {about.part} sticks." if _sticks(about.run, last.begin, end) else ""),
     )
     blocks: list[Block] = [figure, _cycle_table(about)]
     if len(cycles) > FIRST_ROWS + LAST_ROWS:
@@ -141,11 +142,12 @@ def _cycles_heading(about: RunReport) -> str:
         return "The last cycle ends where it began"
     travels = [one.travel for one in about.cycles]
     if len(travels) == 1:
-        return f"The body advances {about.of(travels[0])} in one cycle"
+        return f"The {about.part} advances {about.of(travels[0])} in one cycle"
+    advance = f"The {about.part} advances {about.of(travels[-1])}"
     change = abs(travels[-1] - travels[-2])
     if change <= STEADY * abs(travels[-1]):
-        return f"The body advances {about.of(travels[-1])} per cycle once the motion has settled"
-    return f"The body advances {about.of(travels[-1])} in the last cycle and has not settled"
+        return f"{advance} per cycle once the motion has settled"
+    return f"{advance} in the last cycle and has not settled"
 
 
 def _cycle_table(about: RunReport) -> Table:
@@ -210,7 +212,7 @@ def animation_section(about: RunReport) -> Section | None:
         size=STACKED,
         narrow=PHONE,
     )
-    sticks = "The sliding body is yellow where it sticks; arrows"
+    sticks = f"The {about.part} is yellow where it sticks; arrows"
     said = sticks if _sticks(about.run, until=until) else "Arrows"
     caption = f"**The first {quantity(length, 's')}**, to scale, {pace}. {said} are forces."
     block = Animation(html=html, caption=caption)
@@ -269,8 +271,9 @@ def criteria_section(about: RunReport) -> Section:
         ),
     )
     text = (
-        "A drive force larger than friction can move the body backwards, and elastic bristles"
-        " spring back when the body stops: failing criterion 1 or 2 does not refute the law."
+        f"A drive force larger than friction can move the {about.part} backwards, and elastic"
+        f" bristles spring back when the {about.part} stops: failing criterion 1 or 2 does not"
+        " refute the law."
     )
     blocks = (KeyValues(items=items), Caption(text=text))
     return Section(

@@ -53,14 +53,14 @@ def run_page(about: RunReport) -> str:
     >>> law = Coulomb(kinetic_coefficient=0.25)
     >>> run = simulate(rig.mechanism, law, t_end=1.0)
     >>> page = run_page(RunReport(rig=rig, law=law, run=run))
-    >>> "The body comes to rest" in page, "could not be made" in page
+    >>> "The block comes to rest" in page, "could not be made" in page
     (True, False)
     """
     sections = made_sections(*(partial(make, about) for make in SECTIONS))
     return render(
         Page(
-            title=f"{about.rig.title or about.rig.mechanism.name}: {about.law.title} friction",
-            subject=about.rig.path or about.rig.title,
+            title=f"{about.rig.heading}: {about.law.title} friction",
+            subject=about.rig.path or about.rig.heading,
             sections=sections,
             footer=colophon(about.versions),
             kicker="simulation report",

@@ -69,6 +69,11 @@ class RunReport:
     digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def part(self) -> str:
+        """What slips, such as "cart"."""
+        return self.rig.mechanism.moving_part
+
+    @property
     def slip(self) -> str:
         """Name of the slipping coordinate."""
         return slip_names(self.rig.mechanism)[0]

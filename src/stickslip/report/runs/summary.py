@@ -12,7 +12,7 @@ __all__ = ["opening_section"]
 def opening_section(about: RunReport) -> Section:
     """Return the headline with its numbers, and what the run cannot tell."""
     opening = Opening(
-        kicker=f"{about.rig.title or about.rig.mechanism.name}, {about.law.title} friction",
+        kicker=f"{about.rig.heading}, {about.law.title} friction",
         verdict=_headline(about),
         lede=_lede(about),
         facts=_facts(about),
@@ -24,18 +24,20 @@ def opening_section(about: RunReport) -> Section:
 
 
 def _headline(about: RunReport) -> str:
-    run, seen = about.run, about.criteria
+    run, seen, part = about.run, about.criteria, about.part
     if not run.status.complete:
         return f"The run ends early, at {quantity(run.span[1], 's')}"
     if about.cycles:
         last = about.cycles[-1]
         if not last.moves_on:
-            return "The body makes no net motion: the last cycle ends where it began"
-        return f"The body moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
+            return f"The {part} makes no net motion: the last cycle ends where it began"
+        return (
+            f"The {part} moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
+        )
     if seen.stop_time is not None:
         after = quantity(seen.stop_time, "s")
-        return f"The body comes to rest {about.of(seen.travel)} from its start, after {after}"
-    return f"The body has moved {about.of(seen.travel)} after {quantity(run.span[1], 's')}"
+        return f"The {part} comes to rest {about.of(seen.travel)} from its start, after {after}"
+    return f"The {part} has moved {about.of(seen.travel)} after {quantity(run.span[1], 's')}"
 
 
 def _lede(about: RunReport) -> str:
@@ -43,7 +45,7 @@ def _lede(about: RunReport) -> str:
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
         travel = sum(one.travel for one in about.cycles)
-        said.append(f"The body advances {about.of(travel, 4)} in {number}.")
+        said.append(f"The {about.part} advances {about.of(travel, 4)} in {number}.")
     resting = _resting(about, about.cycles[-1].travel if about.cycles else about.criteria.travel)
     said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
     band = about.band
@@ -112,7 +114,7 @@ def _cannot_tell(about: RunReport) -> tuple[str, ...]:
             "The uncertainty of the motion: `--ensemble 200` computes it from the law's intervals."
         )
     else:
-        said.append("How the body would move with another law that fits the data as well.")
+        said.append(f"How the {about.part} would move with another law that fits the data as well.")
     if not about.run.status.complete:
         said.append("The motion after the run ended.")
     return tuple(said)

@@ -36,16 +36,16 @@ def criteria_section(verdict: TravelVerdict) -> Section:
         text = _agreement(given, fitted)
         again = Paragraph(text=text) if text else _table(verdict, fitted)
         blocks += [Subheading(text="With the fitted values"), again]
-    springs = elastic_returns(verdict)
+    springs, part = elastic_returns(verdict), verdict.mechanism.moving_part
     if springs:
-        blocks.append(_note(given + fitted, springs))
+        blocks.append(_note(given + fitted, springs, part))
     pulled = [name for name in _failing(given + fitted) if name not in springs]
     if pulled:
-        blocks.append(_pulled(pulled))
+        blocks.append(_pulled(pulled, part))
     return Section(
         id="criteria",
         nav="Criteria",
-        heading=_heading(given + fitted, springs),
+        heading=_heading(given + fitted, springs, part),
         blocks=tuple(blocks),
     )
 
@@ -75,41 +75,41 @@ def _agreement(
     )
 
 
-def _heading(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str]) -> str:
+def _heading(
+    rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str], part: str
+) -> str:
     failing = _failing(rows)
     count = len({c.name for c, _ in rows})
     if not failing:
-        return (
-            "The body never moves backwards, with any model"
-            if count > 1
-            else "The body never moves backwards"
-        )
+        return f"The {part} never moves backwards{', with any model' if count > 1 else ''}"
     if set(failing) == set(springs):
         rest = ", but not with the other models" if len(springs) < count else ""
-        return f"The body springs back with {joined(springs)}{rest}"
+        return f"The {part} springs back with {joined(springs)}{rest}"
     if len(failing) == count:
-        return "The body moves backwards with every model" if count > 1 else "The body moves back"
-    return f"The body moves backwards with {in_words(len(failing))} of {in_words(count)} models"
+        return f"The {part} moves backwards{' with every model' if count > 1 else ''}"
+    return f"The {part} moves backwards with {in_words(len(failing))} of {in_words(count)} models"
 
 
-def _note(rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str]) -> Note:
+def _note(
+    rows: Sequence[tuple[TravelCandidate, Criteria]], springs: Sequence[str], part: str
+) -> Note:
     slowest = {
         name: min(seen.least_velocity for c, seen in rows if c.title == name) for name in springs
     }
     speeds = joined([with_unit(_mm(v), "mm/s") for v in slowest.values()])
     return Note(
         title="The criterion “velocity never negative” rejects correct models.",
-        text=f"With {joined(springs)}, the body springs back when it stops, by the elastic"
+        text=f"With {joined(springs)}, the {part} springs back when it stops, by the elastic"
         f" deflection of the contact, at up to {speeds}. This is physical and not an error; a"
         " static switch would hide it.",
     )
 
 
-def _pulled(names: Sequence[str]) -> Note:
+def _pulled(names: Sequence[str], part: str) -> Note:
     return Note(
-        title="The mechanism pulls the body back.",
-        text=f"With {joined(names)} friction the body moves back under the force of the mechanism,"
-        " its spring or its drive, and not by the elastic deflection of the contact. The"
+        title=f"The mechanism pulls the {part} back.",
+        text=f"With {joined(names)} friction the {part} moves back under the force of the"
+        " mechanism, its spring or its drive, and not by the elastic deflection of the contact. The"
         " criterion does not distinguish between these models.",
         kind="info",
     )

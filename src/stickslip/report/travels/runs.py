@@ -52,12 +52,13 @@ def run_section(verdict: TravelVerdict) -> Section | None:
     if best is None or best.run is None or best.criteria is None:
         return None
     slip, rate = slip_and_rate(verdict)
+    part = verdict.mechanism.moving_part
     stop = best.criteria.stop_time
     if stop is None:
-        heading = f"With {best.title} friction the body does not come to rest"
+        heading = f"With {best.title} friction the {part} does not come to rest"
     else:
         heading = (
-            f"With {best.title} friction the body stops after {quantity(stop, 's')} and stays"
+            f"With {best.title} friction the {part} stops after {quantity(stop, 's')} and stays"
             " at rest"
         )
     blocks = (
@@ -234,7 +235,8 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"
     more = " more than the exact run" if exact else ""
-    return f"With a fixed step of {quantity(worst.dt, 's')}{rule}, the body reverses {times}{more}"
+    step = quantity(worst.dt, "s")
+    return f"With a fixed step of {step}{rule}, the velocity reverses {times}{more}"
 
 
 def _travel(travel: float) -> str:

@@ -12,14 +12,14 @@ HALF = 1.0
 """Length of the bar of the largest value."""
 
 
-def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
+def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
     """Return bars for the states, each over its largest value in the run.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism that has no scene of its own.
-    seen : Trajectory
+    run : Trajectory
         The run, whose largest values set the scales.
 
     Returns
@@ -39,8 +39,8 @@ def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
     (0.0, 1.0, 'mode')
     """
     slip = mechanism.contacts()[0].slip
-    names = tuple(name for name in seen.states or (*mechanism.coordinates, *mechanism.rates))
-    largest = {name: float(np.abs(seen[name]).max()) or 1.0 for name in names}
+    names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
+    largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
 
     def shapes(now: Moment) -> list[Shape]:
         found: list[Shape] = []
@@ -56,7 +56,7 @@ def bars(mechanism: Mechanism, seen: Trajectory) -> Picture:
                 Word(at=(-HALF, base + 0.25), text=name),
                 Word(
                     at=(HALF, base + 0.25),
-                    text=f"{now[name] + 0.0:.3g} {seen.units.get(name, '1')}",
+                    text=f"{now[name] + 0.0:.3g} {run.units.get(name, '1')}",
                     align="right",
                 ),
             ]

@@ -90,14 +90,14 @@ def _effort(motor: Motor, now: Moment, column: str) -> float:
     return wanted if limit is None else max(-limit, min(limit, wanted))
 
 
-def spring_block(mechanism: SpringBlock, seen: Trajectory) -> Picture:
+def spring_block(mechanism: SpringBlock, run: Trajectory) -> Picture:
     """Return the block and the spring that shoots it off; `x` is the face that the spring meets.
 
     Parameters
     ----------
     mechanism : SpringBlock
         What is drawn, with its lengths [m].
-    seen : Trajectory
+    run : Trajectory
         The run, whose range of motion sets the size of what has no length.
 
     Returns
@@ -107,8 +107,8 @@ def spring_block(mechanism: SpringBlock, seen: Trajectory) -> Picture:
     """
     x_0 = mechanism.compression
     side = -1.0 if x_0 < 0 else 1.0
-    size = 0.35 * max(abs(x_0), 0.5 * _range(seen, "x")) or 0.1
-    squeezed = float(np.max(side * (x_0 - seen["x"]), initial=abs(x_0)))
+    size = 0.35 * max(abs(x_0), 0.5 * _range(run, "x")) or 0.1
+    squeezed = float(np.max(side * (x_0 - run["x"]), initial=abs(x_0)))
     natural = max(2.2 * squeezed, 1.5 * size)
     foot = x_0 - side * natural
 
@@ -150,14 +150,14 @@ def _stops(lower: float | None, upper: float | None, left: float, size: float) -
     return found
 
 
-def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
+def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
     """Return the block, its spring and the far end that pulls; its natural length is ours.
 
     Parameters
     ----------
     mechanism : TowedBlock
         What is drawn, with its lengths [m].
-    seen : Trajectory
+    run : Trajectory
         The run, whose range of motion sets the size of what has no length.
 
     Returns
@@ -165,7 +165,7 @@ def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
     Picture
         A function that gives the shapes at a moment.
     """
-    stretch = mechanism.speed * seen.t - seen["x"]
+    stretch = mechanism.speed * run.t - run["x"]
     side = -1.0 if mechanism.speed < 0 else 1.0
     most = float(np.max(np.abs(stretch))) or 0.1
     size = 0.5 * most
@@ -192,14 +192,14 @@ def towed_block(mechanism: TowedBlock, seen: Trajectory) -> Picture:
     return Picture(shapes=shapes, names={"drive": "modulation"})
 
 
-def axis(mechanism: Axis, seen: Trajectory) -> Picture:
+def axis(mechanism: Axis, run: Trajectory) -> Picture:
     """Return a carriage on its rail; `x` is its middle.
 
     Parameters
     ----------
     mechanism : Axis
         What is drawn, with its lengths [m].
-    seen : Trajectory
+    run : Trajectory
         The run, whose range of motion sets the size of what has no length.
 
     Returns
@@ -207,8 +207,8 @@ def axis(mechanism: Axis, seen: Trajectory) -> Picture:
     Picture
         A function that gives the shapes at a moment.
     """
-    reach = float(np.max(np.abs(seen["x"]), initial=0.0))
-    size = 0.35 * max(_range(seen, "x"), 0.3 * reach) or 0.1
+    reach = float(np.max(np.abs(run["x"]), initial=0.0))
+    size = 0.35 * max(_range(run, "x"), 0.3 * reach) or 0.1
     foot = -1.6 * reach - 1.5 * size
 
     def shapes(now: Moment) -> list[Shape]:
@@ -229,14 +229,14 @@ def axis(mechanism: Axis, seen: Trajectory) -> Picture:
     return Picture(shapes=shapes)
 
 
-def two_mass_axis(mechanism: TwoMassAxis, seen: Trajectory) -> Picture:
+def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
     """Return motor and load on a rail with what joins them; its length is for the eye.
 
     Parameters
     ----------
     mechanism : TwoMassAxis
         What is drawn, with its lengths [m].
-    seen : Trajectory
+    run : Trajectory
         The run, whose range of motion sets the size of what has no length.
 
     Returns
@@ -244,8 +244,8 @@ def two_mass_axis(mechanism: TwoMassAxis, seen: Trajectory) -> Picture:
     Picture
         A function that gives the shapes at a moment.
     """
-    reach = max(_range(seen, "x"), _range(seen, "other"))
-    stretch = float(np.max(np.abs(seen["x"] - seen["other"]), initial=0.0))
+    reach = max(_range(run, "x"), _range(run, "other"))
+    stretch = float(np.max(np.abs(run["x"] - run["other"]), initial=0.0))
     size = 0.25 * max(reach, stretch) or 0.1
     gap = 1.2 * size + 1.2 * stretch
     of_motor, of_load = ("other", "x") if mechanism.rubs == "load" else ("x", "other")
@@ -383,14 +383,14 @@ def _spiral(mechanism: PendulumCart, centre: Point, theta: float) -> list[Shape]
     return [Rod(points=tuple(zip(xs.tolist(), ys.tolist(), strict=True)), width=1.1)]
 
 
-def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
+def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
     """Return the capsule with its inner mass, spring and stops; `x` and `xi` are their middles.
 
     Parameters
     ----------
     mechanism : Capsule
         What is drawn, with its lengths [m].
-    seen : Trajectory
+    run : Trajectory
         The run, whose range of motion sets the size of what has no length.
 
     Returns
@@ -398,7 +398,7 @@ def capsule(mechanism: Capsule, seen: Trajectory) -> Picture:
     Picture
         A function that gives the shapes at a moment.
     """
-    places = [float(np.abs(seen["xi"]).max()), 0.0]
+    places = [float(np.abs(run["xi"]).max()), 0.0]
     places += [abs(s) for s in (mechanism.lower_stop, mechanism.upper_stop) if s is not None]
     reach = max(places) or 0.1
     inner = 0.7 * reach

@@ -1,14 +1,20 @@
 """How records are fitted."""
 
 import numbers
-from dataclasses import dataclass
-from typing import get_args
+from dataclasses import dataclass, fields
+from typing import Literal, TypeAlias, get_args
 
 from stickslip.errors import ParameterError, UnknownNameError
-from stickslip.identification.shooting.segments import LEAST, RESOLUTION, Hold
 from stickslip.quantities import Quantity
 
-__all__ = ["RecordSettings"]
+__all__ = ["LEAST", "RESOLUTION", "Hold", "RecordSettings"]
+
+Hold: TypeAlias = Literal["zero", "first"]
+"""What an applied force does between samples: keeps its value, or goes straight to the next."""
+RESOLUTION = 100
+"""Samples a segment is compared at, and pieces its drive has, at most."""
+LEAST = 8
+"""Rows that a segment must have to say anything beside its initial state."""
 
 SEGMENT = 1.0
 """Length of a segment [s] that is simulated from a state of its own."""
@@ -33,6 +39,11 @@ class RecordSettings:
     """Starts of the search."""
     seed: int = 0
     """Of the jitter of further starts."""
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Names of the settings that differ from the usual ones."""
+        return tuple(f.name for f in fields(self) if getattr(self, f.name) != f.default)
 
     def __post_init__(self) -> None:
         """Check all: a hold that is not known would pass for ``"zero"``."""

@@ -12,8 +12,7 @@ from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.results import Estimate
-from stickslip.identification.travels.propagation import READINGS
+from stickslip.identification.results import READINGS, Estimate
 from stickslip.mechanisms import Mechanism
 
 __all__ = [
@@ -43,12 +42,12 @@ SEPARABLE = 300.0
 """Condition of the scaled slopes beyond which estimates are not separable."""
 
 
-def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
+def bounds_met(free_parameters: FreeParameters, values: Array) -> Mapping[str, str]:
     """Return which unknowns ended at a bound, by path: ``"lower"`` or ``"upper"``.
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters with their bounds.
     values : array (p,)
         Their estimates [SI].
@@ -59,9 +58,9 @@ def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
         ``"lower"`` or ``"upper"`` by path; those within their bounds are not among them.
     """
     found = {}
-    low, high = unknowns.limits()
-    at = unknowns.coordinates(values)
-    for i, item in enumerate(unknowns.items):
+    low, high = free_parameters.limits()
+    at = free_parameters.coordinates(values)
+    for i, item in enumerate(free_parameters.items):
         size = max(abs(item.start), 1e-300) if not item.log else 1.0
         if at[i] <= low[i] + CLOSE * size:
             found[item.path] = "lower"
@@ -71,8 +70,8 @@ def bounds_met(unknowns: FreeParameters, values: Array) -> Mapping[str, str]:
 
 
 def estimates_of(
-    unknowns: FreeParameters,
-    seen: ResidualJacobian,
+    free_parameters: FreeParameters,
+    jacobian: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
 ) -> tuple[Estimate, ...]:
@@ -80,9 +79,9 @@ def estimates_of(
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates, and why an interval has no ends.
@@ -95,8 +94,8 @@ def estimates_of(
         One estimate for each free parameter, in their order.
     """
     found = []
-    for i, item in enumerate(unknowns.items):
-        value, half = float(seen.values[i]), float(inference.half_widths[i])
+    for i, item in enumerate(free_parameters.items):
+        value, half = float(jacobian.values[i]), float(inference.half_widths[i])
         low, high, reason = value - half, value + half, ""
         if item.path in at_bounds:
             low, high = -math.inf, math.inf
@@ -175,15 +174,15 @@ def in_words(path: str) -> str:
 
 
 def step_intervals(
-    unknowns: FreeParameters, seen: ResidualJacobian, inference: Inference
+    free_parameters: FreeParameters, jacobian: ResidualJacobian, inference: Inference
 ) -> Mapping[str, tuple[float, float, float]]:
     """Return by path surplus, lower and upper end, for unknowns that stand above another.
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters, some of which are bounded below by another one.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates.
@@ -194,22 +193,22 @@ def step_intervals(
         By path, the difference to the parameter below and both ends of its 95 % interval [SI].
     """
     found = {}
-    paths = list(unknowns.paths)
-    for i, item in enumerate(unknowns.items):
+    paths = list(free_parameters.paths)
+    for i, item in enumerate(free_parameters.items):
         if item.above not in paths:
             continue
         j = paths.index(item.above)
         row = np.zeros(len(paths))
         row[[i, j]] = 1.0, -1.0
         half = inference.half_width(row)
-        step = float(seen.values[i] - seen.values[j])
+        step = float(jacobian.values[i] - jacobian.values[j])
         found[item.path] = (step, step - half, step + half)
     return found
 
 
 def sentences_of(
-    unknowns: FreeParameters,
-    seen: ResidualJacobian,
+    free_parameters: FreeParameters,
+    jacobian: ResidualJacobian,
     inference: Inference,
     at_bounds: Mapping[str, str],
     estimates: Sequence[Estimate],
@@ -218,9 +217,9 @@ def sentences_of(
 
     Parameters
     ----------
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters.
-    seen : ResidualJacobian
+    jacobian : ResidualJacobian
         Residuals and Jacobian at the estimates.
     inference : Inference
         Covariance of the estimates and condition number of the scaled Jacobian.
@@ -241,9 +240,9 @@ def sentences_of(
         for estimate in estimates
         if estimate.reason
     ]
-    for path, (step, low, high) in step_intervals(unknowns, seen, inference).items():
+    for path, (step, low, high) in step_intervals(free_parameters, jacobian, inference).items():
         if path not in at_bounds and low <= 0.0:
-            item = unknowns.items[unknowns.paths.index(path)]
+            item = free_parameters.items[free_parameters.paths.index(path)]
             bounds = (
                 f", interval {number(low)} to {number(high)}" if math.isfinite(high - low) else ""
             )
@@ -251,9 +250,9 @@ def sentences_of(
                 f"The step from {item.quantity.symbol} to sliding friction is not distinguished"
                 f" from 0: {with_unit(step, item)}{bounds}."
             )
-    lines += _together(unknowns, inference, at_bounds)
+    lines += _together(free_parameters, inference, at_bounds)
     if inference.condition > SEPARABLE:
-        symbols = ", ".join(item.quantity.symbol for item in unknowns.items)
+        symbols = ", ".join(item.quantity.symbol for item in free_parameters.items)
         lines.append(
             f"This record cannot separate {symbols}: the condition number is"
             f" {number(inference.condition, 2)}, above the limit of {number(SEPARABLE)}."
@@ -262,7 +261,7 @@ def sentences_of(
 
 
 def offset_left_out(
-    law: FrictionLaw, mechanism: Mechanism, unknowns: FreeParameters
+    law: FrictionLaw, mechanism: Mechanism, free_parameters: FreeParameters
 ) -> tuple[str, ...]:
     """Return a sentence where a level for each direction stands for a constant force as well.
 
@@ -275,7 +274,7 @@ def offset_left_out(
         The fitted law.
     mechanism : Mechanism
         Mechanism that was measured; its offset [N] is named.
-    unknowns : FreeParameters
+    free_parameters : FreeParameters
         The free parameters, perhaps with a constant force.
 
     Returns
@@ -285,7 +284,9 @@ def offset_left_out(
         fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
-    if not isinstance(law, DirectionalLaw) or any(path in unknowns.paths for path in constants):
+    if not isinstance(law, DirectionalLaw) or any(
+        path in free_parameters.paths for path in constants
+    ):
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
     return (
@@ -296,14 +297,14 @@ def offset_left_out(
 
 
 def _together(
-    unknowns: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
+    free_parameters: FreeParameters, inference: Inference, at_bounds: Mapping[str, str]
 ) -> list[str]:
     """Return sentences on pairs of estimates that move together."""
     lines = []
     # what the mechanism's uncertainty moves together is not for the record to separate
     table = inference.of_record.correlation
-    for i, one in enumerate(unknowns.items):
-        for j, other in enumerate(unknowns.items[:i]):
+    for i, one in enumerate(free_parameters.items):
+        for j, other in enumerate(free_parameters.items[:i]):
             free = one.path not in at_bounds and other.path not in at_bounds
             if free and np.isfinite(table[i, j]) and abs(table[i, j]) > TOGETHER:
                 lines.append(

@@ -1,0 +1,206 @@
+"""Break-away levels that were given, not fitted, and that the measurement refutes directly."""
+
+import math
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import levels_at
+from stickslip.formatting import number, quantity
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.identification import RecordFit, Trial, balanced
+from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.quantities import fields_of, parameters, vary
+from stickslip.selection.contradictions import setting_of
+from stickslip.simulation import simulate
+
+__all__ = ["given_level", "level_text", "refuted_by_record", "refuted_by_travels"]
+
+STEP = 1e-3
+"""Relative change of a parameter that shows whether the break-away level depends on it."""
+MOVED = 3.0
+"""Travel over its uncertainty from which a body moved beyond doubt."""
+CLEAR = 0.2
+"""Share by which friction at rest must stay below a level that is said to be refuted."""
+RESTED = 5
+"""Samples of a rest at least."""
+DEPARTURES = 2
+"""Rests that ended in motion at least: one could be a blow or a slip of the sensor."""
+SAMPLES = 501
+"""Times of a run at which the friction that a drive calls for is looked at."""
+
+
+def given_level(law: FrictionLaw, held: Collection[str]) -> str:
+    """Return the name of the held parameter that sets the break-away level of a law.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law with its values.
+    held : collection of str
+        Names of the parameters that were given and not fitted.
+
+    Returns
+    -------
+    str
+        The name; empty if the level depends on what was fitted too, or on no single parameter.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.3)
+    >>> given_level(law, ["static_coefficient"]), given_level(law, ["kinetic_coefficient"])
+    ('static_coefficient', '')
+    """
+    level, found = law.break_away(1.0), []
+    for path, _, value in parameters(law, "friction"):
+        for factor in (1.0 + STEP, 1.0 - STEP):
+            try:
+                other = vary(law, "friction", {path: factor * value})
+            except ParameterError:  # a level at rest may not fall below that of sliding
+                continue
+            if other.break_away(1.0) != level:
+                found.append(path.rpartition(".")[2])
+                break
+    return found[0] if len(found) == 1 and found[0] in held else ""
+
+
+def level_text(mechanism: Mechanism, friction: float, load: float) -> str:
+    """Return friction at rest as levels of a law on this mechanism are given, with its unit.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism, which says whether a normal force is known.
+    friction : float
+        Friction [N or N m].
+    load : float
+        Normal force [N].
+
+    Returns
+    -------
+    str
+        Its share of the load in N/N, or the force or torque where no load is known.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, SpringBlock
+    >>> level_text(SpringBlock(mass=1.0), 2.0, 10.0), level_text(Axis(inertia=1.0), 2.0, 1.0)
+    ('0.2 N/N', '2 N')
+    """
+    levels = levels_at(mechanism)
+    if levels == "per load":
+        return f"{number(friction / load)} N/N"
+    return quantity(friction, "N m" if levels == "torques" else "N")
+
+
+def refuted_by_travels(
+    law: FrictionLaw, held: Collection[str], trials: Sequence[Trial], *, t_end: float
+) -> str:
+    """Return that a body moved which a given break-away level would have held at rest.
+
+    Such a body stays where it is for the whole run, and the friction that holds it there is known
+    from the balance of forces.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law with its values.
+    held : collection of str
+        Names of the parameters that were given and not fitted.
+    trials : sequence of Trial
+        The readings; the one where the least friction would have held the body is named.
+    t_end : float
+        Time after which a body counts as stopped [s].
+
+    Returns
+    -------
+    str
+        The contradiction as a sentence without its full stop; empty if there is none.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Measurement, SpringBlock
+    >>> from stickslip.identification import trials_of
+    >>> rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.06)
+    >>> law = Coulomb(kinetic_coefficient=0.2, static_coefficient=0.9)
+    >>> trials = trials_of(rig, Measurement(travel=0.12, uncertainty=1e-3), 10.0)
+    >>> refuted_by_travels(law, ["static_coefficient"], trials, t_end=10.0)
+    'The given $mu_s$ = 0.9 contradicts the readings: the body moved, though friction ...'
+    """
+    name = given_level(law, held)
+    if not name or isinstance(law, BristleLaw):  # bristles move before they break away
+        return ""
+    least, where = math.inf, ""
+    for trial in trials:
+        if abs(trial.travel) <= MOVED * trial.half_width:
+            continue
+        end = trial.until(t_end)
+        run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
+        if not run.status.complete or any(np.any(run[rate]) for rate in trial.mechanism.rates):
+            continue
+        seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
+        friction, load = np.abs(seen["friction"]), seen["normal_force"]
+        at = int(np.argmax(friction / load))
+        if friction[at] / load[at] < least:
+            least = float(friction[at] / load[at])
+            known = level_text(trial.mechanism, float(friction[at]), float(load[at]))
+            where = f"{setting_of(trials, trial)}, though friction at rest was at most {known}"
+    if not where:
+        return ""
+    return f"The {_given(law, name)} contradicts the readings: the body moved{where}"
+
+
+def refuted_by_record(fit: RecordFit) -> str:
+    """Return that a body broke away below a break-away level that was given.
+
+    At rest, friction balances all other forces, which inverse dynamics knows. How large it became
+    before the body moved on is the break-away level or, as a sensor sees motion late, more than it.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records of motion and force.
+
+    Returns
+    -------
+    str
+        The contradiction as a clause; empty if there is none, or the record does not tell.
+    """
+    law, mechanism = fit.law, fit.mechanism
+    free = {estimate.path for estimate in fit.estimates}
+    paths = [path for path, _, _ in parameters(law, "friction") if path not in free]
+    name = given_level(law, [path.rpartition(".")[2] for path in paths])
+    if not name or isinstance(law, BristleLaw) or fit.friction_was_measured or stops_of(mechanism):
+        return ""
+    try:
+        segments = balanced(mechanism, fit.measurement, hold="first")
+    except InputError:  # too short, or never moves
+        return ""
+    levels, loads = [], []
+    for one in segments:
+        if one.resting is None or one.held is None:
+            continue
+        edges = np.diff(one.resting.astype(int), prepend=0, append=0)
+        for first, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
+            if end == len(one.resting):  # the end of the record is no departure
+                continue
+            if end - first >= RESTED:
+                friction, load = np.abs(one.held[first:end]), one.path.load[first:end]
+                at = int(np.argmax(friction / load))
+                levels.append(float(friction[at]))
+                loads.append(float(load[at]))
+    if len(levels) < DEPARTURES:
+        return ""
+    at = int(np.argmax(np.divide(levels, loads)))
+    if levels[at] >= (1.0 - CLEAR) * float(law.break_away(loads[at])):
+        return ""
+    known = level_text(mechanism, levels[at], loads[at])
+    return f"the {_given(law, name)} contradicts the record: friction at rest was at most {known}"
+
+
+def _given(law: FrictionLaw, name: str) -> str:
+    """Return a value that was given, with symbol and unit, as part of a sentence."""
+    of = fields_of(type(law))[name]
+    return f"given ${of.symbol}$ = {quantity(getattr(law, name), of.unit)}"
