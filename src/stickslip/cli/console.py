@@ -12,10 +12,11 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+from typing_extensions import override
 
 from stickslip.documents import document, json_text, write_file, write_folder
 from stickslip.errors import InputError
-from stickslip.formatting import NO_VALUE
+from stickslip.formatting import NO_VALUE, printable
 
 __all__ = [
     "command_line",
@@ -39,14 +40,26 @@ FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
 
+class _Printable(Console):
+    """A console to which no text of a file can give commands."""
+
+    @override
+    def print(self, *objects: Any, **settings: Any) -> None:
+        super().print(*map(_made_printable, objects), **settings)
+
+
+def _made_printable(item: Any) -> Any:
+    return printable(item, lines=True) if isinstance(item, str) else item
+
+
 def stdout() -> Console:
     """Return the console for results."""
-    return Console(highlight=False, soft_wrap=True, emoji=False)
+    return _Printable(highlight=False, soft_wrap=True, emoji=False)
 
 
 def stderr() -> Console:
     """Return the console for progress and remarks."""
-    return Console(stderr=True, highlight=False, emoji=False)
+    return _Printable(stderr=True, highlight=False, emoji=False)
 
 
 def note(text: str) -> None:
@@ -77,6 +90,8 @@ def show_table(
     whole : collection of str
         Heads of the columns whose cells are not broken.
     """
+    title, heads = printable(title), [printable(head) for head in heads]
+    rows = [[printable(cell) for cell in row] for row in rows]
     table = Table(
         title=Text(title) if title else None,
         title_justify="left",
@@ -111,7 +126,7 @@ def _is_number(cell: str) -> bool:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout."""
-    sys.stdout.write(json_text(content))
+    sys.stdout.write(printable(json_text(content), lines=True))
 
 
 def command_line() -> str:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
-from rich.text import Text
 
 from stickslip.cli.console import (
     command_line,
@@ -27,7 +26,7 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
-from stickslip.formatting import fixed, number, residue
+from stickslip.formatting import fixed, number, printable, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
 from stickslip.selection import criteria_of
@@ -354,7 +353,8 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
 
 def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
-    console.print(Text.assemble((ran.rig.title, "bold"), f", {ran.chosen.law.title} friction"))
+    console.print(printable(ran.rig.title), markup=False, style="bold", end="")
+    console.print(f", {ran.chosen.law.title} friction", markup=False)
     console.print(run.status.value, markup=False)
     if run.events:
         show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))

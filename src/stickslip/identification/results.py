@@ -21,6 +21,7 @@ from stickslip.formatting import (
     interval,
     joined,
     number,
+    printable,
     with_unit,
     within,
 )
@@ -163,7 +164,7 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
             )
         title = f"{self.law.title}, fitted"
         text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
-        return "".join(f"# {remark}\n" for remark in self.remarks) + text
+        return "".join(f"# {printable(remark)}\n" for remark in self.remarks) + text
 
     @final
     def save(self, path: str | Path) -> None:

@@ -16,6 +16,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from stickslip.errors import InputError
+from stickslip.formatting import printable
 from stickslip.plots.core import theme
 
 __all__ = ["NARROW", "WIDE", "Draw", "Size", "inline_svg", "save", "standalone_svg"]
@@ -125,7 +126,7 @@ def standalone_svg(draw: Draw, *, size: Size = WIDE, narrow: bool = False, title
     root.attrib |= {"xmlns": "http://www.w3.org/2000/svg", "font-family": FONTS, "role": "img"}
     root.attrib |= {"width": f"{size[0]:g}", "height": f"{size[1]:g}"}
     if title:
-        root.set("aria-label", title)
+        root.set("aria-label", printable(title))
     return _text(root) + "\n"
 
 
@@ -215,7 +216,7 @@ def _drawn(
 
 
 def _tree(svg: bytes, prefix: str) -> ElementTree.Element:
-    root = ElementTree.fromstring(svg)
+    root = ElementTree.fromstring(printable(svg.decode(), lines=True))  # XML knows no others
     for element in root.iter():
         element.tag = _NAMESPACE.sub("", element.tag)
         element.attrib = {_NAMESPACE.sub("", key): text for key, text in element.attrib.items()}

@@ -12,7 +12,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from stickslip.errors import InputError
-from stickslip.formatting import unbroken
+from stickslip.formatting import printable, unbroken
 from stickslip.report.core import formulas, markup
 from stickslip.report.core.blocks import Block
 from stickslip.report.core.documents import Page
@@ -58,7 +58,7 @@ def render(page: Page) -> str:
             f"the id {shared[0]!r} occurs twice on the page: give each figure a prefix of its own, "
             "unlike the id of any section."
         )
-    return text
+    return printable(text, lines=True)
 
 
 def write(page: Page, path: str | Path) -> Path:
