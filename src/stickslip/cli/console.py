@@ -14,7 +14,14 @@ from rich.table import Table
 from rich.text import Text
 from typing_extensions import override
 
-from stickslip.documents import document, json_text, write_file, write_folder
+from stickslip.documents import (
+    check_replaceable,
+    document,
+    json_text,
+    write_file,
+    write_files,
+    write_folder,
+)
 from stickslip.errors import InputError
 from stickslip.formatting import NO_VALUE, printable
 
@@ -31,6 +38,7 @@ __all__ = [
     "stderr",
     "stdout",
     "write_file",
+    "write_files",
     "write_folder",
 ]
 
@@ -152,7 +160,14 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "-o") -> None:
+def refuse_overwriting(
+    path: Path,
+    folder: Path,
+    *,
+    force: bool,
+    option: str = "-o",
+    files: Collection[str] = (),
+) -> None:
     """Refuse early what could not be written into a folder in the end; leave no trace.
 
     `option` is the one that names the file or the folder.
@@ -167,16 +182,20 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "
         Whether `path` may exist already.
     option : str
         Option that names the file or the folder, for messages.
+    files : collection of str
+        Names of files in the folder that are replaced if they are as they were written there.
 
     Raises
     ------
     InputError
-        If `path` exists without `force`, or `folder` cannot be written into.
+        If `path` exists without `force`, a file in the folder is not as it was written, or `folder`
+        cannot be written into.
     """
     if path.exists() and not force:
         raise InputError(f"{path} already exists; give --force to replace it, or another {option}.")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")
+    check_replaceable(folder, files)
     new = [part for part in (folder, *folder.parents) if not part.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary
+from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.experiments import HARD, LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.formatting import (
@@ -169,7 +170,7 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
     @final
     def save(self, path: str | Path) -> None:
         """Write `to_toml` to a file that ``stickslip simulate`` takes."""
-        Path(path).write_text(self.to_toml(), encoding="utf-8")
+        write_file(Path(path), self.to_toml())
 
     @abstractmethod
     def law_estimates(self) -> LawEstimates:

@@ -25,6 +25,7 @@ HOMES = {
 INSIDE = {
     "DOCUMENT": "report",
     "PAGE": "report",
+    "VERDICT_FILES": "report",
     "write_verdict": "report",
 }
 """Names that other rooms of the package use, which are no part of its interface to users."""

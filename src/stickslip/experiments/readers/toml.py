@@ -146,32 +146,32 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
     InputError
         If it is not valid TOML, or has no tables.
     """
-    text = decode(data, file)
+    text, tables = decode(data, file), None
     try:
-        if _DEEP_KEY.search(text):
-            raise RecursionError
-        tables = tomllib.loads(text)
-        _check_depth(tables)
+        if not _DEEP_KEY.search(text):
+            tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: is not valid TOML: {error}.") from None
     except RecursionError:
-        raise InputError(f"{file}: its tables are nested too deeply.") from None
+        pass
     except ValueError as error:
         raise InputError(f"{file}: has a number that cannot be read: {error}.") from None
+    if tables is None or _is_deep(tables):
+        raise InputError(f"{file}: its tables are nested too deeply.")
     if not tables:
         raise InputError(f"{file}: has no tables; a rig needs at least [mechanism].")
     return tables
 
 
-def _check_depth(tables: dict[str, Any]) -> None:
-    """Refuse what functions that call themselves would not get to the end of."""
+def _is_deep(tables: dict[str, Any]) -> bool:
+    """Whether functions that call themselves would not get to the end of tables."""
     level: list[Any] = [tables]
     for _ in range(DEEPEST):
         lists = (node.values() if isinstance(node, dict) else node for node in level)
         level = [inner for nodes in lists for inner in nodes if isinstance(inner, dict | list)]
         if not level:
-            return
-    raise RecursionError
+            return False
+    return True
 
 
 def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:

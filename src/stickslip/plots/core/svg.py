@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.formatting import printable
 from stickslip.plots.core import theme
@@ -182,9 +183,9 @@ def save(
         raise InputError(f"a figure is saved as one of {known}, got {path.name!r}.")
     if kind == "svg":
         svg = standalone_svg(draw, size=size, narrow=narrow, title=title)
-        path.write_text(svg, encoding="utf-8", newline="\n")
+        write_file(path, svg)
     else:
-        path.write_bytes(_drawn(draw, size, narrow, theme.SURFACE, kind, scale))
+        write_file(path, _drawn(draw, size, narrow, theme.SURFACE, kind, scale))
     return path
 
 
