@@ -184,7 +184,7 @@ def assert_is_told(run, kind, path, value):
     text, options = RIGS[kind]
     code, out, err = run(changed(text, path, value), "select", *options, "--json")
     assert code in OUTCOMES, err
-    if code == 2:
+    if code == 2 or not out:  # 3 without a verdict: no fit converged
         assert out == ""
         assert err.splitlines()[-1].startswith("stickslip: ")
         assert {path.name for path in Path.cwd().iterdir()} <= {"rig.toml", *FILES}

@@ -21,8 +21,7 @@ from stickslip.cli.select import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.quantities import Quantity, parameters
-from stickslip.selection import Plan, known_by, plan, setting_of, tables_of
-from stickslip.selection.lab_sheet import TRAVEL_COLUMN
+from stickslip.selection import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
 
 __all__ = ["run"]
 

@@ -28,6 +28,7 @@ from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.lab_sheet import Plan as Plan
+from stickslip.selection.lab_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.selection.next_measurements import predictor_of as predictor_of
 from stickslip.selection.planning import plan as plan
 from stickslip.selection.planning import setting_of as setting_of

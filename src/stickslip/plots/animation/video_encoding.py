@@ -12,7 +12,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Protocol, final
 
-from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, LINE, MUTED, SLIP_BACK, STICK, SURFACE
 
@@ -59,7 +58,7 @@ class Gif:
         fps : float
             Frames per second [1/s].
         """
-        write_file(path, gif_of(pictures, fps))
+        path.write_bytes(gif_of(pictures, fps))
 
 
 def gif_of(pictures: Iterator[Any], fps: float) -> bytes:
@@ -157,11 +156,9 @@ class Mp4:
             "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-", "-an",
             # players want even sizes and this form of colours
             "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
-            "-c:v", "libx264", "-movflags", "+faststart",
+            "-c:v", "libx264", "-movflags", "+faststart", str(path),
         ]  # fmt: skip
-        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as said:
-            video = Path(folder) / "video.mp4"  # what is cancelled leaves the old one
-            command.append(str(video))
+        with tempfile.TemporaryFile() as said:
             with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
                 try:
                     _feed(process, first, pictures)
@@ -172,7 +169,6 @@ class Mp4:
                 said.seek(0)
                 words = said.read().decode(errors="replace").strip() or "no message"
                 raise InputError(f"ffmpeg could not write {path.name}: {words}")
-            write_file(path, video.read_bytes())
 
 
 def _feed(process: "subprocess.Popen[bytes]", first: Any, rest: Iterator[Any]) -> None:
