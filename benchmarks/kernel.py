@@ -106,9 +106,7 @@ class Kernel:
 
     def change(self, path: str, value: float) -> None:
         """Set a parameter of the mechanism or the law, not of a drive, for the next runs."""
-        self._base[self.model.places[self.model.parameter_paths.index(path)]] = (
-            value
-        )
+        self._base[self.model.places[self.model.parameter_paths.index(path)]] = value
 
     def sensing(self, paths: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return what gives the sensitivities (states, paths) at the end of the last run."""

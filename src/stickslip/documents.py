@@ -1,17 +1,37 @@
 """JSON documents, and files and folders that are written whole or not at all."""
 
+import contextlib
+import ctypes
+import errno
+import glob
+import hashlib
 import json
 import math
-import tempfile
-from collections.abc import Mapping
+import os
+import secrets
+import shutil
+import sys
+import time
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["document", "json_text", "write_file", "write_folder"]
+__all__ = [
+    "check_replaceable",
+    "document",
+    "json_text",
+    "write_file",
+    "write_files",
+    "write_folder",
+]
 
 SCHEMA_VERSION = 1
+LIST = ".stickslip"
+"""File that lists what was written into a folder, with hashes."""
+ABANDONED = 3600.0
+"""Age from which a temporary folder is taken to be left by a process that was killed [s]."""
 
 
 def document(kind: str, content: Mapping[str, Any]) -> dict[str, Any]:
@@ -45,8 +65,18 @@ def json_text(content: Mapping[str, Any]) -> str:
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Write files into a folder; each appears whole, and all were made before the first.
+def write_folder(
+    folder: Path, files: Mapping[str, str | bytes], *, stale: Collection[str] = ()
+) -> None:
+    """Write files into a folder so that at any moment it holds the old ones or the new ones.
+
+    A list of the files with their hashes is kept beside them (`LIST`). Only files of this list that
+    nobody has changed since are replaced or removed; all others in the folder stay as they are.
+
+    Where the operating system can exchange two folders in one step (Linux), the new folder is made
+    beside the old one and takes its place. Elsewhere, and in the working directory, where there is
+    no folder beside, the old files go before the new ones come, and the first is replaced in one
+    step: who ends the process between leaves some of the old files or some of the new, never both.
 
     Parameters
     ----------
@@ -54,51 +84,220 @@ def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
         The folder; made if it is not there.
     files : mapping of str to str or bytes
         Content by name; texts are written in UTF-8.
+    stale : collection of str
+        Names of files that are removed, if they are on the list and not among `files`.
+
+    Raises
+    ------
+    InputError
+        If a file in the way is not on the list or was changed, or something cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as place:
+    ...     write_folder(Path(place) / "report", {"index.html": "first"})
+    ...     write_folder(Path(place) / "report", {"index.html": "second"})
+    ...     (Path(place) / "report" / "index.html").read_text()
+    'second'
+    """
+    contents = {
+        name: text if isinstance(text, bytes) else text.encode("utf-8")
+        for name, text in files.items()
+    }
+    check_replaceable(folder, files)
+    before = _listed(folder) or {}
+    gone = {name for name in set(stale) - set(files) if _is_listed(folder / name, before)}
+    if not (contents or gone):
+        return
+    after = {name: digests for name, digests in before.items() if name not in gone}
+    after |= {name: [hashlib.sha256(data).hexdigest()] for name, data in contents.items()}
+    try:
+        target = folder.resolve()
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            _exchange_folder(target, {**contents, LIST: _list(after)}, gone)
+        except OSError:  # another system, a mount point, a file that cannot be linked, no room
+            target.mkdir(exist_ok=True)
+            # Whenever it ends, what is there is on the list, and may be replaced the next time.
+            both = {name: before.get(name, []) + after.get(name, []) for name in before | after}
+            files_there = [(target / name, data) for name, data in contents.items()]
+            lists = [(target / LIST, _list(digests)) for digests in (both, after)]
+            stale_there = [target / name for name in (*list(contents)[1:], *gone)]
+            _write_each([lists[0], *files_there, lists[1]], before=1, gone=stale_there)
+    except OSError as error:
+        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
+
+
+def check_replaceable(folder: Path, names: Collection[str]) -> None:
+    """Refuse to replace files in a folder that were not written there, or changed since.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, which may not exist.
+    names : collection of str
+        Names of the files that are to be replaced.
+
+    Raises
+    ------
+    InputError
+        If one of them is there and is not as `write_folder` left it.
+    """
+    listed = _listed(folder)
+    wrong = [name for name in names if not _is_listed(folder / name, listed or {})]
+    for name in [*wrong, *([LIST] if listed is None else [])]:
+        if os.path.lexists(folder / name):
+            what = "was changed since" if name in (listed or {}) else "was not written by stickslip"
+            raise InputError(
+                f"{folder / name} {what}, so it is not replaced: move or delete it, or choose"
+                " another folder."
+            )
+
+
+def write_files(files: Mapping[Path, str | bytes]) -> None:
+    """Write files that belong together; old ones never stand beside new ones.
+
+    Parameters
+    ----------
+    files : mapping of Path to str or bytes
+        Content by path; texts are written in UTF-8. Existing files are replaced.
 
     Raises
     ------
     InputError
         If something cannot be written.
     """
-    made: dict[Path, Path] = {}
+    contents = {
+        path: text if isinstance(text, bytes) else text.encode("utf-8")
+        for path, text in files.items()
+    }
+    path = next(iter(contents))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            content = text if isinstance(text, bytes) else text.encode("utf-8")
-            made[folder / name] = _beside(folder / name, content)
-        for path, temporary in made.items():
-            temporary.replace(path)
+        for path in contents:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        _write_each(list(contents.items()), before=0, gone=list(contents)[1:])
     except OSError as error:
-        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
-    finally:
-        for temporary in made.values():
-            temporary.unlink(missing_ok=True)
+        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
 
 
-def write_file(path: Path, content: bytes) -> None:
+def write_file(path: Path, content: str | bytes) -> None:
     """Write a file so that it appears whole or not at all.
 
     Parameters
     ----------
     path : Path
         The file; its folder is made if it is not there.
-    content : bytes
-        What it holds.
+    content : str or bytes
+        What it holds; a text is written in UTF-8.
 
     Raises
     ------
     InputError
         If it cannot be written.
     """
+    write_files({path: content})
+
+
+def _list(digests: Mapping[str, Sequence[str]]) -> bytes:
+    return json_text(document("files", {"files": digests})).encode()
+
+
+def _listed(folder: Path) -> dict[str, list[str]] | None:
+    """Return the hashes that files written into a folder may have, by name; None without a list."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = _beside(path, content)
-        try:
+        content = json.loads((folder / LIST).read_bytes())
+        if content["schema"] != f"stickslip/files/{SCHEMA_VERSION}":
+            return None
+        return {str(name): list(map(str, found)) for name, found in content["files"].items()}
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def _is_listed(path: Path, listed: Mapping[str, Collection[str]]) -> bool:
+    """Whether a file is as it was written."""
+    if path.is_symlink() or not path.is_file() or path.name not in listed:
+        return False
+    return hashlib.sha256(path.read_bytes()).hexdigest() in listed[path.name]
+
+
+def _exchange_folder(folder: Path, contents: Mapping[str, bytes], gone: Collection[str]) -> None:
+    """Make a folder beside another with all that stays, and let it take its place in one step."""
+    if Path.cwd().is_relative_to(folder):
+        raise OSError(errno.EBUSY, "is the working directory")
+    _sweep_up(folder)
+    new = folder.with_name(f".{folder.name}.tmp-{secrets.token_hex(4)}")
+    new.mkdir()
+    try:
+        left_out = {*contents, *gone}
+        if folder.exists():
+            shutil.copystat(folder, new)
+
+            def ignored(where: str, names: list[str]) -> set[str]:
+                return left_out.intersection(names) if Path(where) == folder else set()
+
+            # Not copied but linked: who has a file open goes on writing to the same one.
+            shutil.copytree(
+                folder,
+                new,
+                symlinks=True,
+                ignore=ignored,
+                copy_function=os.link,
+                dirs_exist_ok=True,
+            )
+        for name, data in contents.items():
+            _write_new(new / name, data)
+        if folder.exists():
+            _exchange(new, folder)
+            for late in new.iterdir():  # now the old folder: what somebody has just put there
+                if late.name not in left_out and not os.path.lexists(folder / late.name):
+                    late.rename(folder / late.name)
+        else:
+            new.rename(folder)
+    except shutil.Error as error:  # of many files
+        raise OSError(errno.EIO, "a file cannot be linked") from error
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+
+
+def _sweep_up(folder: Path) -> None:
+    """Remove what processes that were killed have left beside a folder."""
+    for left in folder.parent.glob(f".{glob.escape(folder.name)}.tmp-*"):
+        with contextlib.suppress(OSError):
+            if time.time() - left.stat().st_ctime > ABANDONED:
+                shutil.rmtree(left)
+
+
+def _exchange(one: Path, other: Path) -> None:
+    """Exchange two folders in one step, where the system can."""
+    libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
+    call = getattr(libc, "renameat2", None)
+    if call is None:
+        raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+    here, exchange = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of the Linux kernel
+    if call(here, os.fsencode(one), here, os.fsencode(other), exchange):
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+
+
+def _write_each(
+    contents: Sequence[tuple[Path, bytes]], *, before: int, gone: Collection[Path]
+) -> None:
+    """Write files one after the other, of which all were made before one is put in its place.
+
+    What has to be gone is removed just before the file with the number `before`.
+    """
+    made: list[tuple[Path, Path]] = []
+    try:
+        for path, data in contents:
+            made.append((path, _beside(path, data)))
+        for index, (path, temporary) in enumerate(made):
+            if index == before:
+                for old in gone:
+                    old.unlink(missing_ok=True)
             temporary.replace(path)
-        finally:
+    finally:
+        for _, temporary in made:
             temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
 
 
 def _finite(value: Any) -> Any:
@@ -113,14 +312,19 @@ def _finite(value: Any) -> Any:
 
 
 def _beside(path: Path, content: bytes) -> Path:
-    """Write a temporary file beside a path; leave none if that fails."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-        temporary = Path(file.name)
-        try:
+    """Write a temporary file beside a path."""
+    temporary = path.with_name(f".{path.name[:100]}.tmp-{secrets.token_hex(4)}")
+    _write_new(temporary, content)
+    return temporary
+
+
+def _write_new(path: Path, content: bytes) -> None:
+    """Write a file that is not there yet; leave none if that fails."""
+    try:
+        with path.open("xb") as file:
             file.write(content)
             file.flush()
-            temporary.chmod(0o644)
-        except BaseException:
-            temporary.unlink()
-            raise
-    return temporary
+            os.fsync(file.fileno())
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise

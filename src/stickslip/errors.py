@@ -24,6 +24,13 @@ __all__ = [
     "renamed",
 ]
 
+LONGEST = 60
+"""Longest name that a message repeats in full."""
+MOST = 50
+"""Most known names that a message lists."""
+COMPARED = 200
+"""Longest names that are compared; what that takes grows with the square of their length."""
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -57,8 +64,10 @@ class UnknownNameError(InputError, LookupError):
         name, known = str(name), tuple(sorted(known))
         self.kind, self.name, self.known = kind, name, known
         close = nearest(name, known)
-        hint = f"Did you mean {close}?" if close else f"Known: {', '.join(known) or 'none'}."
-        super().__init__(f"unknown {kind} {name!r}. {hint}")
+        more = f" and {len(known) - MOST} more" if len(known) > MOST else ""
+        listed = ", ".join(map(_shortened, known[:MOST])) + more
+        hint = f"Did you mean {close}?" if close else f"Known: {listed or 'none'}."
+        super().__init__(f"unknown {kind} {_shortened(name)!r}. {hint}")
 
     @override
     def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
@@ -102,6 +111,10 @@ class ConvergenceError(StickslipError, RuntimeError):
     """A fit or a search found no answer."""
 
 
+def _shortened(name: str) -> str:
+    return name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return the known names closest to `name`, ready to print, or an empty string.
 
@@ -122,7 +135,10 @@ def nearest(name: str, known: Iterable[str]) -> str:
     >>> nearest("frction", ["friction", "mechanism"])
     "'friction'"
     """
-    return " or ".join(repr(word) for word in difflib.get_close_matches(name, list(known), n=2))
+    if len(name) > COMPARED:
+        return ""
+    near = [word for word in known if len(word) <= COMPARED]
+    return " or ".join(repr(word) for word in difflib.get_close_matches(name, near, n=2))
 
 
 RENAMED = {

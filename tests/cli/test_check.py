@@ -91,7 +91,7 @@ def test_several_files_are_checked_as_trials(run, write, tmp_path):
     _, out, _ = run(*files, *COLUMNS, *SCALES, "-o", "seen")
     assert "  run1: 2,000 samples" in out
     assert "  run2: 2,000 samples" in out
-    assert {path.name for path in (tmp_path / "seen").iterdir()} == {
+    assert {path.name for path in (tmp_path / "seen").glob("[!.]*")} == {
         "checks.json", "overview-1.svg", "overview-1.png", "overview-2.svg", "overview-2.png",
     }  # fmt: skip
 
@@ -113,7 +113,7 @@ def test_readings_are_checked_without_a_picture(run, write, tmp_path):
     code, out, _ = run(write(travel=[0.1, 0.2]), "-o", "seen")
     assert code == 0
     assert "! 2 readings at 1 setting" in out
-    assert [path.name for path in (tmp_path / "seen").iterdir()] == ["checks.json"]
+    assert [path.name for path in (tmp_path / "seen").glob("[!.]*")] == ["checks.json"]
 
 
 @pytest.mark.parametrize(

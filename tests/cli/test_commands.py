@@ -443,7 +443,7 @@ def test_a_write_that_fails_leaves_no_temporary_file_and_replaces_nothing(tmp_pa
     with pytest.raises(InputError, match="cannot be written"):
         write_file(tmp_path / "folder", b"new")
     with pytest.raises(InputError, match="cannot be written"):
-        write_folder(tmp_path, {"a.txt": "new", "missing/b.txt": "new"})
+        write_folder(tmp_path, {"c.txt": "new", "missing/b.txt": "new"})
     assert (tmp_path / "a.txt").read_text() == "old"
     assert {path.name for path in tmp_path.iterdir()} == {"a.txt", "folder"}
 
@@ -459,3 +459,41 @@ def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
     assert (good.returncode, bad.returncode) == (0, 2)
     assert good.stdout.startswith("stickslip ")
     assert bad.stderr.startswith("stickslip: ")
+
+
+def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
+    select = ("select", "--laws", "coulomb", "--force")
+    folder = tmp_path / "stickslip-report"
+    folder.mkdir()
+    (folder / "law.toml").write_text("mine")
+    assert "law.toml was not written by stickslip" in complaint(run, *select)
+    (folder / "law.toml").rename(folder / "own.toml")
+    assert run(*select)[0] == 0
+    assert run(*select)[0] == 0
+    names = {path.name for path in folder.glob("[!.]*")}
+    assert names == {"index.html", "verdict.json", "law.toml", "own.toml"}
+    assert (folder / "own.toml").read_text() == "mine"
+    (folder / "index.html").write_text("edited")
+    assert "index.html was changed since" in complaint(run, *select)
+    assert (folder / "index.html").read_text() == "edited"
+    report = ("simulate", "--report-to", "stickslip-report", "--force")
+    assert "index.html was changed since" in complaint(run, *report)
+    (folder / "index.html").unlink()
+    assert run(*report)[0] == 0
+    assert {path.name for path in folder.glob("[!.]*")} == names  # the verdict and its law stay
+
+
+def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_report(tmp_path):
+    """Verdict, law and page of one report appear in one step."""
+    kill = "import os, stickslip.cli.select as s"
+    kill += "; s.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
+    go = "from stickslip.cli import main; main(['select', '--laws', 'coulomb', '--force'])"
+    python = [sys.executable, "-c"]
+    subprocess.run([*python, go], cwd=tmp_path, capture_output=True, check=True)
+    folder = tmp_path / "stickslip-report"
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    done = subprocess.run(
+        [*python, f"{kill}; {go}"], cwd=tmp_path, capture_output=True, check=False
+    )
+    assert done.returncode == -9
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 import stickslip.cli.select as command
 from stickslip import LuGre, SpringBlock, load_rig, simulate
 from stickslip.cli.app import app
+from stickslip.documents import write_folder
 
 RIG = """
 title = "Own block"
@@ -60,7 +61,7 @@ def run(*arguments):
 def test_three_travels_of_a_stiff_law_have_a_verdict_and_a_page(rig):
     result = run("select", "rig.toml", "--laws", "lugre")
     assert result.exit_code == 0, result.output
-    files = {path.name for path in (rig.parent / "stickslip-report").iterdir()}
+    files = {path.name for path in (rig.parent / "stickslip-report").glob("[!.]*")}
     assert files == {"index.html", "verdict.json", "law.toml"}
     page = (rig.parent / "stickslip-report" / "index.html").read_text(encoding="utf-8")
     assert "The bristles of this law need steps below" in page
@@ -83,14 +84,13 @@ def test_a_page_that_fails_costs_neither_the_verdict_nor_the_law(rig, monkeypatc
 
     monkeypatch.setattr(command, "verdict_page", failing)
     folder = rig.parent / "stickslip-report"
-    folder.mkdir()
-    (folder / "index.html").write_text("an earlier page")
+    write_folder(folder, {"index.html": "an earlier page"})
     result = run("select", "rig.toml", "--laws", "coulomb", "--force")
     assert result.exit_code == 1, result.output
     assert "Coulomb" in result.stdout
     assert "The report could not be drawn (ValueError: no ink)" in result.stderr
     # the page of an earlier verdict does not stand beside this one
-    assert {path.name for path in folder.iterdir()} == {"verdict.json", "law.toml"}
+    assert {path.name for path in folder.glob("[!.]*")} == {"verdict.json", "law.toml"}
     verdict = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
     law = load_rig(folder / "law.toml").laws["coulomb"]
     (estimate,) = verdict["candidates"][0]["fit"]["estimates"]

@@ -37,7 +37,7 @@ def verdict():
 
 
 def names(folder):
-    return sorted(path.name for path in folder.iterdir())
+    return sorted(path.name for path in folder.glob("[!.]*"))
 
 
 def test_page_document_and_law_say_what_the_verdict_says(verdict, tmp_path):

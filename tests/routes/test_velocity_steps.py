@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import RecordSettings, fit, select, write_report
 from stickslip.cli import main
+from stickslip.documents import write_folder
 from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.identification import RateStateFit, fit_rate_state
@@ -103,12 +104,12 @@ def test_the_page_of_a_verdict_is_whole(verdict):
 def test_a_report_has_no_rig_file_and_leaves_no_earlier_one(verdict, tmp_path):
     folder = tmp_path / "report"
     page = write_report(verdict, folder, title="Gouge")
-    assert {one.name for one in folder.iterdir()} == {"index.html", "verdict.json"}
+    assert {one.name for one in folder.glob("[!.]*")} == {"index.html", "verdict.json"}
     told = json.loads((folder / "verdict.json").read_text(encoding="utf-8"))
     assert (told["route"], told["best"], told["rig"]) == ("rate-state", "logarithmic", "Gouge")
     with pytest.raises(InputError, match="overwrite=True"):
         write_report(verdict, folder)
-    (folder / "law.toml").write_text("of an earlier verdict")
+    write_folder(folder, {"law.toml": "of an earlier verdict"})
     assert write_report(verdict, folder, overwrite=True) == page
     assert not (folder / "law.toml").exists()
 
@@ -185,7 +186,10 @@ def test_select_writes_page_and_verdict_but_no_rig_file(run, tmp_path):
     code, out, err = run("select", "steps.toml", *BOTH, *ONCE, "-o", "report")
     assert code == 0, err
     assert "friction logarithmic in speed" in out
-    assert {one.name for one in (tmp_path / "report").iterdir()} == {"index.html", "verdict.json"}
+    assert {one.name for one in (tmp_path / "report").glob("[!.]*")} == {
+        "index.html",
+        "verdict.json",
+    }
 
 
 def test_a_second_record_is_predicted(run, tmp_path):

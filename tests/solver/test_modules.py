@@ -1,13 +1,19 @@
 """The cache of generated modules."""
 
 import errno
+import importlib.util
+import marshal
 import os
+import pickle
+import stat
 import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from pathlib import Path
 
+import numba
 import pytest
 
 from stickslip import Coulomb, SpringBlock, simulate
@@ -15,6 +21,7 @@ from stickslip.formulation import formulate
 from stickslip.kernels.equations import FIELD
 from stickslip.solver.compile import module_cache
 from stickslip.solver.compile.codegen import plain_text
+from stickslip.solver.compile.compile_units import parts_of
 from stickslip.solver.compile.modules import cache_directory, load, plain_equations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -242,3 +249,276 @@ def test_a_generated_module_needs_nothing_but_math(model):
     text = plain_text(model)
     imports = [line for line in text.splitlines() if line.lstrip().startswith(("import", "from "))]
     assert imports == ["import math"]
+
+
+# --- a cache that others may write to: what lies in it is run
+
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has access lists, not mode bits")
+FORGED = "open({!r}, 'w').close()"
+
+
+class Forged:
+    """A pickle that runs a program when it is loaded."""
+
+    def __init__(self, mark):
+        self.mark = mark
+
+    def __reduce__(self):
+        return exec, (FORGED.format(self.mark),)
+
+
+@pytest.fixture
+def warned():
+    """Forget which warnings were given."""
+    module_cache._warn.cache_clear()
+    yield
+    module_cache._warn.cache_clear()
+
+
+@pytest.fixture
+def small():
+    """Return a module for numba that compiles in a moment."""
+    return (
+        "from numba import njit\n\n"
+        "@njit('int64(int64)', cache=True)\ndef entry(i):\n    return i + 1\n"
+    )
+
+
+def of_another_user(monkeypatch, *foreign):
+    """Let files and folders belong to a user who is neither this one nor root."""
+    foreign = {str(path) for path in foreign}
+    stat, lstat = os.stat, os.lstat
+
+    def owned(real):
+        def status(path, *arguments, **settings):
+            found = real(path, *arguments, **settings)
+            if str(path) not in foreign:
+                return found
+            return os.stat_result((*found[:4], os.geteuid() + 1234, *found[5:10]))
+
+        return status
+
+    monkeypatch.setattr(os, "stat", owned(stat))
+    monkeypatch.setattr(os, "lstat", owned(lstat))
+
+
+def test_a_module_is_run_from_its_known_text_and_never_from_bytes_beside_it(cache, model, tmp_path):
+    load(model)
+    (path,) = files(cache)
+    mark = tmp_path / "forged code ran"
+    status = path.stat()
+    code = compile(FORGED.format(str(mark)) + "\nN_STATES = 2\n", str(path), "exec")
+    stamp = (0).to_bytes(4, "little")
+    stamp += int(status.st_mtime).to_bytes(4, "little") + status.st_size.to_bytes(4, "little")
+    forged = Path(importlib.util.cache_from_source(str(path)))
+    forged.parent.mkdir(exist_ok=True)
+    forged.write_bytes(importlib.util.MAGIC_NUMBER + stamp + marshal.dumps(code))
+    forget()
+    assert callable(load(model).equations[FIELD])
+    assert not mark.exists()
+
+
+def test_no_bytes_are_left_that_could_be_run_in_place_of_the_text(cache, model):
+    load(model)
+    assert not list(cache.rglob("*.pyc"))
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o757, 0o1777])
+def test_machine_code_in_a_folder_that_others_may_write_to_is_not_loaded(
+    cache, tmp_path, small, warned, mode
+):
+    module_cache.module_of(small, compiled=True)
+    mark = tmp_path / "forged pickle was loaded"
+    inner = cache / "__pycache__"
+    for index in inner.glob("*.nbi"):
+        index.write_bytes(pickle.dumps(numba.__version__) + pickle.dumps(Forged(str(mark))))
+    cache.chmod(mode)
+    forget()
+    with pytest.warns(UserWarning, match=r"others may write .*chmod -R go-w .*STICKSLIP_CACHE"):
+        module = module_cache.module_of(small, compiled=True)
+    assert module.entry(1) == 2
+    assert cache not in Path(module.__file__).parents
+    assert not mark.exists()
+
+
+@posix
+def test_a_folder_within_one_that_others_may_write_to_is_not_trusted(
+    tmp_path, small, warned, monkeypatch
+):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "open" / "cache"))
+    (tmp_path / "open" / "cache").mkdir(parents=True, mode=0o700)
+    (tmp_path / "open").chmod(0o777)
+    with pytest.warns(UserWarning, match=r"others may write to .*open: "):
+        module_cache.module_of(small, compiled=True)
+    assert not module_cache.is_writable()
+    (tmp_path / "open").chmod(0o1777)  # as /tmp: nobody may rename what is another's
+    forget()
+    module = module_cache.module_of(small, compiled=True)
+    assert Path(module.__file__).parent == tmp_path / "open" / "cache"
+    assert module_cache.is_writable()
+
+
+@posix
+def test_a_folder_of_another_user_is_not_trusted(cache, small, warned, monkeypatch):
+    cache.mkdir()
+    of_another_user(monkeypatch, cache)
+    with pytest.warns(UserWarning, match="belongs to another user"):
+        module_cache.module_of(small, compiled=True)
+    assert not list(cache.iterdir())
+
+
+@posix
+@pytest.mark.parametrize("forged", ["owner", "mode", "link"])
+def test_one_file_that_may_be_anothers_is_enough_to_compile_anew(
+    cache, small, warned, monkeypatch, tmp_path, forged
+):
+    cache.mkdir(mode=0o755)
+    module_cache.module_of(small, compiled=True)
+    (index,) = (cache / "__pycache__").glob("*.nbi")
+    if forged == "owner":
+        of_another_user(monkeypatch, index)
+    elif forged == "mode":
+        index.chmod(0o666)
+    else:
+        index.rename(tmp_path / "elsewhere")
+        index.symlink_to(tmp_path / "elsewhere")
+    forget()
+    with pytest.warns(UserWarning, match=r"nbi"):
+        module = module_cache.module_of(small, compiled=True)
+    assert cache not in Path(module.__file__).parents
+    assert module.entry(1) == 2
+
+
+@posix
+def test_a_read_only_folder_of_root_is_trusted_by_all_users(cache, small, warned, monkeypatch):
+    if os.geteuid() != 0:
+        pytest.skip("only root can make what belongs to root")
+    cache.mkdir(mode=0o755)
+    module_cache.module_of(small, compiled=True)
+    forget()
+    monkeypatch.setattr(os, "geteuid", lambda: 1234)
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)
+    module = module_cache.module_of(small, compiled=True)  # and nothing warns
+    assert sum(module.entry.stats.cache_hits.values()) == 1
+
+
+@posix
+def test_a_link_to_a_folder_of_ones_own_is_followed_and_its_target_is_judged(
+    tmp_path, small, warned, monkeypatch
+):
+    (tmp_path / "real").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "link"))
+    module = module_cache.module_of(small, compiled=True)
+    assert Path(module.__file__).parent == (tmp_path / "real").resolve()
+    (tmp_path / "real").chmod(0o777)
+    forget()
+    with pytest.warns(UserWarning, match="others may write"):
+        module_cache.module_of(small, compiled=True)
+
+
+@posix
+def test_folders_that_are_made_are_closed_to_others(tmp_path, small, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a" / "b"))
+    old = os.umask(0o000)
+    try:
+        module_cache.module_of(small, compiled=True)
+    finally:
+        os.umask(old)
+    made = [tmp_path / "a", tmp_path / "a" / "b", tmp_path / "a" / "b" / "__pycache__"]
+    assert [stat.S_IMODE(folder.stat().st_mode) for folder in made] == [0o700] * 3
+
+
+@posix
+def test_an_open_umask_leaves_no_machine_code_that_others_may_change(cache, model):
+    cache.mkdir(mode=0o755)  # shared on purpose: others may read
+    old = os.umask(0o000)
+    try:
+        (unit,) = [unit for unit in parts_of(model, ensembles=False) if not unit.is_shared]
+        unit.load()
+    finally:
+        os.umask(old)
+    assert unit.is_kept()
+    inside = [cache / "__pycache__", *(cache / "__pycache__").iterdir()]
+    assert len(inside) > 2
+    assert not [path for path in inside if path.stat().st_mode & 0o022]
+    assert all(path.stat().st_mode & 0o044 for path in inside)
+
+
+@posix
+def test_a_warning_is_given_once(cache, small, warned):
+    cache.mkdir(mode=0o700)
+    cache.chmod(0o777)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(3):
+            forget()
+            module_cache.module_of(small, compiled=True)
+    assert len(caught) == 1
+
+
+@posix
+def test_what_a_folder_of_others_says_of_machine_code_is_not_believed(cache, small):
+    cache.mkdir(mode=0o700)
+    module_cache.keep(small, "entry", [])
+    (cache / "code").touch()
+    module_cache.keep(small, "entry", [cache / "code"])
+    assert module_cache.is_kept(small, "entry")
+    cache.chmod(0o777)
+    assert not module_cache.is_kept(small, "entry")
+    before = sorted(cache.rglob("*"))
+    module_cache.keep(small, "other", [cache / "code"])
+    with module_cache.locked(small):
+        pass
+    assert sorted(cache.rglob("*")) == before
+
+
+@posix
+def test_the_folder_that_numba_was_given_is_judged_like_ours(
+    cache, small, warned, tmp_path, monkeypatch
+):
+    folder = tmp_path / "numba"
+    folder.mkdir()
+    folder.chmod(0o777)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(folder))
+    module_cache.module_of(small, compiled=True)
+    assert not list(folder.iterdir())
+    assert str(folder) == numba.config.CACHE_DIR
+    folder.chmod(0o755)
+    forget()
+    module_cache.module_of(small, compiled=True)
+    assert list(folder.rglob("*.nbi"))
+
+
+def test_nothing_is_judged_where_there_are_no_mode_bits(cache, small, monkeypatch):
+    cache.mkdir()
+    cache.chmod(0o777)
+    monkeypatch.setattr(module_cache, "HAS_MODES", False)
+    module = module_cache.module_of(small, compiled=True)
+    assert Path(module.__file__).parent == cache
+
+
+@posix
+def test_links_that_go_round_in_circles_are_no_obstacle(tmp_path, model, monkeypatch):
+    (tmp_path / "a").symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a"))
+    assert callable(load(model).equations[FIELD])
+    assert not module_cache.is_writable()
+    assert not module_cache.is_kept(plain_text(model), "entry")
+
+
+@posix
+def test_the_command_in_a_warning_can_be_pasted(tmp_path, small, warned, monkeypatch):
+    folder = tmp_path / "my cache; rm"
+    folder.mkdir()
+    folder.chmod(0o777)
+    monkeypatch.setenv("STICKSLIP_CACHE", str(folder))
+    with pytest.warns(UserWarning, match="chmod") as caught:
+        module_cache.module_of(small, compiled=True)
+    command = str(caught[0].message).partition("run ")[2].partition("):")[0]
+    subprocess.run(command, shell=True, check=True)
+    forget()
+    module = module_cache.module_of(small, compiled=True)
+    assert Path(module.__file__).parent == folder

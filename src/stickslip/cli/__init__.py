@@ -14,6 +14,8 @@ BROKEN_PIPE = 1
 BAD_INPUT = 2
 NO_CONVERGENCE = 3
 CANCELLED = 130
+LONGEST_MESSAGE = 4000
+"""Characters of a message that are printed: files may hold names of any length."""
 
 
 class ToldExit(SystemExit):
@@ -56,7 +58,9 @@ class _Stderr(logging.Handler):
 
     @override
     def emit(self, record: logging.LogRecord) -> None:
-        print(self.format(record), file=sys.stderr, flush=True)
+        from stickslip.formatting import printable
+
+        print(printable(self.format(record), lines=True), file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager
@@ -82,5 +86,8 @@ def _abandon_stdout() -> None:
 
 
 def _leave(message: str, code: int) -> int:
-    print(f"stickslip: {message}", file=sys.stderr)
+    from stickslip.formatting import printable
+
+    text = message if len(message) <= LONGEST_MESSAGE else f"{message[:LONGEST_MESSAGE]} ..."
+    print(f"stickslip: {printable(text, lines=code != BAD_INPUT)}", file=sys.stderr)
     sys.exit(code)

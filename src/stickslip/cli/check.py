@@ -23,6 +23,7 @@ __all__ = ["run"]
 BAD_DATA = 2
 MARKS = {"info": ("  ", ""), "warning": ("! ", "yellow"), "error": ("✗ ", "red")}
 FORMATS = ("svg", "png")
+DOCUMENT = "checks.json"
 
 
 def run(
@@ -57,7 +58,7 @@ def run(
         With code 2 if the check finds an error.
     """
     if output is not None:
-        refuse_overwriting(output, output, force=force)
+        refuse_overwriting(output, output, force=force, files=(DOCUMENT,))
     rig, data = _parted(files, allow_import=allow_import)
     mechanism = None if rig is None else rig.mechanism
     measurement = _measurement(rig, data, reading)
@@ -71,7 +72,7 @@ def run(
         _show(measurement, found)
     if output is not None:
         note("Drawing the overview ...")
-        write_folder(output, {**_pictures(measurement), "checks.json": json_text(content)})
+        write_folder(output, {**_pictures(measurement), DOCUMENT: json_text(content)})
         if not as_json:
             stdout().print(f"\nFindings and pictures: {output}", markup=False)
     if found.worst == "error":

@@ -12,10 +12,18 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+from typing_extensions import override
 
-from stickslip.documents import document, json_text, write_file, write_folder
+from stickslip.documents import (
+    check_replaceable,
+    document,
+    json_text,
+    write_file,
+    write_files,
+    write_folder,
+)
 from stickslip.errors import InputError
-from stickslip.formatting import NO_VALUE
+from stickslip.formatting import NO_VALUE, printable
 
 __all__ = [
     "command_line",
@@ -30,6 +38,7 @@ __all__ = [
     "stderr",
     "stdout",
     "write_file",
+    "write_files",
     "write_folder",
 ]
 
@@ -39,14 +48,26 @@ FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
 
+class _Printable(Console):
+    """A console to which no text of a file can give commands."""
+
+    @override
+    def print(self, *objects: Any, **settings: Any) -> None:
+        super().print(*map(_made_printable, objects), **settings)
+
+
+def _made_printable(item: Any) -> Any:
+    return printable(item, lines=True) if isinstance(item, str) else item
+
+
 def stdout() -> Console:
     """Return the console for results."""
-    return Console(highlight=False, soft_wrap=True, emoji=False)
+    return _Printable(highlight=False, soft_wrap=True, emoji=False)
 
 
 def stderr() -> Console:
     """Return the console for progress and remarks."""
-    return Console(stderr=True, highlight=False, emoji=False)
+    return _Printable(stderr=True, highlight=False, emoji=False)
 
 
 def note(text: str) -> None:
@@ -77,6 +98,8 @@ def show_table(
     whole : collection of str
         Heads of the columns whose cells are not broken.
     """
+    title, heads = printable(title), [printable(head) for head in heads]
+    rows = [[printable(cell) for cell in row] for row in rows]
     table = Table(
         title=Text(title) if title else None,
         title_justify="left",
@@ -111,7 +134,7 @@ def _is_number(cell: str) -> bool:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout."""
-    sys.stdout.write(json_text(content))
+    sys.stdout.write(printable(json_text(content), lines=True))
 
 
 def command_line() -> str:
@@ -137,7 +160,14 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "-o") -> None:
+def refuse_overwriting(
+    path: Path,
+    folder: Path,
+    *,
+    force: bool,
+    option: str = "-o",
+    files: Collection[str] = (),
+) -> None:
     """Refuse early what could not be written into a folder in the end; leave no trace.
 
     `option` is the one that names the file or the folder.
@@ -152,16 +182,20 @@ def refuse_overwriting(path: Path, folder: Path, *, force: bool, option: str = "
         Whether `path` may exist already.
     option : str
         Option that names the file or the folder, for messages.
+    files : collection of str
+        Names of files in the folder that are replaced if they are as they were written there.
 
     Raises
     ------
     InputError
-        If `path` exists without `force`, or `folder` cannot be written into.
+        If `path` exists without `force`, a file in the folder is not as it was written, or `folder`
+        cannot be written into.
     """
     if path.exists() and not force:
         raise InputError(f"{path} already exists; give --force to replace it, or another {option}.")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")
+    check_replaceable(folder, files)
     new = [part for part in (folder, *folder.parents) if not part.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -86,7 +86,7 @@ def run(
     result = _fitted(rig, found)
     shown = found.route.summary(result, found.options.validate, found.options.horizon)
     if output is not None:
-        write_file(output, result.to_toml().encode())
+        write_file(output, result.to_toml())
     if as_json:
         content = {
             "rig": rig.heading,

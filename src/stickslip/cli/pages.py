@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stickslip.cli import CANCELLED, ToldExit
-from stickslip.cli.console import note, stdout, write_folder
+from stickslip.cli.console import note, stdout
 from stickslip.routes import PAGE
 
 __all__ = ["PAGE", "PAGE_FAILED", "draw_page", "leave_unless_drawn"]
@@ -14,11 +14,18 @@ PAGE_FAILED = 1
 DRAWN = 0
 
 
-def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool = False) -> int:
-    """Write a page into a folder; return 0, or the exit code where it failed or was cancelled.
+def draw_page(
+    folder: Path,
+    page: Callable[[], str],
+    write: Callable[[str | None], None],
+    *,
+    kept: str,
+    quiet: bool = False,
+) -> int:
+    """Draw a page and write it; return 0, or the exit code where it failed or was cancelled.
 
-    An older page does not stay where a new one fails: it would be read as that of this result.
-    `kept` says where the result is.
+    What goes with it is written in either case. An older page does not stay where a new one fails:
+    it would be read as that of this result. `kept` says where the result is.
 
     Parameters
     ----------
@@ -26,6 +33,8 @@ def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool =
         Folder of the page.
     page : callable
         Returns the page as HTML.
+    write : callable
+        Writes the page, None where there is none, into the folder with all that belongs to it.
     kept : str
         Sentence that says where the result is, for messages.
     quiet : bool
@@ -37,20 +46,21 @@ def draw_page(folder: Path, page: Callable[[], str], *, kept: str, quiet: bool =
         Exit code; 0 if the page was drawn.
     """
     note("Drawing the report ...")
+    code, text, failed = DRAWN, None, ""
     try:
-        write_folder(folder, {PAGE: page()})
+        text = page()
     except KeyboardInterrupt:
-        note(f"Cancelled while the report was drawn. {kept}")
-        code = CANCELLED
+        code, failed = CANCELLED, "Cancelled while the report was drawn."
     except Exception as error:  # whatever a page fails with, the result stands
-        note(f"The report could not be drawn ({type(error).__name__}: {error}). {kept}")
-        code = PAGE_FAILED
-    else:
-        if not quiet:
-            stdout().print(f"\nReport: {folder / PAGE}", markup=False)
-        return DRAWN
-    if (folder / PAGE).is_file():
-        (folder / PAGE).unlink()
+        code, failed = (
+            PAGE_FAILED,
+            f"The report could not be drawn ({type(error).__name__}: {error}).",
+        )
+    write(text)
+    if failed:
+        note(f"{failed} {kept}")
+    elif not quiet:
+        stdout().print(f"\nReport: {folder / PAGE}", markup=False)
     return code
 
 

@@ -13,7 +13,7 @@ from stickslip.cli.console import (
     stdout,
     write_folder,
 )
-from stickslip.cli.pages import draw_page, leave_unless_drawn
+from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
 from stickslip.formatting import fixed, significant
@@ -38,18 +38,22 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
         Whether one JSON document is printed on stdout instead of text.
     """
     if not as_json:
-        refuse_overwriting(output, output, force=force)
+        refuse_overwriting(output, output, force=force, files=(PAGE, DOCUMENT))
     with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
         found = audit(progress=watch)
     content = document("paper", found.to_dict())
     if as_json:
         print_json(content)
         return
-    write_folder(output, {DOCUMENT: json_text(content)})
     _show(found)
+    files = {DOCUMENT: json_text(content)}
     kept = f"The numbers are in {output / DOCUMENT}."
     page = partial(paper_report, found, command=command_line())
-    leave_unless_drawn(draw_page(output, page, kept=kept))
+
+    def write(text: str | None) -> None:
+        write_folder(output, files if text is None else {PAGE: text} | files, stale=[PAGE])
+
+    leave_unless_drawn(draw_page(output, page, write, kept=kept))
 
 
 def _show(found: PaperAudit) -> None:

@@ -1,5 +1,6 @@
 """``stickslip plan``."""
 
+import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -13,14 +14,14 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_folder,
+    write_files,
 )
 from stickslip.cli.numbers import number_of, range_of
 from stickslip.cli.select import laws_of
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, load_rig
 from stickslip.quantities import Quantity, parameters
-from stickslip.selection import Plan, known_by, plan, setting_of, tables_of
+from stickslip.selection import TRAVEL_COLUMN, Plan, known_by, plan, setting_of, tables_of
 
 __all__ = ["run"]
 
@@ -68,6 +69,7 @@ def run(
     files = _files(output)
     for file in files:
         refuse_overwriting(file, file.parent, force=force)
+    _refuse_filled_in(files[1:])
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     measured = rig.measurement
     if measured is not None and not measured.travelled:
@@ -108,6 +110,18 @@ def _files(output: Path | None) -> list[Path]:
     return [output, output.with_suffix(".csv")]
 
 
+def _refuse_filled_in(tables: Sequence[Path]) -> None:
+    """Refuse to replace a table with measured travels, or another one."""
+    for table in filter(Path.exists, tables):
+        text = table.read_text(encoding="utf-8", errors="replace")
+        head, *rows = list(csv.reader(text.splitlines())) or [[]]
+        if head[-1:] != [TRAVEL_COLUMN] or any(cell.strip() for row in rows for cell in row[2:]):
+            raise InputError(
+                f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"
+                " another -o."
+            )
+
+
 def _between(path: str, rig: Rig, text: str | None) -> tuple[float, float] | None:
     """Return the ends of a range, in the unit of what is set."""
     if text is None:
@@ -139,7 +153,7 @@ def _write(found: Plan, rig: Rig, path: Path | None, files: Sequence[Path]) -> N
         versions=versions(),
         digest=rig.digest,
     )
-    write_folder(sheet.parent, {sheet.name: render(page), table.name: found.csv()})
+    write_files({sheet: render(page), table: found.csv()})
 
 
 def _show(found: Plan) -> None:

@@ -101,7 +101,7 @@ def run(
         Whether one JSON document is printed on stdout instead of text.
     """
     if not as_json:
-        refuse_overwriting(output, output, force=force)
+        refuse_overwriting(output, output, force=force, files=FILES)
     rig, chosen = rig_and_law(path, changes, settings.law)
     found = _found(rig, chosen.law, settings)
     head = {"rig": rig.heading, "digest": rig.digest, **chosen.to_dict()}

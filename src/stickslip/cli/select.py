@@ -36,6 +36,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.report import Origin, Page, render
 from stickslip.routes import (
     DOCUMENT,
+    VERDICT_FILES,
     SelectRequest,
     refuse_unused,
     route_named,
@@ -105,7 +106,7 @@ def run(
         If the page could not be drawn.
     """
     if not as_json:
-        refuse_overwriting(output, output, force=force)
+        refuse_overwriting(output, output, force=force, files=VERDICT_FILES)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None)
     if jobs is not None:
@@ -119,12 +120,14 @@ def run(
     if as_json:
         print_json(content)
     else:
-        write_verdict(output, verdict, content)
         show_verdict(verdict)
         kept = f"The verdict is in {output / DOCUMENT}."
         own = path is None  # the bundled rig
         page_code = draw_page(
-            output, lambda: render(_page(verdict, rig, found, asked, of_paper=own)), kept=kept
+            output,
+            lambda: render(_page(verdict, rig, found, asked, of_paper=own)),
+            lambda text: write_verdict(output, verdict, content, page=text),
+            kept=kept,
         )
     ended = [c.name for c in verdict.candidates if c.fit and c.fit.cancelled]
     if ended:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
-from rich.text import Text
 
 from stickslip.cli.console import (
     command_line,
@@ -21,13 +20,14 @@ from stickslip.cli.console import (
     show_table,
     stdout,
     write_file,
+    write_folder,
 )
 from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
-from stickslip.formatting import fixed, number, residue
+from stickslip.formatting import fixed, number, printable, residue
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
 from stickslip.selection import criteria_of
@@ -133,7 +133,8 @@ def run(
         refuse_overwriting(output, output.parent, force=force)
     if settings.report is not None:
         page = settings.report / PAGE
-        refuse_overwriting(page, settings.report, force=force, option="--report-to FOLDER")
+        option = "--report-to FOLDER"
+        refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
     rig, chosen = rig_and_law(path, changes, settings.law, allow_import=allow_import)
     ran = _ran(rig, chosen, settings)
     seen = criteria_of(ran.run, rig.mechanism)
@@ -147,7 +148,8 @@ def run(
     if settings.report is not None:
         kept = "The result of the run is not affected."
         drawn = partial(_page, ran, settings)
-        page_code = draw_page(settings.report, drawn, kept=kept, quiet=as_json)
+        write = partial(_write_page, settings.report)
+        page_code = draw_page(settings.report, drawn, write, kept=kept, quiet=as_json)
     if as_json:
         content = _content(ran, settings) | {"criteria": asdict(seen)}
         if settings.report is not None:
@@ -158,6 +160,10 @@ def run(
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
+
+
+def _write_page(folder: Path, text: str | None) -> None:
+    write_folder(folder, {} if text is None else {PAGE: text}, stale=[PAGE])
 
 
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
@@ -354,7 +360,8 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
 
 def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
-    console.print(Text.assemble((ran.rig.heading, "bold"), f", {ran.chosen.law.title} friction"))
+    console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
+    console.print(f", {ran.chosen.law.title} friction", markup=False)
     console.print(run.status.value, markup=False)
     if run.events:
         show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))

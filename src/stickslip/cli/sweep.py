@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.text import Text
 
 from stickslip.cli.console import (
     document,
@@ -13,13 +12,13 @@ from stickslip.cli.console import (
     refuse_overwriting,
     show_table,
     stdout,
-    write_folder,
+    write_files,
 )
 from stickslip.cli.law_choice import LawAsked, rig_and_law
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, start_of, table_bytes
 from stickslip.errors import InputError
-from stickslip.formatting import number
+from stickslip.formatting import number, printable
 from stickslip.sweep import VelocityMap, average_velocity
 
 __all__ = ["run"]
@@ -85,7 +84,8 @@ def run(
         files = [str(output), str(figure)]
         print_json(document("sweep", head | _content(found, turns) | {"files": files}))
         return
-    stdout().print(Text.assemble((rig.heading, "bold"), f", {law.title} friction"))
+    stdout().print(printable(rig.heading), markup=False, style="bold", end="")
+    stdout().print(f", {law.title} friction", markup=False)
     _show(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
 
@@ -104,7 +104,7 @@ def _write(found: VelocityMap, output: Path, figure: Path) -> None:
 
     svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
     table = table_bytes(found.to_dataframe(), output)
-    write_folder(output.parent, {output.name: table, figure.name: svg})
+    write_files({output: table, figure: svg})
 
 
 def _show(found: VelocityMap, turns: Sequence[float]) -> None:

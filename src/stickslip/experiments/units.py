@@ -32,6 +32,8 @@ _FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
 _UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·/]\s*|\s+)(?:{_FACTOR}))*"
 _TEXT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
 _LONGEST = 100
+LARGEST, LEAST = 1e30, 1e-30
+"""Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
 
 
 def shown(value: object) -> str:
@@ -83,12 +85,19 @@ def read_number(value: object, quantity: Quantity) -> float:
     else:
         number = value
     try:
-        return quantity.check("", "", number)
+        found = quantity.check("", "", number)
     except (ParameterError, OverflowError):
         raise ParameterError(
             f"({quantity.symbol}) must be {allowed(_as_written(quantity, value))}, got"
             f" {shown(value)}."
         ) from None
+    if found and not LEAST <= abs(found) <= LARGEST:
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        raise ParameterError(
+            f"({quantity.symbol}) must be 0 or have a magnitude from {LEAST:g} to"
+            f" {LARGEST:g}{unit}, got {shown(value)}: correct the number or its unit."
+        )
+    return found
 
 
 def _as_written(quantity: Quantity, value: object) -> Quantity:

@@ -30,6 +30,7 @@ from stickslip.formatting.text import (
     in_words,
     joined,
     lower_first,
+    printable,
     unbroken,
 )
 from stickslip.formatting.units import (
@@ -61,6 +62,7 @@ __all__ = [
     "lower_first",
     "number",
     "percent",
+    "printable",
     "quantities",
     "quantity",
     "ratio",

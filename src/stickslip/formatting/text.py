@@ -1,10 +1,20 @@
 """Words of sentences: lists, counts, and where a page must not end a line."""
 
+import json
 import re
 from collections.abc import Sequence
 from typing import Final
 
-__all__ = ["NO_BREAK_SPACE", "capital", "count", "in_words", "joined", "lower_first", "unbroken"]
+__all__ = [
+    "NO_BREAK_SPACE",
+    "capital",
+    "count",
+    "in_words",
+    "joined",
+    "lower_first",
+    "printable",
+    "unbroken",
+]
 
 NO_BREAK_SPACE: Final = "\N{NO-BREAK SPACE}"
 _WORDS: Final = [
@@ -29,6 +39,44 @@ _WITHIN: Final = re.compile(
     r"|(?<=[\d)]) (?=[%±×✓!](?![A-Za-z]))"
     r"|(?<=[±×]) (?=\d)"
 )
+
+
+_HIDDEN: Final = re.compile(
+    "[\x00-\x1f\x7f-\x9f"  # control characters, with which terminals are steered
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # turn the direction of what follows
+    "\u2028\u2029\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
+    "\ud800-\udfff]"  # halves of characters: bytes of a file name that are no text
+)
+
+
+def printable(text: str, *, lines: bool = False) -> str:
+    r"""Return a text of unknown origin as it may go to a terminal or a page.
+
+    Characters that steer a terminal, turn the direction of writing or are no characters are
+    replaced by their escapes, which JSON knows too.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    lines : bool
+        Whether ends of lines and tabs stay as they are.
+
+    Returns
+    -------
+    str
+        The same text without such characters.
+
+    Examples
+    --------
+    >>> print(printable("\x1b[31mred, \u202edesrever"))
+    \u001b[31mred, \u202edesrever
+    >>> print(printable("one\ntwo"))
+    one\ntwo
+    """
+    return _HIDDEN.sub(
+        lambda found: found[0] if lines and found[0] in "\n\t" else json.dumps(found[0])[1:-1], text
+    )
 
 
 def unbroken(text: str) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary
+from stickslip.documents import write_file
 from stickslip.errors import InputError
 from stickslip.experiments import HARD, LawEstimates, Levels, levels_at, rig_toml, spread_of
 from stickslip.formatting import (
@@ -21,6 +22,7 @@ from stickslip.formatting import (
     interval,
     joined,
     number,
+    printable,
     with_unit,
     within,
 )
@@ -167,12 +169,12 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
             )
         title = f"{self.law.title}, fitted"
         text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
-        return "".join(f"# {remark}\n" for remark in self.remarks) + text
+        return "".join(f"# {printable(remark)}\n" for remark in self.remarks) + text
 
     @final
     def save(self, path: str | Path) -> None:
         """Write `to_toml` to a file that ``stickslip simulate`` takes."""
-        Path(path).write_text(self.to_toml(), encoding="utf-8")
+        write_file(Path(path), self.to_toml())
 
     @abstractmethod
     def law_estimates(self) -> LawEstimates:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, final
 
+from stickslip.documents import write_file
 from stickslip.errors import InputError
 
 __all__ = ["Memory", "Row"]
@@ -88,7 +89,7 @@ class Memory:
         self.searches.setdefault(search, []).append(list(rows))
         if self.path is not None:
             content = {"form": FORM, "problem": self.digest, "searches": self.searches}
-            _write(self.path, json.dumps(content))
+            write_file(self.path, json.dumps(content))
 
     def _read(self, path: Path) -> dict[str, list[list[Row]]]:
         try:
@@ -122,23 +123,5 @@ def _refuse_unwritable(path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path.parent):
             pass
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
-
-
-def _write(path: Path, text: str) -> None:
-    """Replace a file at once."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
-            temporary = Path(file.name)
-            try:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-                temporary.chmod(0o644)
-                temporary.replace(path)
-            finally:
-                temporary.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror}.") from error

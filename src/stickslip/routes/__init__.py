@@ -25,6 +25,7 @@ HOMES = {
 INSIDE = {
     "DOCUMENT": "report",
     "PAGE": "report",
+    "VERDICT_FILES": "report",
     "unused_text": "registry",
     "write_verdict": "report",
 }

@@ -8,6 +8,7 @@ from stickslip.routes.registry import routes as routes
 from stickslip.routes.registry import unused_text as unused_text
 from stickslip.routes.report import DOCUMENT as DOCUMENT
 from stickslip.routes.report import PAGE as PAGE
+from stickslip.routes.report import VERDICT_FILES as VERDICT_FILES
 from stickslip.routes.report import write_report as write_report
 from stickslip.routes.report import write_verdict as write_verdict
 from stickslip.routes.route import Comparison as Comparison

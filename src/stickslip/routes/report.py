@@ -11,9 +11,10 @@ from stickslip.routes.page import verdict_page
 from stickslip.routes.registry import route_named
 from stickslip.selection import Verdict
 
-__all__ = ["LAW_FILE", "PAGE", "write_report", "write_verdict"]
+__all__ = ["LAW_FILE", "PAGE", "VERDICT_FILES", "write_report", "write_verdict"]
 
 PAGE, DOCUMENT, LAW_FILE = "index.html", "verdict.json", "law.toml"
+VERDICT_FILES = (PAGE, DOCUMENT, LAW_FILE)
 """What is written into a folder."""
 
 
@@ -50,7 +51,8 @@ def write_report(
     commands : sequence of str
         Commands that give this report again, to be shown.
     overwrite : bool
-        Whether files of an earlier report in the folder may be replaced.
+        Whether files of an earlier report in the folder may be replaced, if they are as they were
+        written.
 
     Returns
     -------
@@ -60,7 +62,8 @@ def write_report(
     Raises
     ------
     InputError
-        If a report is already there, or the folder cannot be written to.
+        If a report is already there, a file in the way was not written here or was changed, or
+        the folder cannot be written to.
 
     Examples
     --------
@@ -72,7 +75,7 @@ def write_report(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     page = write_report(verdict, folder, title="Block")
     ...     law = load_rig(page.with_name("law.toml")).laws["coulomb"]
-    ...     sorted(file.name for file in page.parent.iterdir())
+    ...     sorted(file.name for file in page.parent.glob("[!.]*"))
     ['index.html', 'law.toml', 'verdict.json']
     >>> f"{law.kinetic_coefficient:.3f}"
     '0.255'
@@ -87,15 +90,14 @@ def write_report(
         digest=digest,
         commands=tuple(commands),
     )
-    there = [name for name in (PAGE, DOCUMENT, LAW_FILE) if (folder / name).exists()]
+    there = [name for name in VERDICT_FILES if (folder / name).exists()]
     if there and not overwrite:
         raise InputError(
             f"{folder / there[0]} already exists: give overwrite=True to replace it, or another"
             " folder."
         )
     content = document("select", {"rig": title, "digest": digest, **verdict.to_dict()})
-    write_verdict(folder, verdict, content)
-    write_folder(folder, {PAGE: render(verdict_page(verdict, origin))})
+    write_verdict(folder, verdict, content, page=render(verdict_page(verdict, origin)))
     return folder / PAGE
 
 
@@ -103,11 +105,13 @@ def write_verdict(
     folder: Path,
     verdict: Verdict,
     content: Mapping[str, Any],
+    *,
+    page: str | None = None,
 ) -> None:
-    """Write a verdict as its document and its law, over those of an earlier one.
+    """Write a verdict as its page, its document and its law, over those of an earlier one.
 
-    The page comes after, since it must not cost the verdict; that of an earlier verdict is removed,
-    and so is an earlier law where this verdict names none.
+    All appear at once. What this verdict does not have is removed of an earlier one: a page that
+    could not be drawn, a law where none is named. Files that were not written here stay.
 
     Parameters
     ----------
@@ -117,6 +121,13 @@ def write_verdict(
         The verdict, whose best law is written.
     content : mapping of str to object
         The verdict as a JSON document.
+    page : str, optional
+        The page as HTML; none is written if not given.
+
+    Raises
+    ------
+    InputError
+        If a file in the way was not written here or was changed, or the folder cannot be written.
 
     Examples
     --------
@@ -127,13 +138,12 @@ def write_verdict(
     >>> verdict = select(rig, [Coulomb], reading, t_end=1.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_verdict(Path(folder), verdict, {})
-    ...     sorted(file.name for file in Path(folder).iterdir())
+    ...     sorted(file.name for file in Path(folder).glob("[!.]*"))
     ['law.toml', 'verdict.json']
     """
-    files: dict[str, str | bytes] = {DOCUMENT: json_text(content)}
+    files: dict[str, str | bytes] = {} if page is None else {PAGE: page}
+    files[DOCUMENT] = json_text(content)
     saved = route_named(verdict.route).simulated
     if saved and verdict.best is not None and verdict.best.fit is not None:
         files[LAW_FILE] = verdict.best.fit.to_toml()
-    write_folder(folder, files)
-    for name in {LAW_FILE, PAGE} - set(files):
-        (folder / name).unlink(missing_ok=True)
+    write_folder(folder, files, stale=VERDICT_FILES)

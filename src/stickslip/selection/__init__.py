@@ -35,6 +35,7 @@ INSIDE = {
     "MATERIAL": "choice",
     "NEAR": "choice",
     "PLAIN": "travels",
+    "TRAVEL_COLUMN": "lab_sheet",
     "Proposal": "design.discriminating_settings",
     "PurposeName": "records",
     "RateStateLaw": "rate_state",

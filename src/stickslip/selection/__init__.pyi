@@ -26,6 +26,7 @@ from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.lab_sheet import Plan as Plan
+from stickslip.selection.lab_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.selection.limits import limit_of as limit_of
 from stickslip.selection.limits import limits_of as limits_of
 from stickslip.selection.next_measurements import predictor_of as predictor_of

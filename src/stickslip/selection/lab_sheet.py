@@ -19,7 +19,10 @@ from stickslip.selection.design.discriminating_settings import Separation, unit_
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Expectation", "Plan", "Preparation", "Telling"]
+__all__ = ["TRAVEL_COLUMN", "Expectation", "Plan", "Preparation", "Telling"]
+
+TRAVEL_COLUMN = "travel [mm]"
+"""Column of the table of runs that is filled in."""
 
 
 @final
@@ -212,7 +215,7 @@ class Plan:
         unit, factor = unit_of(self.settings[0].unit)
         unit = unit.replace("°", "deg")  # a spreadsheet may not read the file as UTF-8
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["name", f"{self.settings[0].path} [{unit}]", "travel [mm]"])
+        writer.writerow(["name", f"{self.settings[0].path} [{unit}]", TRAVEL_COLUMN])
         writer.writerows(
             [name, f"{factor * one.value:.10g}", ""] for name, one in self.runs().items()
         )

@@ -12,6 +12,12 @@ __all__ = ["LARGEST", "apply", "parse", "read_bytes"]
 
 LARGEST = 10_000_000
 """Largest rig file that is read [byte]."""
+DEEPEST = 100
+"""Most tables within tables. The library takes a time that grows with the square of it."""
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
+_DEEP_KEY = re.compile(
+    rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}[ \t]*+\.[ \t]*+){{{DEEPEST}}}", re.MULTILINE | re.ASCII
+)
 
 
 def read_bytes(path: str | Path, *, largest: int | None = None) -> bytes:
@@ -140,19 +146,32 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
     InputError
         If it is not valid TOML, or has no tables.
     """
+    text, tables = decode(data, file), None
     try:
-        tables = tomllib.loads(decode(data, file))
+        if not _DEEP_KEY.search(text):
+            tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{file}: is not valid TOML: {error}.") from None
     except RecursionError:
-        raise InputError(f"{file}: its tables are nested too deeply.") from None
-    except InputError:
-        raise
+        pass
     except ValueError as error:
         raise InputError(f"{file}: has a number that cannot be read: {error}.") from None
+    if tables is None or _is_deep(tables):
+        raise InputError(f"{file}: its tables are nested too deeply.")
     if not tables:
         raise InputError(f"{file}: has no tables; a rig needs at least [mechanism].")
     return tables
+
+
+def _is_deep(tables: dict[str, Any]) -> bool:
+    """Whether functions that call themselves would not get to the end of tables."""
+    level: list[Any] = [tables]
+    for _ in range(DEEPEST):
+        lists = (node.values() if isinstance(node, dict) else node for node in level)
+        level = [inner for nodes in lists for inner in nodes if isinstance(inner, dict | list)]
+        if not level:
+            return False
+    return True
 
 
 def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
@@ -179,7 +198,7 @@ def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
     """
     for path, value in overrides.items():
         steps = path.split(".") if isinstance(path, str) else []
-        if not steps or not all(steps):
+        if not steps or not all(steps) or len(steps) > DEEPEST:
             raise InputError(
                 f"override {path!r}: must be a dotted path such as mechanism.mass, with a value."
             )

@@ -324,6 +324,12 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
             f"features of stick-slip need at least 100 samples and 4 in a natural period of"
             f" {quantity(1.0 / natural, 's')}, got {count} samples {quantity(step, 's')} apart."
         )
+    if count * step * natural < 1.0:
+        raise InputError(
+            f"features of stick-slip need a record of one natural period or more, here"
+            f" {quantity(1.0 / natural, 's')}, got {quantity(count * step, 's')}: check mass and"
+            " stiffness of the block."
+        )
     return step, np.interp(time[0] + step * np.arange(count), time, force)
 
 

@@ -15,7 +15,9 @@ from xml.etree import ElementTree
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from stickslip.documents import write_file
 from stickslip.errors import InputError
+from stickslip.formatting import printable
 from stickslip.plots.core import theme
 
 __all__ = ["NARROW", "WIDE", "Draw", "Size", "inline_svg", "save", "standalone_svg"]
@@ -125,7 +127,7 @@ def standalone_svg(draw: Draw, *, size: Size = WIDE, narrow: bool = False, title
     root.attrib |= {"xmlns": "http://www.w3.org/2000/svg", "font-family": FONTS, "role": "img"}
     root.attrib |= {"width": f"{size[0]:g}", "height": f"{size[1]:g}"}
     if title:
-        root.set("aria-label", title)
+        root.set("aria-label", printable(title))
     return _text(root) + "\n"
 
 
@@ -181,9 +183,9 @@ def save(
         raise InputError(f"a figure is saved as one of {known}, got {path.name!r}.")
     if kind == "svg":
         svg = standalone_svg(draw, size=size, narrow=narrow, title=title)
-        path.write_text(svg, encoding="utf-8", newline="\n")
+        write_file(path, svg)
     else:
-        path.write_bytes(_drawn(draw, size, narrow, theme.SURFACE, kind, scale))
+        write_file(path, _drawn(draw, size, narrow, theme.SURFACE, kind, scale))
     return path
 
 
@@ -215,7 +217,7 @@ def _drawn(
 
 
 def _tree(svg: bytes, prefix: str) -> ElementTree.Element:
-    root = ElementTree.fromstring(svg)
+    root = ElementTree.fromstring(printable(svg.decode(), lines=True))  # XML knows no others
     for element in root.iter():
         element.tag = _NAMESPACE.sub("", element.tag)
         element.attrib = {_NAMESPACE.sub("", key): text for key, text in element.attrib.items()}

@@ -1,7 +1,6 @@
 """A page as one self-contained HTML file: no script, no network, no web font."""
 
 import re
-import secrets
 from collections import Counter
 from functools import cache
 from importlib import resources
@@ -11,8 +10,9 @@ from typing import Final
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from stickslip.documents import write_file
 from stickslip.errors import InputError
-from stickslip.formatting import unbroken
+from stickslip.formatting import printable, unbroken
 from stickslip.report.core import formulas, markup
 from stickslip.report.core.blocks import Block
 from stickslip.report.core.documents import Page
@@ -58,7 +58,7 @@ def render(page: Page) -> str:
             f"the id {shared[0]!r} occurs twice on the page: give each figure a prefix of its own, "
             "unlike the id of any section."
         )
-    return text
+    return printable(text, lines=True)
 
 
 def write(page: Page, path: str | Path) -> Path:
@@ -87,14 +87,7 @@ def write(page: Page, path: str | Path) -> Path:
     'report.html'
     """
     path = Path(path)
-    text = render(page)
-    # In the same folder, because a file moves in one step only within a file system.
-    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    try:
-        draft.write_text(text, encoding="utf-8", newline="\n")
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    write_file(path, render(page))
     return path
 
 

@@ -65,7 +65,7 @@ def _heading(verdict: TravelVerdict) -> str:
     near = [gap for gap in gaps if gap <= CLOSE * abs(travels(verdict)[0])]
     if not near:
         return f"{best.title}, fitted to {target}" if not others else f"Models fitted to {target}"
-    bound = _rounded_up(1e3 * max(near))
+    bound = number(_rounded_up(1e3 * max(near)))
     if len(others) == 1:
         who = "the other model stays"
     elif len(near) == len(others):
@@ -76,9 +76,9 @@ def _heading(verdict: TravelVerdict) -> str:
     return f"Fitted to {target}, {who} within {bound} mm of {best.title} throughout"
 
 
-def _rounded_up(value: float) -> str:
+def _rounded_up(value: float) -> float:
     place = 10.0 ** math.floor(math.log10(value)) if value > 0 else 1.0
-    return number(math.ceil(value / place - 1e-9) * place)
+    return math.ceil(value / place - 1e-9) * place
 
 
 def _figure(verdict: TravelVerdict, best: TravelCandidate) -> Figure:
@@ -207,15 +207,8 @@ def _axis(verdict: TravelVerdict) -> Axis | None:
         ticks = tuple(10.0**power for power in powers)
         return Axis(low=ticks[0], high=ticks[-1], ticks=ticks, log=True, caption=caption)
     errors = [factor * (c.score_error or 0.0) for c in verdict.candidates if c.score is not None]
-    top = float(
-        _rounded_up(
-            max(
-                chain(
-                    [high], (s + e for s, e in zip(scores, errors, strict=True) if math.isfinite(e))
-                )
-            )
-        )
-    )
+    ends = (s + e for s, e in zip(scores, errors, strict=True) if math.isfinite(e))
+    top = _rounded_up(max(chain([high], ends)))
     return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
 
 

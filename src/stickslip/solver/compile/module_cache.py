@@ -2,22 +2,29 @@
 
 The text of a module says all that it does, so its hash names it. Modules are files in the user's
 cache directory, written atomically; a directory that cannot be written to is no obstacle.
+
+Machine code is run, and numba's files of it are pickles, which run what they hold when they are
+read. They are therefore loaded only from folders and files that no other user but root can have
+written. A module itself is compiled from its text in memory: no file decides what it does.
 """
 
 import atexit
 import contextlib
+import errno
 import functools
 import hashlib
-import importlib.util
 import os
+import shlex
 import shutil
+import stat
 import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import platformdirs
 
@@ -33,6 +40,10 @@ __all__ = [
 
 MACHINE_CODE = "__pycache__"
 """Folder beside a module where numba keeps what it compiled."""
+HAS_MODES = os.name == "posix"
+"""Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
 LONGEST_WAIT = 600.0
 """Waiting for another process that compiles a module [s]: kernels take some 20 s of processor time,
 so that one which takes longer is taken to hang."""
@@ -75,25 +86,111 @@ def module_of(text: str, *, compiled: bool = False) -> ModuleType:
 
 
 def _from_file(name: str, text: str, *, compiled: bool) -> ModuleType:
-    path = cache_directory() / f"{name}.py"
     try:
+        path = _made_folder() / f"{name}.py"
         if not path.exists() or path.read_text("utf-8", "replace") != text:
             _write(path, text)
-        return _executed(name, _with_machine_code(path) if compiled else path)
+        if compiled:
+            path = _with_machine_code(path)
     except OSError as error:
         if compiled:
-            _warn(error.strerror or str(error))
+            _warn(cache_directory(), error.strerror or str(error))
         path = _temporary_folder() / f"{name}.py"
         _write(path, text)
-        return _executed(name, path)
+    return _executed(name, path, text, compiled=compiled)
 
 
-def _warn(reason: str) -> None:
+@functools.cache  # once for each reason, whatever filters there are
+def _warn(folder: Path, reason: str) -> None:
     warnings.warn(
-        f"{cache_directory()} cannot be used ({reason}): compiled modules are lost when this"
-        " process ends. Set STICKSLIP_CACHE to a writable folder.",
+        f"{folder} cannot be used ({reason}): compiled modules are lost when this process ends."
+        " Set STICKSLIP_CACHE to a folder of your own that you can write to.",
         stacklevel=4,
     )
+
+
+def _resolved(folder: Path) -> Path:
+    """Return a folder with links followed, so that what is judged is what is used."""
+    try:
+        return folder.resolve()
+    except RuntimeError as error:  # Python 3.11 and 3.12, where links go round in circles
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(folder)) from error
+
+
+def _made_folder(folder: Path | None = None) -> Path:
+    """Return a folder, the cache directory if none is given; make it if it is not there.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made, or others may write to it.
+    """
+    folder = _resolved(folder or cache_directory())
+    for part in (*reversed(folder.parents), folder):
+        if not part.exists():
+            part.mkdir(mode=0o700, exist_ok=True)
+    return _trusted(folder)
+
+
+def _trusted(folder: Path) -> Path:
+    """Return a folder if only this user and root can have put there what it holds.
+
+    It belongs to one of them and nobody else may write to it. Nobody else may rename the folders
+    above it either, where a group that has this user or root as its only member is nobody else.
+    Whose those are is not asked: containers and networks show homes under other owners.
+
+    Parameters
+    ----------
+    folder : Path
+        An existing folder, links followed.
+
+    Raises
+    ------
+    OSError
+        If it is not there, or another user may write to it.
+    """
+    if HAS_MODES:
+        _refuse_foreign(folder, folder.stat(), OTHERS_WRITE)
+        for parent in folder.parents:
+            status = parent.stat()
+            mode = status.st_mode & OTHERS_WRITE
+            if mode & stat.S_IWGRP and _is_private(status.st_gid):
+                mode &= ~stat.S_IWGRP
+            if mode and not status.st_mode & stat.S_ISVTX:
+                raise _not_trusted(parent, _open_to_others(parent, "go-w"))
+    return folder
+
+
+def _refuse_foreign(path: Path, status: os.stat_result, modes: int) -> None:
+    """Refuse what is another user's, or has one of these mode bits."""
+    if status.st_uid not in (os.geteuid(), 0):
+        raise _not_trusted(path, f"{path} belongs to another user")
+    if status.st_mode & modes:
+        raise _not_trusted(path, _open_to_others(path, "-R go-w"))
+
+
+def _open_to_others(path: Path, modes: str) -> str:
+    return f"others may write to {path}: run chmod {modes} {shlex.quote(str(path))}"
+
+
+def _not_trusted(path: Path, reason: str) -> OSError:
+    return PermissionError(errno.EPERM, reason, str(path))
+
+
+@functools.cache
+def _is_private(group: int) -> bool:
+    """Whether nobody is in a group but root, or this user, whose name it then has."""
+    import grp
+    import pwd
+
+    if group == 0:
+        return True
+    try:
+        own, user = grp.getgrgid(group), pwd.getpwuid(os.geteuid())
+    except KeyError:
+        return False
+    named_alike = user.pw_gid == group and own.gr_name == user.pw_name
+    return named_alike and set(own.gr_mem) <= {user.pw_name}
 
 
 @functools.cache
@@ -111,11 +208,16 @@ def _takes_machine_code(folder: Path) -> bool:
 
 def _with_machine_code(path: Path) -> Path:
     """Return where numba finds what belongs to a module: it reads only where it could write."""
+    inner = path.parent / MACHINE_CODE
+    found = list(inner.glob(f"{path.stem}.*"))
+    _refuse_foreign_files(path.parent, found)
     if _takes_machine_code(path.parent):
+        if not inner.exists():  # open to those to whom the folder is
+            modes = stat.S_IMODE(path.parent.stat().st_mode) & ~OTHERS_WRITE
+            inner.mkdir(mode=modes, exist_ok=True)
         return path
-    found = list((path.parent / MACHINE_CODE).glob(f"{path.stem}.*"))
     if not found:
-        _warn("read-only")
+        _warn(cache_directory(), "read-only")
     copy = _temporary_folder() / path.name
     (copy.parent / MACHINE_CODE).mkdir(exist_ok=True)
     shutil.copy2(path, copy)
@@ -124,23 +226,57 @@ def _with_machine_code(path: Path) -> Path:
     return copy
 
 
-def _executed(name: str, path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise OSError(f"cannot load {path}")
-    module = importlib.util.module_from_spec(spec)
+def _refuse_foreign_files(folder: Path, files: Sequence[Path]) -> None:
+    """Refuse files that may be another's, and folders in a trusted folder that hold them.
+
+    A file of one's own that others may write to is one's own if they cannot enter its folder.
+    """
+    if HAS_MODES:
+        modes = OTHERS_WRITE if folder.stat().st_mode & OTHERS_ENTER else 0
+        inner = folder / MACHINE_CODE
+        holders = {file.parent for file in files} | ({inner} if inner.exists() else set())
+        for path in (*holders, *files):
+            status = path.lstat()
+            if stat.S_ISLNK(status.st_mode):
+                raise _not_trusted(path, f"{path} is a link: remove it")
+            _refuse_foreign(path, status, modes)
+
+
+def _executed(name: str, path: Path, text: str, *, compiled: bool) -> ModuleType:
+    """Run a text as the module of a file, which debuggers show and beside which numba writes."""
+    module = ModuleType(name)
+    module.__file__ = str(path)
     sys.modules[name] = module  # before it runs: what is compiled then must find it by its name
     try:
-        spec.loader.exec_module(module)
+        with _numba_folder_judged(name) if compiled else contextlib.nullcontext():
+            exec(compile(text, path, "exec", dont_inherit=True), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise
     return module
 
 
+@contextlib.contextmanager
+def _numba_folder_judged(name: str) -> Iterator[None]:
+    """Let numba pass over a folder of its own (NUMBA_CACHE_DIR) that others may write to."""
+    import numba
+
+    config: Any = numba.config
+    given = config.CACHE_DIR
+    if given:
+        try:
+            folder = _made_folder(Path(given))
+            _refuse_foreign_files(folder, list(folder.glob(f"*/{name}.*")))
+        except OSError:
+            config.CACHE_DIR = ""
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = given
+
+
 def _write(path: Path, text: str) -> None:
     """Write a file so that others see all of it or nothing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -154,12 +290,15 @@ def _write(path: Path, text: str) -> None:
 
 
 def is_writable() -> bool:
-    """Whether the cache directory can be written to; it is made if it is not there."""
+    """Whether the cache directory is used and can be written to; it is made if it is not there."""
     try:
-        folder = cache_directory()
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = _made_folder()
         with tempfile.TemporaryFile(dir=folder):
             return _takes_machine_code(folder)
+    except PermissionError as error:
+        if error.errno == errno.EPERM:  # not for want of a permission: it has too many
+            _warn(cache_directory(), error.strerror)
+        return False
     except OSError:
         return False
 
@@ -174,17 +313,16 @@ def locked(text: str) -> Iterator[None]:
     """
     from filelock import FileLock
 
-    path = cache_directory() / f"{name_of(text)}.lock"
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            path = _made_folder() / f"{name_of(text)}.lock"
             # No fallback to a file that merely exists, which would outlive a dead owner.
             stack.enter_context(FileLock(path, timeout=LONGEST_WAIT, fallback_to_soft=False))
         yield
 
 
-def _stamp(text: str, entry: str) -> Path:
-    return cache_directory() / f"{name_of(text)}.{entry}.{_processor()}.ready"
+def _stamp(folder: Path, text: str, entry: str) -> Path:
+    return folder / f"{name_of(text)}.{entry}.{_processor()}.ready"
 
 
 @functools.cache
@@ -216,15 +354,17 @@ def is_kept(text: str, entry: str) -> bool:
         Whether nothing needs to be compiled.
     """
     try:
-        lines = _stamp(text, entry).read_text("utf-8").splitlines()
-        folder = cache_directory()
+        folder = _trusted(_resolved(cache_directory()))
+        lines = _stamp(folder, text, entry).read_text("utf-8").splitlines()
         return bool(lines) and all((folder / line).exists() for line in lines)
     except (OSError, ValueError):
         return False
 
 
 def keep(text: str, entry: str, files: Iterable[Path]) -> None:
-    """Note which files hold the machine code of a function, unless nothing can be noted.
+    """Note which files hold the machine code of a function, and close them to others.
+
+    Nothing is noted in a folder that cannot be written to.
 
     Parameters
     ----------
@@ -235,7 +375,11 @@ def keep(text: str, entry: str, files: Iterable[Path]) -> None:
     files : iterable of Path
         Files of its machine code.
     """
-    folder = cache_directory()
-    lines = [str(f.relative_to(folder) if f.is_relative_to(folder) else f) for f in files]
     with contextlib.suppress(OSError):
-        _write(_stamp(text, entry), "\n".join(sorted(lines)))
+        folder, lines = _made_folder(), []
+        for file in files:
+            lines.append(str(file.relative_to(folder) if file.is_relative_to(folder) else file))
+            mode = file.stat().st_mode
+            if HAS_MODES and mode & OTHERS_WRITE:  # numba leaves them as the umask says
+                file.chmod(stat.S_IMODE(mode) & ~OTHERS_WRITE)
+        _write(_stamp(folder, text, entry), "\n".join(sorted(lines)))

@@ -1,0 +1,282 @@
+"""Folders and files that commands write are the old ones or the new ones, and never a user's."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stickslip import documents
+from stickslip.documents import LIST, write_file, write_files, write_folder
+from stickslip.errors import InputError
+
+OLD = {"index.html": "old", "verdict.json": "old", "law.toml": "old"}
+NEW = {"index.html": "new", "verdict.json": "new"}
+CHILD = """
+import ctypes, os, pathlib, signal, sys
+from stickslip import documents
+
+folder, where, last, can_exchange = sys.argv[1:]
+last, calls = int(last), 0
+
+def deadly(real):
+    def call(*arguments, **settings):
+        global calls
+        calls += 1
+        number = calls
+        if number == last and where == "before":
+            os.kill(os.getpid(), signal.SIGKILL)
+        try:
+            return real(*arguments, **settings)
+        finally:
+            if number == last:
+                os.kill(os.getpid(), signal.SIGKILL)
+    return call
+
+for name in ("replace", "rename", "unlink", "mkdir", "link", "open", "rmdir", "fsync"):
+    setattr(os, name, deadly(getattr(os, name)))
+def refused(*_):
+    raise OSError("no such call")
+documents._exchange = deadly(documents._exchange) if can_exchange == "True" else refused
+new = {"index.html": "new", "verdict.json": "new"}
+documents.write_folder(pathlib.Path(folder), new, stale=["law.toml", "index.html"])
+print(calls)
+"""
+linux = pytest.mark.skipif(sys.platform != "linux", reason="exchanges folders in one step")
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
+
+
+def seen(folder):
+    """Return what stands in a folder, by name, but for the list of files."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != LIST and ".tmp-" not in path.name
+    }
+
+
+def killed(folder, where, last, can_exchange):
+    command = [sys.executable, "-c", CHILD, str(folder), where, str(last), str(can_exchange)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@posix
+@pytest.mark.parametrize("where", ["before", "after"])
+@pytest.mark.parametrize("start", ["absent", "old", "old with a user's files"])
+@linux
+def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_path, start, where):
+    last, states = 0, []
+    while True:
+        last += 1
+        folder = tmp_path / str(last) / "report"
+        folder.parent.mkdir()
+        before, user = {}, {}
+        if start != "absent":
+            write_folder(folder, OLD)
+            before = dict(OLD)
+        if start == "old with a user's files":
+            (folder / "mine" / "deep").mkdir(parents=True)
+            (folder / "notes.txt").write_text("mine")
+            (folder / "mine" / "deep" / "law.toml").write_text("mine")
+            user = {"notes.txt": "mine", "mine/deep/law.toml": "mine"}
+        done = killed(folder, where, last, can_exchange=True)
+        if done.returncode == 0:
+            break
+        assert done.returncode == -signal.SIGKILL, done.stderr
+        now = seen(folder) if folder.exists() else {}
+        assert now in ({**before, **user}, {**NEW, **user})
+        states.append(now == {**NEW, **user})
+        write_folder(folder, NEW, stale=["law.toml"])  # and the next one goes through
+        assert seen(folder) == {**NEW, **user}
+    assert len(states) > 3
+    assert states == sorted(states)  # once new, it stays new
+    assert not states[0]
+
+
+@posix
+@pytest.mark.parametrize("where", ["before", "after"])
+def test_without_an_exchange_old_files_never_stand_beside_new_ones(tmp_path, where):
+    last = 0
+    while True:
+        last += 1
+        folder = tmp_path / str(last)
+        write_folder(folder, OLD)
+        (folder / "notes.txt").write_text("mine")
+        done = killed(folder, where, last, can_exchange=False)
+        if done.returncode == 0:
+            break
+        assert done.returncode == -signal.SIGKILL, done.stderr
+        now = seen(folder)
+        assert now.pop("notes.txt") == "mine"
+        assert now.items() <= OLD.items() or now.items() <= NEW.items()
+        assert "index.html" in now
+        write_folder(folder, NEW, stale=["law.toml"])  # what is left is known as ours
+        assert seen(folder) == {**NEW, "notes.txt": "mine"}
+    assert last > 5
+
+
+def test_nothing_is_left_beside_a_folder(tmp_path):
+    for content in (OLD, NEW):
+        write_folder(tmp_path / "report", content, stale=["law.toml"])
+    assert [path.name for path in tmp_path.iterdir()] == ["report"]
+    assert sorted(path.name for path in (tmp_path / "report").iterdir()) == sorted([LIST, *NEW])
+
+
+@linux
+def test_what_a_killed_process_left_is_removed_when_it_is_old(tmp_path, monkeypatch):
+    left = tmp_path / ".report.tmp-0123abcd"
+    left.mkdir()
+    write_folder(tmp_path / "report", NEW)
+    assert left.exists()  # another process may be at work
+    monkeypatch.setattr(documents, "ABANDONED", -1.0)
+    write_folder(tmp_path / "report", NEW)
+    assert not left.exists()
+
+
+@pytest.mark.parametrize("name", ["index.html", "law.toml", "verdict.json"])
+def test_a_file_of_the_user_is_never_replaced(tmp_path, name):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(InputError, match=f"{name} was not written by stickslip.*move or delete it"):
+        write_folder(tmp_path, OLD)
+    assert seen(tmp_path) == {name: "mine"}
+
+
+def test_a_file_that_the_user_has_edited_is_not_replaced(tmp_path):
+    write_folder(tmp_path, OLD)
+    (tmp_path / "law.toml").write_text("edited")
+    with pytest.raises(InputError, match=r"law\.toml was changed since"):
+        write_folder(tmp_path, OLD | {"index.html": "new"})
+    assert seen(tmp_path) == OLD | {"law.toml": "edited"}
+    write_folder(tmp_path, NEW, stale=["law.toml"])  # which does not need it: it stays
+    assert seen(tmp_path) == NEW | {"law.toml": "edited"}
+
+
+def test_a_link_and_a_folder_of_the_user_are_never_replaced(tmp_path):
+    write_folder(tmp_path / "report", OLD)
+    (tmp_path / "kept").write_text("old")
+    (tmp_path / "report" / "law.toml").unlink()
+    (tmp_path / "report" / "law.toml").symlink_to(tmp_path / "kept")
+    with pytest.raises(InputError, match=r"law\.toml"):
+        write_folder(tmp_path / "report", OLD)
+    (tmp_path / "report" / "law.toml").unlink()
+    (tmp_path / "report" / "law.toml").mkdir()
+    with pytest.raises(InputError, match=r"law\.toml"):
+        write_folder(tmp_path / "report", OLD)
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"schema": 1}', '{"files": {"law.toml": 1}}'])
+def test_a_list_that_is_not_ours_is_not_replaced(tmp_path, content):
+    (tmp_path / LIST).write_text(content)
+    with pytest.raises(InputError, match="was not written by stickslip"):
+        write_folder(tmp_path, NEW)
+    assert (tmp_path / LIST).read_text() == content
+
+
+def test_a_list_cannot_name_files_elsewhere(tmp_path):
+    write_folder(tmp_path / "report", NEW)
+    (tmp_path / "mine").write_text("mine")
+    path = tmp_path / "report" / LIST
+    content = json.loads(path.read_text())
+    content["files"] = {f"../{'mine'}": ["0"], **content["files"]}
+    path.write_text(json.dumps(content))
+    write_folder(tmp_path / "report", OLD, stale=["../mine"])
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
+@linux
+def test_links_modes_and_open_files_of_the_user_survive(tmp_path):
+    folder = tmp_path / "report"
+    write_folder(folder, OLD)
+    folder.chmod(0o750)
+    (folder / "link").symlink_to("nowhere")
+    with (folder / "log").open("w") as log:
+        log.write("one\n")
+        log.flush()
+        write_folder(folder, NEW, stale=["law.toml"])
+        log.write("two\n")
+    assert (folder / "log").read_text() == "one\ntwo\n"
+    assert (folder / "link").readlink() == Path("nowhere")
+    assert folder.stat().st_mode & 0o777 == 0o750
+
+
+@linux
+def test_a_file_that_appears_at_the_last_moment_survives(tmp_path, monkeypatch):
+    folder = tmp_path / "report"
+    write_folder(folder, OLD)
+    exchange = documents._exchange
+
+    def late(new, old):
+        (old / "notes.txt").write_text("mine")
+        exchange(new, old)
+
+    monkeypatch.setattr(documents, "_exchange", late)
+    write_folder(folder, NEW, stale=["law.toml"])
+    assert seen(folder) == NEW | {"notes.txt": "mine"}
+
+
+def test_the_working_directory_keeps_its_place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_folder(Path(), OLD)
+    write_folder(Path(), NEW, stale=["law.toml"])
+    (tmp_path / "inside").mkdir()
+    assert Path("inside").is_dir()
+    assert seen(Path()) == NEW
+
+
+def test_a_link_to_a_folder_is_followed(tmp_path):
+    (tmp_path / "real").mkdir()
+    (tmp_path / "report").symlink_to(tmp_path / "real")
+    write_folder(tmp_path / "report", OLD)
+    write_folder(tmp_path / "report", NEW, stale=["law.toml"])
+    assert (tmp_path / "report").is_symlink()
+    assert seen(tmp_path / "real") == NEW
+
+
+def test_nothing_to_write_makes_no_folder(tmp_path):
+    write_folder(tmp_path / "report", {}, stale=["index.html"])
+    assert not (tmp_path / "report").exists()
+
+
+@posix
+def test_files_have_the_modes_that_the_user_wants(tmp_path):
+    old = os.umask(0o077)
+    try:
+        write_file(tmp_path / "a", "a")
+        write_folder(tmp_path / "b", {"c": "c"})
+    finally:
+        os.umask(old)
+    modes = [path.stat().st_mode & 0o777 for path in (tmp_path / "a", tmp_path / "b" / "c")]
+    assert modes == [0o600, 0o600]
+
+
+def test_files_that_belong_together_are_never_of_two_times(tmp_path, monkeypatch):
+    table, figure = tmp_path / "a.csv", tmp_path / "a.svg"
+    write_files({table: "old", figure: "old"})
+    replace, states = os.replace, []
+
+    def watched(*arguments):
+        states.append(seen(tmp_path))
+        replace(*arguments)
+        states.append(seen(tmp_path))
+
+    monkeypatch.setattr(os, "replace", watched)
+    write_files({table: "new", figure: "new"})
+    assert all(len(set(state.values())) == 1 for state in states)
+    assert states[-1] == {"a.csv": "new", "a.svg": "new"}
+
+
+def test_a_full_disk_changes_nothing(tmp_path, monkeypatch):
+    write_folder(tmp_path / "report", OLD)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device"):
+        write_folder(tmp_path / "report", NEW)
+    assert seen(tmp_path / "report") == OLD
+    assert [path.name for path in tmp_path.iterdir()] == ["report"]
+    assert len(list((tmp_path / "report").iterdir())) == 4
