@@ -23,12 +23,18 @@ DRIVES = "drives"
 """Name for the first places, which hold value, slope and start of each drive."""
 BEHIND = {"guards_at": "guard slopes", "directions_at": "directions", "columns_at": "columns"}
 """Functions that return places behind SIZE, and the names of what is there."""
-CALLS = "call_model"
-"""Calls the equations, which read a state."""
-CALLED_WITH = ["w", "place", "name", "mode", "flags", "t", "at", "to"]
-"""Its arguments."""
+CALLS = {
+    "call_model": ["w", "place", "name", "mode", "flags", "t", "at", "to"],
+    "call_contacts": ["w", "place", "whole", "name", "t", "at", "to"],
+}
+"""What calls the equations, and what works them out for several contacts, with the arguments."""
+LEFT = {"call_contacts": {"ANSWER", "CHANGED"}}
+"""What they leave beside their results."""
 PYTHON = {"backend", "entries", "header"}
 """Modules that only Python runs, or that differ between the tiers."""
+APART = f"{KERNELS}.contacts"
+"""What works out several contacts: it is called by its address, and its slots are tables, which
+these lists do not follow."""
 
 PLACES = {"at", "to", "slot", "a", "b", "pivots", "matrix", "columns"}
 """Names of parameters that are places; others are numbers that are added to one."""
@@ -145,7 +151,9 @@ def kernels() -> dict[str, Kernel]:
     return {
         node.name: Kernel(node, slots)
         for module, path in structure.sources().items()
-        if module.startswith(f"{KERNELS}.") and module.rpartition(".")[2] not in PYTHON
+        if module.startswith(f"{KERNELS}.")
+        and not module.startswith(APART)
+        and module.rpartition(".")[2] not in PYTHON
         for node in ast.parse(path.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef)
     }
@@ -154,8 +162,9 @@ def kernels() -> dict[str, Kernel]:
 @cache
 def effects(name: str) -> Effects:
     """Return what a kernel reads and writes, with what it calls."""
-    if name == CALLS:
-        return Effects({"<at>"}, {"<to>"}, {"<to>"})
+    if name in CALLS:
+        left = {"<to>"} | LEFT.get(name, set())
+        return Effects({"<at>"}, left, left)
     found = Walk(kernels()[name]).effects
     found.reads -= MADE_BEFORE.get(name, set())
     return found
@@ -248,7 +257,7 @@ class Walk:
         self.effects.reads |= self._slots(node) - written
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             name = node.func.id
-            if name in kernels() or name == CALLS:
+            if name in kernels() or name in CALLS:
                 theirs = effects(name)
                 self.effects.reads |= self._passed(theirs.reads, name, node.args) - written
                 self.effects.writes |= self._passed(theirs.writes, name, node.args)
@@ -257,7 +266,7 @@ class Walk:
 
     def _passed(self, slots: Slots, name: str, arguments: list[ast.expr]) -> Slots:
         """Return what slots and parameters of a called function are here."""
-        names = CALLED_WITH if name == CALLS else kernels()[name].parameters
+        names = CALLS[name] if name in CALLS else kernels()[name].parameters
         found: Slots = set()
         for one in slots:
             if one.startswith("<"):

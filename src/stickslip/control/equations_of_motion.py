@@ -8,7 +8,7 @@ from stickslip.control.actuation import place_of
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,7 +115,7 @@ class Evaluator:
         law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
         model = formulate(mechanism, law)
         self.mechanism = mechanism
-        self.slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+        self.slip = mechanism.coordinates.index(slip_of(mechanism))
         self._equations = Equations(model, gather(mechanism, law, model, 0.0))
         self._place = NUMBERS + 3 * model.drives.index(name)
 
@@ -215,8 +215,8 @@ def _mass(mechanism: Mechanism, places: Sequence[float]) -> Any:
     """Return the mass matrix: the second differences of the kinetic energy, which is quadratic."""
     import numpy as np
 
-    (contact,) = mechanism.contacts()
-    held = (*([] if contact.normal is None else [contact.normal]), *mechanism.held())
+    normal = normal_of(mechanism)
+    held = (*([] if normal is None else [normal]), *mechanism.held())
     q = {**dict(zip(mechanism.coordinates, places, strict=True)), **dict.fromkeys(held, 0.0)}
     still = dict.fromkeys(q, 0.0)
 

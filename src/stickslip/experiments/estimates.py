@@ -14,7 +14,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.units import turned
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 
 __all__ = [
@@ -87,7 +87,7 @@ def slips_in_angle(mechanism: Mechanism) -> bool:
     >>> slips_in_angle(Axis(inertia=1.0)), slips_in_angle(Pendulum(mass=1.0, length=0.5))
     (False, True)
     """
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     return mechanism.units[mechanism.coordinates.index(slip)] == "rad"
 
 

@@ -113,6 +113,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
         limits=(PAINLEVE,) * sizes.limits,
         channels=(),
         contacts=own.contacts,
+        alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
             (*laws[kind].switch_events, *[None] * sizes.law_switches)[: sizes.law_switches]
             for kind in own.kinds

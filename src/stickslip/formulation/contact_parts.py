@@ -18,7 +18,7 @@ from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["ContactParts", "LawParts", "derive_parts", "law_parts"]
+__all__ = ["AnyForce", "ContactParts", "LawParts", "derive_parts", "law_parts"]
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def _refuse(mechanism: Mechanism) -> None:
     for what, given in (
         ("hard stops", stops_of(mechanism)),
         ("prescribed motions", mechanism.guided()),
-        ("limits", mechanism.limits(_AnyForce())),
+        ("limits", mechanism.limits(AnyForce())),
     ):
         if given:
             raise InputError(
@@ -171,7 +171,7 @@ def _refuse(mechanism: Mechanism) -> None:
             )
 
 
-class _AnyForce(dict[str, float]):
+class AnyForce(dict[str, float]):
     """Answers any name of a force: whether there are limits is all that is asked."""
 
     def __missing__(self, name: str) -> float:

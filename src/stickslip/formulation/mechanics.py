@@ -7,12 +7,12 @@ from typing import Any
 
 import symengine as se
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import UnknownNameError
 from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.matrix_form import matrix_rows, matrix_supply
 from stickslip.formulation.prescribed_motion import guides_of, held_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
-from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism
+from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism, only_contact, slip_of
 
 __all__ = ["Mechanics", "Motion", "Rows", "derive_mechanics", "lagrange_rows"]
 
@@ -207,16 +207,6 @@ class Mechanics:
         return rows
 
 
-def _only_contact(mechanism: Mechanism) -> Contact:
-    contacts = mechanism.contacts()
-    if len(contacts) != 1:
-        raise InputError(
-            f"{type(mechanism).__name__} has {len(contacts)} contacts; this version solves exactly"
-            " one."
-        )
-    return contacts[0]
-
-
 def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
     return {name: Traced(symbol, board) for name, symbol in symbols.items()}
 
@@ -354,13 +344,13 @@ def derive_mechanics(
     Mechanics
         Mass matrix, forces, energy, power and stops of the moving coordinates.
     """
-    contact = _only_contact(mechanism)
-    held = held_of(mechanism, contact)
+    contact = only_contact(mechanism)
+    held = held_of(mechanism)
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
     return Mechanics(
         coordinates=tuple(q),
         contact=contact,
-        slip=list(q).index(contact.slip),
+        slip=list(q).index(slip_of(mechanism)),
         mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
         forces=rows.forces,
         guides=guides_of(mechanism, contact, drives),

@@ -8,6 +8,7 @@ import symengine as se
 from stickslip.errors import InputError
 from stickslip.formulation.code_printer import Case, function
 from stickslip.formulation.contact_model import contact_model
+from stickslip.formulation.contact_parts import AnyForce
 from stickslip.formulation.hard_stops import impact_events, wall_guards
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
@@ -18,7 +19,7 @@ from stickslip.formulation.trace import Switch, Switchboard, Traced
 from stickslip.friction import FrictionLaw, Laws, bristles_of
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
@@ -71,15 +72,32 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     return model
 
 
+MOST_COORDINATES = 3
+"""More coordinates than this are not eliminated symbolically: four take a minute."""
+
+
+def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> bool:
+    """Whether the equations are parts, as those of several contacts are."""
+    contacts = mechanism.contacts()
+    combined = any(len(one.slips) > 1 or len(one.normals) > 1 for one in contacts)
+    scaled = any(isinstance(one.slip, Mapping) for one in contacts)
+    if isinstance(law, Laws) or len(contacts) > 1 or combined or scaled:
+        return True
+    many = len(mechanism.coordinates) > MOST_COORDINATES
+    plain = not (stops_of(mechanism) or mechanism.guided() or slopes)
+    return many and plain and not bristles_of(law) and not mechanism.limits(AnyForce())
+
+
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
-    if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
+    if _is_of_parts(mechanism, law, slopes):
         if slopes:
             raise InputError(
                 f"{type(mechanism).__name__} has several contacts, for which this version has no"
                 " sensitivities: take differences of two runs."
             )
         return contact_model(mechanism, law)
+    assert isinstance(law, FrictionLaw)  # laws by contact are of parts
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
     quantities = _quantities(symbols, index.values()) if slopes else []

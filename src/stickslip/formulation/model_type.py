@@ -37,6 +37,8 @@ class Model:
     """What the efforts of guided coordinates are called."""
     contacts: tuple[str, ...] = ()
     """Names of the contacts, where several rub: the equations are parts then."""
+    alone: bool = False
+    """Whether there is but one contact, whose equations are parts all the same."""
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 
@@ -46,4 +48,21 @@ class Model:
         if not self.contacts:
             return ("friction", "normal_force", *self.channels)
         kinds = ("friction", "normal_force", "mode")
-        return tuple(f"{kind}:{name}" for kind in kinds for name in self.contacts)
+        return tuple(self.column(kind, name) for kind in kinds for name in self.contacts)
+
+    def column(self, kind: str, contact: str) -> str:
+        """Return the column of a contact: its name stands in it where there are several.
+
+        Parameters
+        ----------
+        kind : str
+            What it holds, such as ``"friction"``.
+        contact : str
+            Name of the contact.
+
+        Returns
+        -------
+        str
+            Name of the column.
+        """
+        return kind if self.alone else f"{kind}:{contact}"

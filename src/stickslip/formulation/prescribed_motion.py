@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import symengine as se
 
 from stickslip.errors import InputError
-from stickslip.mechanisms import Contact, Guide, Mechanism, stops_of
+from stickslip.mechanisms import Contact, Guide, Mechanism, normal_of, stops_of
 
 __all__ = ["guides_of", "held_of", "own_limits"]
 
@@ -15,15 +15,13 @@ RESERVED = ("lift-off", "painleve")
 """Limits that the solver knows itself."""
 
 
-def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
+def held_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Return the coordinates held at 0, the contact's normal one first.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism.
-    contact : Contact
-        Its contact.
 
     Returns
     -------
@@ -35,7 +33,8 @@ def held_of(mechanism: Mechanism, contact: Contact) -> tuple[str, ...]:
     InputError
         If a held coordinate also moves or is held twice.
     """
-    held = (*(() if contact.normal is None else (contact.normal,)), *mechanism.held())
+    normal = normal_of(mechanism)
+    held = (*(() if normal is None else (normal,)), *mechanism.held())
     for name in held:
         if name in mechanism.coordinates or held.count(name) > 1:
             raise InputError(

@@ -23,10 +23,10 @@ HOMES = {
     "Containment": "base",
     "DirectionalLaw": "base",
     "Evolution": "rate_state",
-    "Friction": "laws",
+    "Friction": "by_contact",
     "FrictionLaw": "base",
     "LAWS": "registry",
-    "Laws": "laws",
+    "Laws": "by_contact",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
     "PrintedForm": "published",
@@ -47,9 +47,9 @@ HOMES = {
 }
 
 INSIDE = {
-    "assigned": "laws",
-    "bristle_names": "laws",
-    "law_of": "laws",
+    "assigned": "by_contact",
+    "bristle_names": "by_contact",
+    "law_of": "by_contact",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
 }

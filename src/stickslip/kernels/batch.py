@@ -45,8 +45,9 @@ def prepare_row(
 
     Reads: BOOKS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, REACHED, LOWEST, MODE, FLAGS, PIECE,
-    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, drives, GIVEN, Y, Y1, SCALE, END,
+    POINT, VALUES, REACHED, LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS,
+    STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
     """
     stages = whole[STAGES]
     reached = whole[REACHED]
@@ -82,7 +83,7 @@ def keep_evidence(
     """Write how far the run may be trusted, and keep its last state.
 
     Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, MODE, FLAGS, STEPS, REJECTED.
-    Writes: drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Writes: TIME, drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
     """
     n = whole[N_STATES]
     end = whole[END]
@@ -124,11 +125,12 @@ def batch_row(
 ) -> tuple[Vector, Vector]:
     """Make one run and keep its outputs; return the rows of its steps and of its events.
 
-    Reads: BOOKS.
+    Reads: DENSE, BOOKS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS,
-    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
+    Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
+    SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
+    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
     """
     n = len(outputs) // 2
     prepare_row(row, columns, places, base, w, whole)
@@ -171,11 +173,12 @@ def batch(
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
 
-    Reads: BOOKS.
+    Reads: DENSE, BOOKS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS,
-    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS.
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
+    Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
+    SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
+    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -246,9 +249,10 @@ def sense_end(
     `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
     `sense`; `gradients` gets states by directions.
 
-    Reads: STEPS, EVENTS.
-    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS, columns
-    0, columns 1, columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+    Reads: TIME, DENSE, STEPS, EVENTS.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
+    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
+    guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)
@@ -271,12 +275,13 @@ def batch_sensed(
 ) -> None:  # fmt: skip
     """Run all rows as `batch` does, and take the sensitivities at their ends.
 
-    Reads: BOOKS.
+    Reads: DENSE, BOOKS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    ADDRESS, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, SIZE, MODE, FLAGS, PIECE, STATUS,
-    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, columns 0, columns 1, columns 2, columns
-    3, columns 4, columns 5, directions, guard slopes.
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
+    Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
+    SLOPES, WALLS, SIZE, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
+    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, columns 0, columns 1, columns 2,
+    columns 3, columns 4, columns 5, directions, guard slopes.
 
     Parameters
     ----------

@@ -88,7 +88,11 @@ def piece_at(table: Vector, first: int, t: float, whole: Wholes) -> int:
 
 
 def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
-    """Bring back the modes, flags and openings of a row that ends before a place."""
+    """Bring back the modes, flags and openings of a row that ends before a place.
+
+    Reads: TIME, Y.
+    Writes: ANSWER, CHANGED.
+    """
     n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
@@ -102,7 +106,8 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
 def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Reads: TIME.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -153,8 +158,8 @@ def play(
 
     A body at rest for good is one row, during which its drives go on.
 
-    Reads: MODE, FLAGS.
-    Writes: drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Reads: TIME, Y, MODE, FLAGS.
+    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
 
     Parameters
     ----------

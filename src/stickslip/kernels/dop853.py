@@ -15,7 +15,7 @@ def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) 
     """Evaluate stage `s` from the ones before it, at a state that is written to `at`.
 
     Reads: Y, STAGES, MODE, FLAGS.
-    Writes: `at`, STAGES.
+    Writes: `at`, STAGES, ANSWER, CHANGED.
     """
     stages = whole[STAGES]
     y = whole[Y]
@@ -39,7 +39,7 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
     Stage 12 is the slope at the solution, which is left in Y1.
 
     Reads: Y, SCALE, MODE, FLAGS.
-    Writes: Y1, STAGES.
+    Writes: Y1, STAGES, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def dop853_dense(t: float, h: float, w: Vector, whole: Wholes) -> None:
     """Fill the dense output of the step just taken.
 
     Reads: Y, Y1, STAGES, MODE, FLAGS.
-    Writes: POINT, STAGES, DENSE.
+    Writes: POINT, STAGES, DENSE, ANSWER, CHANGED.
 
     Parameters
     ----------

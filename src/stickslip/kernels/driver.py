@@ -88,11 +88,11 @@ def finish_step(
 ) -> None:
     """Book the step just taken and pass on to what follows it.
 
-    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, Y1,
-    SCALE, DENSE, REACHED, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, drives,
+    Y, Y1, SCALE, VALUES, DENSE, REACHED, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
     Writes: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, drives, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
-    STALLS, STEPPER, SLOW.
+    STALLS, STEPPER, SLOW, ANSWER, CHANGED.
     """
     start = w[TIME]
     if w[FRACTION] > 0.0:
@@ -116,7 +116,11 @@ def finish_step(
 
 
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Take the new events of several contacts over into the rows of events."""
+    """Take the new events of several contacts over into the rows of events.
+
+    Reads: TIME, drives, STATUS, EVENTS, STALLS, CHANGED.
+    Writes: STATUS, EVENTS, STALLS.
+    """
     t = w[TIME]
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
@@ -126,7 +130,11 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make what follows from a guard that has fallen."""
+    """Make what follows from a guard that has fallen.
+
+    Reads: TIME, GROSS, LOST, drives, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    """
     if whole[N_CONTACTS] > 0:
         ask_of(CHANGE, w[TIME], w, whole, guard, 0)
         take_changes(w, whole, events)
@@ -135,7 +143,12 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
-    """Make what follows from a jump of forces."""
+    """Make what follows from a jump of forces.
+
+    Reads: TIME, GROSS, LOST, drives, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS,
+    BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    """
     if whole[N_CONTACTS] > 0:
         ask_here(SETTLE, w, whole)
         take_changes(w, whole, events)
@@ -147,9 +160,11 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: STEP, STRIDE, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
-    DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW.
+    Reads: TIME, GROSS, LOST, Y, SCALE, VALUES, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS,
+    BOOKS.
+    Writes: STEP, STRIDE, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
+    CHANGED.
     """
     n_guards = whole[N_GUARDS]
     lowest = whole[LOWEST]
@@ -172,10 +187,10 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
-    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, PIECE, STEPS, EVENTS, STALLS,
-    BOOKS.
+    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, VALUES, REACHED, MODE, FLAGS, PIECE, STEPS, EVENTS,
+    STALLS, BOOKS.
     Writes: STEP, GROSS, LOST, drives, Y, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS,
-    MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW.
+    MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
     """
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)
@@ -202,12 +217,12 @@ def run(
     time goes on from there: pieces may be told as late as they begin. Returns the rows of steps and
     of events, in the vectors given or in longer ones.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, SCALE, REACHED,
-    LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM, Y, SCALE,
+    VALUES, REACHED, LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
-    POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT,
-    DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
-    EVENTS, STALLS, STEPPER, SLOW.
+    RHYTHM, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
+    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS,
+    REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters
     ----------

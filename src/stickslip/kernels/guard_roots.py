@@ -54,7 +54,7 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
     Reads: `at`, SCALE, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes)
     """Return one guard at a fraction of the step.
 
     Reads: SCALE, DENSE, MODE, FLAGS.
-    Writes: POINT, VALUES.
+    Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     point = whole[POINT]
     values = whole[VALUES]
@@ -125,7 +125,7 @@ def bisect(
     """Return the fraction just past a sign change.
 
     Reads: SCALE, DENSE, MODE, FLAGS.
-    Writes: POINT, VALUES.
+    Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
     f_high = guard_at(guard, high, t, h, w, whole)
@@ -150,7 +150,7 @@ def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whol
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
     Reads: SCALE, DENSE, MODE, FLAGS.
-    Writes: POINT, VALUES.
+    Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     a = high - GOLDEN * (high - low)
     b = low + GOLDEN * (high - low)
@@ -185,7 +185,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     becomes positive although it ends negative.
 
     Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS.
-    Writes: POINT, VALUES.
+    Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
     first_wall = whole[FIRST_WALL]
@@ -220,7 +220,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
     Reads: SCALE, DENSE, MODE, FLAGS.
-    Writes: FRACTION, POINT, VALUES, SAMPLED.
+    Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
     The fraction is 0 where a guard that starts at zero falls below it at once.
 
     Reads: Y, MATRIX, DRIFT, DENSE, REACHED, LOWEST, MODE, FLAGS.
-    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, REACHED, LOWEST, SLOPES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, REACHED, LOWEST, SLOPES, ANSWER, CHANGED.
 
     Parameters
     ----------

@@ -232,7 +232,7 @@ def forbidden(w: Vector, whole: Wholes) -> int:
     Where the equations have no meaning the normal force has none either, so limits come first.
 
     Reads: TIME, Y, MODE, FLAGS.
-    Writes: VALUES.
+    Writes: VALUES, ANSWER, CHANGED.
     """
     limits = whole[N_LIMITS]
     values = whole[VALUES]
@@ -250,8 +250,8 @@ def forbidden(w: Vector, whole: Wholes) -> int:
 def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
     """Turn the switches whose margins jumped with the drives, nested ones included.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transitions that follow from a jump of forces, and from the start.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -318,7 +318,7 @@ def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard, and of a limit that lies behind it.
 
     Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -341,7 +341,7 @@ def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, EVENTS, STALLS, BOOKS.
+    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
@@ -360,6 +360,9 @@ def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
 def count_event(t: float, whole: Wholes, events: Vector, most: int) -> None:
     """Count an event that has been written; too many at one instant end the run.
+
+    Reads: STATUS, EVENTS, STALLS.
+    Writes: STATUS, EVENTS, STALLS.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def field(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Time derivatives of the states.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Quantities that are not negative while the mode lasts, by the indices of `enums`.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -160,8 +160,8 @@ def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Whether field and guards are affine in state and time together: 1 or 0.
 
-    Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Reads: `at`, TIME, Y, MODE, FLAGS.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -188,6 +188,9 @@ def recorded(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     That is friction, normal force and the efforts of guided coordinates; of several contacts
     friction, then load, then mode of each.
 
+    Reads: `at`, MODE, FLAGS.
+    Writes: `to`, ANSWER, CHANGED.
+
     Parameters
     ----------
     t : float
@@ -213,7 +216,7 @@ def power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Power supplied, power taken by friction.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------

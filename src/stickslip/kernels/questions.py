@@ -27,6 +27,9 @@ PREPARE = 16
 def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Ask at a state, for numbers.
 
+    Reads: `at`.
+    Writes: `to`, ANSWER, CHANGED.
+
     Parameters
     ----------
     name : int
@@ -47,6 +50,9 @@ def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> N
 
 def ask(name: int, t: float, w: Vector, whole: Wholes) -> int:
     """Ask at the present state; return the answer, a whole number.
+
+    Reads: Y.
+    Writes: ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -70,6 +76,9 @@ def ask(name: int, t: float, w: Vector, whole: Wholes) -> int:
 
 def ask_here(name: int, w: Vector, whole: Wholes) -> int:
     """Ask at the present time and state; return the answer, a whole number.
+
+    Reads: TIME, Y.
+    Writes: ANSWER, CHANGED.
 
     Parameters
     ----------

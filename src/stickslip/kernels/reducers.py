@@ -103,7 +103,8 @@ def extremum(
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Reads: TIME, DENSE.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
     """
     width_at = whole[ROW_COLUMNS]
     best = -math.inf
@@ -142,7 +143,8 @@ def mean(
 ) -> float:
     """Return the mean of a state over a stretch of time.
 
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Reads: TIME, DENSE.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
     """
     width = whole[ROW_COLUMNS]
     total = 0.0
@@ -265,8 +267,8 @@ def reduced(
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
     event. Asked for beyond the end of a run that ended early, the output is NaN.
 
-    Reads: END, STEPS, EVENTS.
-    Writes: drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS.
+    Reads: TIME, END, DENSE, STEPS, EVENTS.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
 
     Parameters
     ----------

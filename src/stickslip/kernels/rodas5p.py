@@ -53,7 +53,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
     Reads: Y, SCALE, MODE, FLAGS.
-    Writes: Y1, STAGES, MATRIX, PIVOTS, DRIFT.
+    Writes: Y1, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
 
     Parameters
     ----------

@@ -142,7 +142,8 @@ def series_sensed(
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
     Reads: Y, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4.
+    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 3,
+    columns 4.
     """
     y = whole[Y]
     dense = whole[DENSE]
@@ -245,8 +246,8 @@ def advance_sensed(
     """Advance the sensitivities from the start of a restored row; result in columns 1.
 
     Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, columns 1, columns 2, columns 3, columns 4, columns
-    5.
+    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 3,
+    columns 4, columns 5.
     """
     at = row * whole[ROW_COLUMNS]
     if log[at + ROW_DENSE] > 0.0:
@@ -331,7 +332,7 @@ def pass_piece(
     """Go over to another piece of the drives, at a moment that its start gives.
 
     Reads: Y, MODE, FLAGS, columns 0.
-    Writes: drives, Y1, VALUES, columns 0, columns 4, directions.
+    Writes: drives, Y1, VALUES, ANSWER, CHANGED, columns 0, columns 4, directions.
     """
     y = whole[Y]
     n_drives = whole[N_DRIVES]
@@ -349,7 +350,7 @@ def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -
     """Go over to the mode and the flags that follow an event.
 
     Reads: Y, Y1, MODE, FLAGS, columns 0, columns 4.
-    Writes: Y, VALUES, columns 0.
+    Writes: Y, VALUES, ANSWER, CHANGED, columns 0.
     """
     y = whole[Y]
     if guard >= whole[FIRST_WALL]:
@@ -379,8 +380,8 @@ def pass_instant(
     What follows at the same instant has its moment from what came first.
 
     Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, columns 0, columns 4, directions,
-    guard slopes.
+    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, columns 0, columns
+    4, directions, guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -444,9 +445,10 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
 
-    Reads: columns 0.
-    Writes: drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS, columns
-    0, columns 1, columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
+    Reads: TIME, DENSE, columns 0.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
+    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
+    guard slopes.
 
     Parameters
     ----------

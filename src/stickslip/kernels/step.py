@@ -52,7 +52,7 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
     Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER.
-    Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE.
+    Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
     """
     y = whole[Y]
     t = w[TIME]
@@ -95,9 +95,9 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW.
-    Writes: `slot`, STEP, Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
-    STEPPER, SLOW.
+    Reads: `slot`, TIME, RHYTHM, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW.
+    Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
+    STEPPER, SLOW, ANSWER, CHANGED.
     """
     stepper = whole[STEPPER]
     t = w[TIME]
@@ -174,9 +174,11 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, Y, SCALE, REACHED, LOWEST, MODE, FLAGS, REJECTED, STEPPER, SLOW.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, Y, SCALE, REACHED, LOWEST, MODE, FLAGS, REJECTED,
+    STEPPER, SLOW.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW.
+    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
+    CHANGED.
 
     Parameters
     ----------

@@ -50,8 +50,8 @@ FEW_TERMS = 6
 def add_work(w: Vector, whole: Wholes) -> None:
     """Add the work done in the part of the step that holds.
 
-    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, DENSE, MODE, FLAGS.
-    Writes: SUPPLIED, TAKEN, GROSS, POINT, VALUES.
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, MODE, FLAGS.
+    Writes: SUPPLIED, TAKEN, GROSS, POINT, VALUES, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
     Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS.
-    Writes: VIOLATION, RESIDUAL, VALUES.
+    Writes: VIOLATION, RESIDUAL, VALUES, ANSWER, CHANGED.
     """
     values = whole[VALUES]
     n_guards = whole[N_GUARDS]
@@ -156,7 +156,7 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     """Move time and state to the end of the step.
 
     Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS.
-    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES.
+    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES, ANSWER, CHANGED.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output with the series of a step from the state at `at`.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: POINT, MATRIX, DRIFT, DENSE.
+    Writes: POINT, MATRIX, DRIFT, DENSE, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
     Reads: `at`, Y, SCALE, MODE, FLAGS.
-    Writes: Y1, POINT, MATRIX, DRIFT, DENSE.
+    Writes: Y1, POINT, MATRIX, DRIFT, DENSE, ANSWER, CHANGED.
 
     Parameters
     ----------

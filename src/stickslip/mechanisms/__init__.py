@@ -37,7 +37,10 @@ INSIDE = {
     "WHOLE": "drive_period",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "normal_of": "contacts",
+    "only_contact": "contacts",
     "repeats": "drive_period",
+    "slip_of": "contacts",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

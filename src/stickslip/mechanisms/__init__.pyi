@@ -12,7 +12,10 @@ from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.capsule import Capsule as Capsule
+from stickslip.mechanisms.contacts import normal_of as normal_of
+from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_names as slip_names
+from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of

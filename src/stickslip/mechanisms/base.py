@@ -54,6 +54,18 @@ class Contact:
     load: Scalar | None = None
     name: str = ""
 
+    @property
+    def slips(self) -> tuple[str, ...]:
+        """Coordinates whose rates make the slip velocity."""
+        return (self.slip,) if isinstance(self.slip, str) else tuple(self.slip)
+
+    @property
+    def normals(self) -> tuple[str, ...]:
+        """Held coordinates on which the normal force acts."""
+        if self.normal is None or isinstance(self.normal, str):
+            return () if self.normal is None else (self.normal,)
+        return tuple(self.normal)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Stop:

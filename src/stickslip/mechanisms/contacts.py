@@ -1,12 +1,71 @@
-"""Facts of the first contact of a mechanism: what slips there, and what presses at rest."""
+"""Facts of the only contact of a mechanism: what slips there, and what presses at rest."""
 
-from stickslip.mechanisms.base import Mechanism
+from stickslip.errors import InputError
+from stickslip.mechanisms.base import Contact, Mechanism
 
-__all__ = ["slip_names", "static_normal_force"]
+__all__ = ["normal_of", "only_contact", "slip_names", "slip_of", "static_normal_force"]
+
+
+def only_contact(mechanism: Mechanism) -> Contact:
+    """Return the contact of a mechanism that has one.
+
+    Raises
+    ------
+    InputError
+        If it has several, which can be simulated only.
+    """
+    contacts = mechanism.contacts()
+    if len(contacts) != 1:
+        names = ", ".join(contact.name for contact in contacts)
+        raise InputError(
+            f"{type(mechanism).__name__} has {len(contacts)} contacts ({names}); several can be"
+            " simulated, alone or in ensembles, but this takes a mechanism with one."
+        )
+    return contacts[0]
+
+
+def slip_of(mechanism: Mechanism) -> str:
+    """Return the coordinate that slips at the only contact.
+
+    Raises
+    ------
+    InputError
+        If there are several contacts, or the slip is a combination of coordinates.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> slip_of(Pendulum(mass=1.0, length=0.5))
+    'theta'
+    """
+    slip = only_contact(mechanism).slip
+    if not isinstance(slip, str):
+        raise InputError(
+            f"{type(mechanism).__name__} slips along a combination of coordinates"
+            f" ({', '.join(slip)}); this takes a mechanism that slips along one."
+        )
+    return slip
+
+
+def normal_of(mechanism: Mechanism) -> str | None:
+    """Return the held coordinate whose reaction is the normal force of the only contact.
+
+    Raises
+    ------
+    InputError
+        If there are several contacts, or several held coordinates carry the contact.
+    """
+    normal = only_contact(mechanism).normal
+    if normal is not None and not isinstance(normal, str):
+        raise InputError(
+            f"{type(mechanism).__name__} is carried by several held coordinates"
+            f" ({', '.join(normal)}); this takes a mechanism that is carried by one."
+        )
+    return normal
 
 
 def slip_names(mechanism: Mechanism) -> tuple[str, str]:
-    """Return the names of the coordinate that slips at the first contact, and of its rate.
+    """Return the names of the coordinate that slips at the only contact, and of its rate.
 
     Examples
     --------
@@ -14,7 +73,7 @@ def slip_names(mechanism: Mechanism) -> tuple[str, str]:
     >>> slip_names(Pendulum(mass=1.0, length=0.5))
     ('theta', 'omega')
     """
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     return slip, mechanism.rates[mechanism.coordinates.index(slip)]
 
 
@@ -32,9 +91,9 @@ def static_normal_force(mechanism: Mechanism) -> float:
     >>> static_normal_force(Axis(inertia=1.0, load=20.0))
     20.0
     """
-    (contact,) = mechanism.contacts()
-    if contact.normal is None:
+    contact, normal = only_contact(mechanism), normal_of(mechanism)
+    if normal is None:
         return float(1.0 if contact.load is None else contact.load)
-    places = dict.fromkeys((*mechanism.coordinates, contact.normal), 0.0)
-    raised = mechanism.potential_energy(0.0, places | {contact.normal: 1.0})
+    places = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
+    raised = mechanism.potential_energy(0.0, places | {normal: 1.0})
     return float(raised - mechanism.potential_energy(0.0, places))

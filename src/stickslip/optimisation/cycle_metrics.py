@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Profile
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, Prescribed, static_normal_force
+from stickslip.mechanisms import Mechanism, Prescribed, slip_of, static_normal_force
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
@@ -238,12 +238,12 @@ def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
 
 def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -> bool:
     """Whether the last cycle is like the one before it."""
-    (contact,) = mechanism.contacts()
-    rate = mechanism.rates[mechanism.coordinates.index(contact.slip)]
+    slip = slip_of(mechanism)
+    rate = mechanism.rates[mechanism.coordinates.index(slip)]
     last = run.at(np.linspace((count - 1) * period, count * period, 33))
     before = run.at([(count - 2) * period])
-    x, v = last[contact.slip], last[rate]
-    more = (x[-1] - x[0]) - (x[0] - before[contact.slip][0])
+    x, v = last[slip], last[rate]
+    more = (x[-1] - x[0]) - (x[0] - before[slip][0])
     return bool(
         abs(more) <= REPEATED * np.ptp(x) and abs(v[-1] - v[0]) <= REPEATED * np.abs(v).max()
     )
@@ -257,7 +257,7 @@ def _measured(
     repeats: bool,
     samples: int,
 ) -> Cycle:
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     begin, end = (count - 1) * profile.period, count * profile.period
     nodes = _nodes(run, profile, float(begin), float(end), samples)
     seen = run.at(nodes)

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.mechanisms import only_contact
 from stickslip.optimisation.cma_search import Told, judged_at
 from stickslip.optimisation.cycle_metrics import Cycle, motor_of
 from stickslip.optimisation.limits import UNIT_OF_BACK_SLIP
@@ -293,7 +294,7 @@ def travel_gradient(problem: Problem, space: Space, u: Array, cycle: Cycle) -> A
     array (size,)
         Slopes [m].
     """
-    (contact,) = problem.mechanism.contacts()
+    contact = only_contact(problem.mechanism)
     x = contact.slip
     v = problem.mechanism.rates[problem.mechanism.coordinates.index(x)]
     names = list(space.paths(u))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stickslip.drives import Profile
 from stickslip.errors import ConvergenceError, InputError, ParameterError, renamed
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.optimisation.checkpoint import Memory
 from stickslip.optimisation.cma_search import Told, search
 from stickslip.optimisation.cycle_metrics import fitted, guide_of, measure, motor_of
@@ -227,7 +227,7 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
                 f"{name} must be a whole number of at least {least}, got {value!r}."
             )
     motor = getattr(mechanism, motor_of(mechanism))
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     if guide_of(mechanism)[0] == slip:
         raise InputError(
             f"the motion prescribes {slip}, the slip itself: there is nothing to optimise."

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.trajectory import Trajectory
 
 __all__ = ["Criteria", "criteria_of"]
@@ -65,7 +65,7 @@ def criteria_of(run: Trajectory, mechanism: Mechanism, measured: float | None = 
     >>> criteria_of(run, rig).velocity_never_negative
     False
     """
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     times = np.union1d(np.linspace(*run.span, GRID), run.t)
     seen = run.at(times)

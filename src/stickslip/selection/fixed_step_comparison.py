@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.friction import BristleLaw, FrictionLaw
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
 from stickslip.solver import FixedStep, Method
@@ -89,7 +89,7 @@ def compare_fixed_steps(
     rows = []
     settings: list[tuple[float | None, bool]] = [(None, True)]
     settings += [(dt, stick_rule) for dt in steps for stick_rule in (True, False)]
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     for dt, stick_rule in settings:
         solver = None
@@ -140,7 +140,7 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
     """
     if not isinstance(law, BristleLaw):
         return None
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     seen = run.at(np.union1d(np.linspace(*run.span, GRID), run.t))
     deflections = [seen[name] for name in law.bristles]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.identification import RecordFit, driven, inverse_dynamics, load_of
-from stickslip.mechanisms import stops_of
+from stickslip.mechanisms import slip_of, stops_of
 from stickslip.selection.applicability import one_way
 from stickslip.selection.cross_validation import Plan
 from stickslip.selection.design.experiments import Experiment, design
@@ -109,7 +109,7 @@ def reach_of(fit: RecordFit) -> tuple[float, float] | None:
         sides = {"lower": float(widest.min()), "upper": float(widest.max())}
         if fit.measurement.turning and sides["upper"] - sides["lower"] > math.tau:
             sides = {"lower": -math.inf, "upper": math.inf}
-    slip = fit.mechanism.contacts()[0].slip
+    slip = slip_of(fit.mechanism)
     sides |= {one.side: one.position for one in stops_of(fit.mechanism) if one.coordinate == slip}
     return (sides["lower"], sides["upper"]) if len(sides) == 2 else None
 

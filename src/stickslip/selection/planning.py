@@ -41,7 +41,7 @@ from stickslip.identification import (
     trials_of,
     uncertainties_of,
 )
-from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.selection.admissibility import limit_of
 from stickslip.selection.design.discriminating_settings import (
@@ -498,10 +498,10 @@ def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float
     except ConvergenceError as reason:
         return str(reason)
     run = simulate(mechanism, law, t_end=t_end)
-    (contact,) = mechanism.contacts()
+    slip = slip_of(mechanism)
     for stop in stops_of(mechanism):
-        beyond = run[contact.slip] - stop.position
-        if stop.coordinate == contact.slip and bool(
+        beyond = run[slip] - stop.position
+        if stop.coordinate == slip and bool(
             np.any((beyond if stop.side == "upper" else -beyond) > -NEAR_STOP)
         ):
             at = quantity(float(stop.position), mechanism.units[0])

@@ -98,6 +98,7 @@ class Playback:
         columns |= dict(zip(self.model.columns, forces.T, strict=True))
         if self.model.contacts:
             for name in self.model.contacts:
-                columns[f"mode:{name}"] = columns[f"mode:{name}"].astype(np.int8)
+                mode = self.model.column("mode", name)
+                columns[mode] = columns[mode].astype(np.int8)
             return columns
         return columns | {"mode": self.rows[rows, 3].astype(np.int8)}

@@ -9,7 +9,7 @@ from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.simulation import simulate
 from stickslip.solver import Equations, EventDriven, gather
@@ -58,8 +58,8 @@ def generated(mechanism: Mechanism, law: FrictionLaw) -> Equations:
 
 def rest_of(mechanism: Mechanism) -> str:
     """Return the name of the slip velocity."""
-    (contact,) = mechanism.contacts()
-    return mechanism.rates[mechanism.coordinates.index(contact.slip)]
+    slip = slip_of(mechanism)
+    return mechanism.rates[mechanism.coordinates.index(slip)]
 
 
 def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) -> list[float]:
@@ -182,26 +182,26 @@ def sensitivities_hold(
     if not run.status.complete:
         return
     prefix = "friction" if isinstance(varied, FrictionLaw) else "mechanism"
-    (contact,) = mechanism.contacts()
-    size = float(np.abs(run[contact.slip]).max()) or 1.0
+    slip = slip_of(mechanism)
+    size = float(np.abs(run[slip]).max()) or 1.0
     for path, quantity, value in parameters(varied, prefix):
         step = SHARE * abs(value) or SHARE
         below, above = (
             _end(mechanism, law, prefix, path, value + change, start, run)
             for change in (-step, step)
         )
-        sides = (run[contact.slip][-1] - below) / step, (above - run[contact.slip][-1]) / step
+        sides = (run[slip][-1] - below) / step, (above - run[slip][-1]) / step
         # what the solver's tolerance leaves open, over the step
         noise = 1e-9 * size / step
         if not abs(sides[1] - sides[0]) <= ALLOWED * max(map(abs, sides)) + noise:
             continue  # there is no derivative, or nothing to compare
-        slope = float(run.sensitivity(contact.slip, path)[-1])
+        slope = float(run.sensitivity(slip, path)[-1])
         difference = 0.5 * (sides[0] + sides[1])
         if math.isnan(slope) and _bounced(run):
             continue  # as the solver says of derivatives beyond an impact
         if not abs(slope - difference) <= ALLOWED * max(abs(slope), abs(difference)) + noise:
             yield (
-                f"d {contact.slip} / d {quantity.symbol} = {number(slope, 6)}, but finite"
+                f"d {slip} / d {quantity.symbol} = {number(slope, 6)}, but finite"
                 f" differences give {number(difference, 6)}"
             )
 
@@ -229,8 +229,8 @@ def _end(
         return math.nan
     other = simulate(mechanism, law, t_end=run.span[1], y0=start, throw=False)
     same = [event.reason for event in other.events] == [event.reason for event in run.events]
-    (contact,) = mechanism.contacts()
-    return float(other[contact.slip][-1]) if same else math.nan
+    slip = slip_of(mechanism)
+    return float(other[slip][-1]) if same else math.nan
 
 
 def reach(law: BristleLaw) -> float:

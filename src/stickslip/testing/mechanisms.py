@@ -40,8 +40,9 @@ class _Case:
     @property
     def names(self) -> tuple[str, ...]:
         """All coordinates, those that are held last."""
-        normals = [contact.normal for contact in self.mechanism.contacts() if contact.normal]
-        return (*self.mechanism.coordinates, *normals, *self.mechanism.held())
+        normals = dict.fromkeys(n for one in self.mechanism.contacts() for n in one.normals)
+        others = [name for name in self.mechanism.held() if name not in normals]
+        return (*self.mechanism.coordinates, *normals, *others)
 
     def states(self) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
         """Yield coordinates and rates, those of held coordinates 0."""
@@ -147,15 +148,19 @@ def _lengths(case: _Case) -> Iterator[str]:
 def _contacts(case: _Case) -> Iterator[str]:
     coordinates = case.mechanism.coordinates
     contacts = case.mechanism.contacts()
-    if len(contacts) != 1:
-        yield f"there are {len(contacts)} contacts; this version solves exactly one"
+    names = [contact.name for contact in contacts]
+    if not contacts or (len(contacts) > 1 and (len(set(names)) < len(names) or "" in names)):
+        yield f"there must be a contact, and several need different names; got {names}"
     for contact in contacts:
-        if contact.slip not in coordinates:
-            yield f"{contact.slip!r} slips, but the coordinates are {', '.join(coordinates)}"
-        if (contact.normal is None) == (contact.load is None):
+        moving = [name for name in contact.slips if name in coordinates]
+        if not moving:
+            slips = ", ".join(contact.slips)
+            yield f"{slips!r} slips, but the coordinates are {', '.join(coordinates)}"
+        if (contact.normal is None) == (contact.load is None) and len(contacts) == 1:
             yield "either a normal coordinate or a load must be given, and not both"
-        if contact.normal in coordinates:
-            yield f"{contact.normal!r} is held, but is listed among the moving coordinates"
+        for name in contact.normals:
+            if name in coordinates:
+                yield f"{name!r} is held, but is listed among the moving coordinates"
 
 
 def _drives(case: _Case) -> Iterator[str]:

@@ -12,7 +12,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 
 __all__ = [
@@ -295,19 +295,13 @@ def load_along(mechanism: Mechanism, record: Measurement, count: int) -> Array:
 
 def _own_load(mechanism: Mechanism) -> float:
     """Return the normal force of a mechanism: prescribed, or the weight on a held coordinate."""
-    contacts = mechanism.contacts()
-    if len(contacts) != 1:
-        raise InputError(
-            f"a force map describes one contact, and {type(mechanism).__name__} has"
-            f" {len(contacts)}."
-        )
-    (contact,) = contacts
-    if contact.normal is None:
+    contact, normal = only_contact(mechanism), normal_of(mechanism)
+    if normal is None:
         return float(cast("float", contact.load)) if contact.load is not None else 0.0
-    at = dict.fromkeys((*mechanism.coordinates, contact.normal), 0.0)
+    at = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
     # weight is linear in the height, so that the difference over 1 m is exact
-    above = mechanism.potential_energy(0.0, {**at, contact.normal: 0.5})
-    below = mechanism.potential_energy(0.0, {**at, contact.normal: -0.5})
+    above = mechanism.potential_energy(0.0, {**at, normal: 0.5})
+    below = mechanism.potential_energy(0.0, {**at, normal: -0.5})
     return float(above - below)
 
 

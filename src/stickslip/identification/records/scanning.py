@@ -20,7 +20,7 @@ from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.series.start_values import Scales, load_of
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import segments_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
 __all__ = ["scanned_scales", "surplus_starts"]
@@ -97,7 +97,7 @@ def scanned_scales(mechanism: Mechanism, measurement: Measurement, quantity: str
             " check masses, lengths and the drive (in SI), and whether the body lifts off or tips"
             " over."
         )
-    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+    slip = mechanism.coordinates.index(slip_of(mechanism))
     place, rate = mechanism.coordinates[slip], mechanism.rates[slip]
     sampled = [run.sampled(10 * ROWS) for run in runs]
     v = np.concatenate([one[rate] for one in sampled])

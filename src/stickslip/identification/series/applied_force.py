@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 
 __all__ = ["applied_force", "driven", "drives_itself", "inside"]
 
@@ -92,7 +92,7 @@ def inside(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """
     if not drives_itself(mechanism, measurement):
         return ()
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     own = {slip, mechanism.rates[mechanism.coordinates.index(slip)]}
     return tuple(name for name in (*mechanism.coordinates, *mechanism.rates) if name not in own)
 

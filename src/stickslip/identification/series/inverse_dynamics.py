@@ -14,7 +14,7 @@ from stickslip.formatting import quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary as with_values
 
 __all__ = [
@@ -367,7 +367,7 @@ def known_forces(mechanism: Mechanism, x: Array, v: Array, applied: Array) -> tu
 
 def mass_of(mechanism: Mechanism) -> float:
     """Return what moves as the coordinate that slips does, all else being at rest in it [kg]."""
-    name = mechanism.contacts()[0].slip
+    name = slip_of(mechanism)
     one = mechanism.kinetic_energy(defaultdict(float), defaultdict(float, {name: 1.0}))
     return 2.0 * float(one)
 

@@ -22,7 +22,7 @@ from stickslip.identification.series.inverse_dynamics import (
     positions_of,
 )
 from stickslip.identification.validation import LAW
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import Quantity, fields_of, full_path, parameters, unchecked
 
 __all__ = ["Scales", "law_unknowns", "mechanism_unknowns", "scales_of"]
@@ -156,12 +156,12 @@ def load_of(mechanism: Mechanism) -> float:
     InputError
         If it is not.
     """
-    contact = mechanism.contacts()[0]
-    load: float | None = contact.load
-    if contact.normal is not None:  # what its coordinate is pressed down with at rest
+    normal = normal_of(mechanism)
+    load: float | None = only_contact(mechanism).load
+    if normal is not None:  # what its coordinate is pressed down with at rest
         h = 1e-6
         up, down = (
-            mechanism.potential_energy(0.0, defaultdict(float, {contact.normal: side * h}))
+            mechanism.potential_energy(0.0, defaultdict(float, {normal: side * h}))
             for side in (1.0, -1.0)
         )
         load = (up - down) / (2.0 * h)

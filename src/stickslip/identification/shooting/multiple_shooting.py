@@ -27,7 +27,7 @@ from stickslip.identification.shooting.initial_states import (
     settled,
     worse,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
@@ -320,12 +320,12 @@ def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> 
 def _slip_velocity(mechanism: Mechanism) -> int:
     """Return the place of the slip velocity among coordinates and rates."""
     coordinates = mechanism.coordinates
-    return coordinates.index(mechanism.contacts()[0].slip) + len(coordinates)
+    return coordinates.index(slip_of(mechanism)) + len(coordinates)
 
 
 def _state_of(mechanism: Mechanism, quantity: str) -> str:
     """Return the name of the state that a quantity is of the slipping body."""
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     if quantity == "position":
         return slip
     return mechanism.rates[mechanism.coordinates.index(slip)]

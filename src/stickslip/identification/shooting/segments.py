@@ -14,7 +14,7 @@ from stickslip.identification.series.applied_force import applied_force, drives_
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, Hold
 from stickslip.identification.shooting.multiple_shooting import Segment
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
 
 __all__ = ["measured_quantity", "segments_of", "with_drive"]
@@ -261,7 +261,7 @@ def _guess(mechanism: Mechanism, quantity: str, time: Array, values: Array) -> A
     count = min(len(time), GUESSED + 1)
     t = time[:count] - time[0]
     slope, value = np.polyfit(t, values[:count], 2)[1:]
-    slip = mechanism.coordinates.index(mechanism.contacts()[0].slip)
+    slip = mechanism.coordinates.index(slip_of(mechanism))
     state = np.zeros(2 * len(mechanism.coordinates))
     if quantity == "position":
         state[slip], state[slip + len(mechanism.coordinates)] = value, slope

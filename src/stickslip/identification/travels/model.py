@@ -15,7 +15,7 @@ from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats
+from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
 
@@ -363,7 +363,7 @@ class TravelModel:
             self.watch(self.runs)
         law = self.with_values(values)
         run = simulate(trial.mechanism, law, t_end=trial.until(self.t_end), y0=trial.start(law))
-        (coordinate,) = (contact.slip for contact in trial.mechanism.contacts())
+        coordinate = slip_of(trial.mechanism)
         ends = run.at(run.span)[coordinate]
         return float(ends[1] - ends[0])
 
@@ -423,7 +423,7 @@ class TravelModel:
     def _check_rest(self, trial: Trial, values: Sequence[float], error: float) -> None:
         law, end = self.with_values(values), self.t_end
         run = simulate(trial.mechanism, law, t_end=2.0 * end, y0=trial.start(law), throw=False)
-        (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+        slip = slip_of(trial.mechanism)
         index = trial.mechanism.coordinates.index(slip)
         last = min(2.0 * end, float(run.span[1]))
         if last <= end:

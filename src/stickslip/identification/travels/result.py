@@ -16,7 +16,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.travels.model import Trial
 from stickslip.identification.travels.propagation import agreeing_scale, covariance_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.simulation import simulate
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ SAMPLES = 2001
 def _largest_speed(trial: Trial, law: FrictionLaw) -> float:
     """Return the largest slip speed of a run that a travel was measured of [m/s]."""
     mechanism = trial.mechanism
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     run = simulate(mechanism, law, t_end=LONG, y0=trial.start(law), throw=False)
     seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
     return float(np.abs(seen[mechanism.rates[mechanism.coordinates.index(slip)]]).max())

@@ -14,6 +14,7 @@ from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.travels.model import TravelModel, Trial
 from stickslip.identification.travels.single_travel import room_for
+from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of, vary
 from stickslip.simulation import ensemble, simulate
 
@@ -151,7 +152,7 @@ def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -
     law = model.with_values(values)
     end = trial.until(model.t_end)
     run = simulate(trial.mechanism, law, t_end=end, y0=trial.start(law), throw=False)
-    (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+    slip = slip_of(trial.mechanism)
     rate = trial.mechanism.rates[trial.mechanism.coordinates.index(slip)]
     force = values[0] * float(np.median(run["normal_force"]))
     return force / max(float(np.max(np.abs(run[rate]))), 1e-6)
@@ -230,7 +231,7 @@ def _dense(
     table = []
     for trial in trials:
         start = trial.start(model.law)
-        (slip,) = (contact.slip for contact in trial.mechanism.contacts())
+        slip = slip_of(trial.mechanism)
         end = trial.until(model.t_end)
         runs = ensemble(trial.mechanism, model.law, columns, t_end=end, outputs=[slip], y0=start)
         table.append(np.where(np.isfinite(runs[slip]), runs[slip], np.inf) - start.get(slip, 0.0))

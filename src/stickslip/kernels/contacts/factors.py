@@ -13,6 +13,13 @@ def factorise(w: Vector, whole: Wholes) -> None:
     """Factorise the mass matrix of the free coordinates; those of held ones are rows of 1.
 
     A principal part of a positive definite matrix is one itself: there is always an answer.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     n = whole[N_COORDINATES]
     modes = whole[MODES]

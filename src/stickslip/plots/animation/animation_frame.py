@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.plots.animation.animation_layout import layout, write_legend
 from stickslip.plots.animation.scenes.bounding_boxes import (
     Extent,
@@ -174,7 +174,7 @@ def _curves(
     panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, narrow: bool
 ) -> list[Cursor]:
     """Draw place, velocity and friction against time; return their cursors."""
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     seen = dense(run, until)
     turning = run.units[slip] == "rad"

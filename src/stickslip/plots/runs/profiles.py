@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import static_normal_force
+from stickslip.mechanisms import slip_of, static_normal_force
 from stickslip.optimisation import Cycle, Optimum, guide_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
@@ -66,14 +66,14 @@ def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
     inside = np.array([t for t in jumps if t < run.span[1]])
     seen = run.at(np.union1d(times, np.concatenate([inside, np.nextafter(inside, -np.inf)])))
     found = {name: seen[name] for name in _names(optimum)}
-    slip = optimum.mechanism.contacts()[0].slip
+    slip = slip_of(optimum.mechanism)
     return {"t": seen.t - cycle.begin} | found | {slip: found[slip] - found[slip][0]}
 
 
 def _names(optimum: Optimum) -> tuple[str, ...]:
     mechanism = optimum.mechanism
     coordinate, rate, effort, _ = guide_of(mechanism)
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     speed = mechanism.rates[mechanism.coordinates.index(slip)]
     return coordinate, rate, effort, slip, speed, "normal_force"
 

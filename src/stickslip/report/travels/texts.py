@@ -7,6 +7,7 @@ import numpy as np
 from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate, Trial, trials_of
+from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of
 from stickslip.selection import TravelCandidate, TravelVerdict, score_scale
 
@@ -49,7 +50,7 @@ def score_scale_of(verdict: TravelVerdict) -> Scale:
 
 def slip_and_rate(verdict: TravelVerdict) -> tuple[str, str]:
     """Return the names of the slipping coordinate and of its rate."""
-    slip = verdict.mechanism.contacts()[0].slip
+    slip = slip_of(verdict.mechanism)
     return slip, verdict.mechanism.rates[verdict.mechanism.coordinates.index(slip)]
 
 

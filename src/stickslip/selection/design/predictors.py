@@ -15,7 +15,7 @@ from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
 from stickslip.identification import with_drive
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
 from stickslip.simulation import simulate
 
@@ -180,7 +180,7 @@ def own_force(mechanism: Mechanism, velocity: float) -> float:
     float
         Force [N].
     """
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     at: Mapping[str, float] = defaultdict(float)
     moving: Mapping[str, float] = defaultdict(float, {slip: velocity})
     return float(mechanism.forces(0.0, at, moving, defaultdict(float)).get(slip, 0.0))
@@ -188,7 +188,7 @@ def own_force(mechanism: Mechanism, velocity: float) -> float:
 
 def sprung(mechanism: Mechanism) -> bool:
     """Whether a spring holds what slides."""
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     energy = [
         float(mechanism.potential_energy(0.0, defaultdict(float, {slip: x})))
         for x in (-1.0, 0.0, 1.0)
@@ -215,7 +215,7 @@ class Coast:
     def __call__(self, candidate: Predictor) -> float:
         """Return the distance [m]."""
         mechanism = candidate.mechanism
-        slip = mechanism.contacts()[0].slip
+        slip = slip_of(mechanism)
         rate = mechanism.rates[mechanism.coordinates.index(slip)]
         run = _run(candidate, None, self.t_end, {slip: self.start, rate: self.speed})
         if any(event.reason.endswith("hits stop") for event in run.events):
@@ -235,5 +235,5 @@ class Presliding:
     def __call__(self, candidate: Predictor) -> float:
         """Return the movement from peak to peak [m] in the second half."""
         run = _run(candidate, self.drive, self.t_end, {})
-        slip = candidate.mechanism.contacts()[0].slip
+        slip = slip_of(candidate.mechanism)
         return float(np.ptp(run.at(np.linspace(0.5 * self.t_end, run.span[1], ROWS))[slip]))

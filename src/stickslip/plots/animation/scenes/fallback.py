@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.plots.animation.scenes.shapes import Box, Moment, Picture, Rod, Shape, Word
 from stickslip.trajectory import Trajectory
 
@@ -38,7 +38,7 @@ def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
     >>> round(bar.left, 6), round(bar.width, 6), bar.fill
     (0.0, 1.0, 'mode')
     """
-    slip = mechanism.contacts()[0].slip
+    slip = slip_of(mechanism)
     names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
     largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
 

@@ -78,8 +78,12 @@ def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
             f"no law is given for the contact {missing[0]!r}: add {missing[0]!r}: None if nothing"
             " rubs there."
         )
-    pairs = [(name, law[name]) for name in contacts]
-    return Laws(members=tuple((name, one) for name, one in pairs if one is not None))
+    members = tuple((name, one) for name in contacts if (one := law[name]) is not None)
+    if not members:
+        raise InputError(
+            "no contact has a law: give one of them a law, with levels of 0 if need be."
+        )
+    return members[0][1] if len(contacts) == 1 else Laws(members=members)
 
 
 def law_of(contact: str, law: FrictionLaw | Laws) -> FrictionLaw | None:
