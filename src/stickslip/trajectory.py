@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory"]
 
+UNLOADED = 3
+"""Mode of a contact that is open."""
+
 
 class Status(enum.Enum):
     """How a run ended."""
@@ -55,8 +58,8 @@ class Event:
     contact: str
     """Name of the contact, empty where there is only one."""
     from_mode: int
-    """Before: 0 stick, 1 slip forward, -1 slip backward, 2 at the upper hard stop, -2 at the lower.
-    """
+    """Before: 0 stick, 1 slip forward, -1 slip backward, 2 at the upper hard stop, -2 at the lower,
+    3 without load."""
     to_mode: int
     """The same, after."""
     reason: str
@@ -241,14 +244,72 @@ class Trajectory(InPanels):
 
         return self.at(np.linspace(*self.span, count))
 
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """Names of the contacts where there are several; empty where there is one."""
+        first = "friction:"
+        return tuple(name.removeprefix(first) for name in self.names if name.startswith(first))
+
+    def contact(self, name: str) -> "Trajectory":
+        """Return the run as one of several contacts sees it.
+
+        Its columns ``"friction"``, ``"normal_force"`` and ``"mode"`` and its events are those of
+        the contact, so that it can be used as a run with one contact. The states are the same.
+
+        Parameters
+        ----------
+        name : str
+            Name of the contact.
+
+        Returns
+        -------
+        Trajectory
+            A view of this run.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no contact of that name.
+        """
+        if name not in self.contacts:
+            raise UnknownNameError("contact", name, self.contacts)
+        own = {f"{kind}:{name}": kind for kind in ("friction", "normal_force", "mode")}
+        kept = [column for column in self.names if ":" not in column or column in own]
+        kept += [z for z in self.states if ":" in z]
+        evaluate = self.evaluate
+
+        def seen(t: "NDArray[np.float64]") -> Mapping[str, "NDArray[np.float64]"]:
+            columns = evaluate(t)
+            return {own.get(column, column): columns[column] for column in kept}
+
+        return replace(
+            self,
+            names=tuple(own.get(column, column) for column in kept),
+            units={own.get(column, column): unit for column, unit in self.units.items()},
+            events=tuple(event for event in self.events if event.contact == name),
+            evaluate=seen,
+        )
+
     def stick_spans(self) -> list[tuple[float, float]]:
-        """Return the stretches of time in which friction or a hard stop holds the body."""
+        """Return the stretches of time in which friction or a hard stop holds the body.
+
+        Raises
+        ------
+        InputError
+            If there are several contacts: ask one of them, as in
+            ``run.contact("elbow").stick_spans()``.
+        """
+        if self.contacts:
+            raise InputError(
+                f"this run has several contacts ({', '.join(self.contacts)}): ask one of them, as"
+                f" in run.contact({self.contacts[0]!r}).stick_spans()."
+            )
         changes = [(self.span[0], self._first_mode())]
         changes += [(event.t, event.to_mode) for event in self.events]
         ends = [t for t, _ in changes[1:]] + [self.span[1]]
         spans: list[tuple[float, float]] = []
         for (start, mode), end in zip(changes, ends, strict=True):
-            if abs(mode) == 1 or end <= start:
+            if abs(mode) in (1, UNLOADED) or end <= start:
                 continue
             if spans and math.isclose(spans[-1][1], start, abs_tol=0.0):
                 spans[-1] = (spans[-1][0], end)
@@ -283,6 +344,9 @@ class Trajectory(InPanels):
         times = {"t": ("t", self.t, {"units": "s"})}
         return xr.Dataset(columns, times, {"status": self.status.value})
 
+    def _count(self, contact: str) -> int:
+        return sum(event.contact == contact for event in self.events)
+
     @override
     def _summary(self) -> Summary:
         rows = (
@@ -291,6 +355,10 @@ class Trajectory(InPanels):
             ("events", len(self.events)),
             ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),
+            *(
+                (name, f"{self._count(name)} events, {number(work, 3)} J taken by friction")
+                for name, work in self.certificate.work.items()
+            ),
         )
         notes = (*self.certificate.problems, *self.certificate.warnings)
         return Summary(sentence=self.status.value, rows=rows, notes=notes)

@@ -38,6 +38,7 @@ __all__ = [
     "STOP",
     "STOPPED",
     "SWITCH",
+    "UNLOADED",
     "ZENO",
 ]
 
@@ -66,6 +67,8 @@ FORWARD = 1
 BACKWARD = -1
 FREE = 2
 PUSHED = 3
+UNLOADED = 3
+"""Mode of a contact that is open, in what a run records."""
 
 # What happened, in the records of events. An impact of coordinate i gives HIT + i; limits
 # follow them, and then switch j has two codes, the second where it ceases to hold.

@@ -15,7 +15,6 @@ from stickslip.kernels.enums import (
     EVENT_COUNT,
     EVENT_TIME,
     FINAL,
-    FREE,
     GREATEST,
     HELD_FAST,
     HIT,
@@ -29,6 +28,7 @@ from stickslip.kernels.enums import (
     STOP,
     STOPPED,
     SWITCH,
+    UNLOADED,
 )
 from stickslip.kernels.gauss_legendre import NODES, WEIGHTS
 from stickslip.kernels.hard_stops import wall_coordinate
@@ -202,8 +202,8 @@ def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
     """Return what an event was where several contacts rub, as a code."""
     before, after = events[at + 1], events[at + 2]
     if guard < 0:
-        if FREE in (before, after):
-            return OPENED if after == FREE else CLOSED_AGAIN
+        if UNLOADED in (before, after):
+            return OPENED if after == UNLOADED else CLOSED_AGAIN
         if after == HELD_FAST:
             return STOPPED
         return BROKE_AWAY if before == HELD_FAST else REVERSED

@@ -5,7 +5,7 @@ import math
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import ask_law, assemble, side_of
 from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
 from stickslip.kernels.equations import POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.state_layout import (
@@ -118,7 +118,7 @@ def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> Non
         is_open = whole[whole[OPEN] + c]
         w[to + c] = w[whole[FRICTION] + c]
         w[to + contacts + c] = 0.0 if is_open else w[whole[LOAD] + c]
-        w[to + 2 * contacts + c] = FREE if is_open or mode == FREE else sign * mode
+        w[to + 2 * contacts + c] = UNLOADED if is_open or mode == FREE else sign * mode
 
 
 def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

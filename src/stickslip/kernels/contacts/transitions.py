@@ -9,7 +9,16 @@ from stickslip.kernels.contacts.guards import (
     first_own_switch,
     law_flags,
 )
-from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, LIFTED_OFF, LIMITED
+from stickslip.kernels.enums import (
+    BACKWARD,
+    EXACT,
+    FORWARD,
+    FREE,
+    HELD_FAST,
+    LIFTED_OFF,
+    LIMITED,
+    UNLOADED,
+)
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
     BEFORE,
@@ -260,10 +269,9 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
 
 def mode_of(contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a contact, which may slip against its coordinate."""
-    if is_open:
-        return FREE
-    sign = 1 if w[whole[SLIP_FACTORS] + contact] > 0.0 else -1
-    return coordinate_mode if coordinate_mode == FREE else sign * coordinate_mode
+    if is_open or coordinate_mode == FREE:
+        return UNLOADED
+    return coordinate_mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -coordinate_mode
 
 
 def write_changes(w: Vector, whole: Wholes) -> None:

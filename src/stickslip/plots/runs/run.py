@@ -25,6 +25,7 @@ from stickslip.plots.core.helpers import (
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
+from stickslip.plots.runs.contacts import contact_sizes, draw_contacts
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
@@ -222,6 +223,9 @@ def plot_run(
 ) -> Panels:
     """Plot displacement, velocity, friction and perhaps normal force of a run against time.
 
+    A run with several contacts has a panel for the friction of each of them instead, or a raster of
+    their modes where there are more than six.
+
     Parameters
     ----------
     run : Trajectory
@@ -260,6 +264,8 @@ def plot_run(
     ['displacement, m', 'velocity, m/s', 'friction, N']
     """
     check_type("run", run, Trajectory)
+    if run.contacts:
+        return on_panels(draw_contacts(run, until=until), ax, contact_sizes(run)["wide"])
     slip, rate = motion_names(run, slip, rate)
     draw = draw_run(
         run, slip=slip, rate=rate, until=until, normal_force=normal_force, band=band
