@@ -1,4 +1,4 @@
-"""A record in time that laws can be fitted to in a second."""
+"""A record in time that laws can be fitted to in a second; pages without figures for phones."""
 
 import numpy as np
 import pytest
@@ -21,3 +21,22 @@ def axis_record():
     run = simulate(Axis(inertia=INERTIA, drive=drive), LAW, t_end=6.0)
     noise = np.random.default_rng(0).normal(0.0, 1e-5, time.size)
     return {"t": time, "q": run.at(time)["x"] + noise, "u": force}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def figures_are_drawn_for_wide_screens():
+    """Leave out the narrow drawings, which tests of reports have of the same sections."""
+    from stickslip.plots.core import svg
+
+    drawn = svg._drawn
+
+    def wide(draw, size, narrow, *style, **more):
+        return (
+            b'<svg xmlns="http://www.w3.org/2000/svg"/>'
+            if narrow
+            else drawn(draw, size, narrow, *style, **more)
+        )
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(svg, "_drawn", wide)
+        yield
