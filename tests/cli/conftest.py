@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import Axis, CoulombViscous, simulate
 from stickslip.drives import Sampled
@@ -26,17 +27,5 @@ def axis_record():
 @pytest.fixture(autouse=True, scope="module")
 def figures_are_drawn_for_wide_screens():
     """Leave out the narrow drawings, which tests of reports have of the same sections."""
-    from stickslip.plots.core import svg
-
-    drawn = svg._drawn
-
-    def wide(draw, size, narrow, *style, **more):
-        return (
-            b'<svg xmlns="http://www.w3.org/2000/svg"/>'
-            if narrow
-            else drawn(draw, size, narrow, *style, **more)
-        )
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(svg, "_drawn", wide)
+    with wide_only():
         yield
