@@ -19,6 +19,8 @@ endif
 
 # Tests, examples and pages share their machine code, so that nothing is compiled twice.
 unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
+# Nor is Python text compiled anew by each process, or are assertions rewritten by each worker.
+unit docs slow: export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .PHONY: help select test stubs lint types architecture unit docs bench golden slow fuzz format clean
@@ -71,7 +73,7 @@ golden: $(DEV) ## compare what twelve rigs and records give with tests/golden (m
 slow: $(DEV) ## tests that compile much or take long, which `make test` leaves out
 	$(PYTEST) -m slow
 
-fuzz: $(DEV) ## 20,000 random simulations (half an hour); tests run 300 of their kind
+fuzz: $(DEV) ## 20,000 random simulations (half an hour); tests run 150 of their kind
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1
 
 format: $(DEV) ## format the code and apply safe fixes

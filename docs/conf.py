@@ -20,6 +20,7 @@ extensions = [
     "myst_nb",
     "numpydoc",
     "records",
+    "sidebar",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinxcontrib.bibtex",

@@ -1,4 +1,5 @@
 import functools
+import gc
 import os
 import pickle
 import sys
@@ -33,6 +34,13 @@ def data_dir() -> Path:
     if os.environ.get("REQUIRE_DATA") == "1":
         pytest.fail(reason)
     pytest.skip(reason)
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage less often, and not among what stays: thousands of tests, all modules."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -3,11 +3,13 @@
 A law or a mechanism that is added to a registry is met by every test that draws from here.
 """
 
+import contextlib
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import strategies as st
 
 from stickslip import Axis, Capsule, Pendulum, PendulumCart, SpringBlock, TowedBlock, TwoMassAxis
@@ -294,3 +296,20 @@ class Generated:
 def values_of(root: Any) -> dict[str, float]:
     """Return the parameters of an object by path."""
     return {path: value for path, _, value in parameters(root, "it")}
+
+
+@contextlib.contextmanager
+def wide_only() -> Iterator[None]:
+    """Leave out the figures of pages for narrow screens, a third of what pages take."""
+    from stickslip.plots.core import svg
+
+    drawn = svg._drawn
+
+    def wide(draw: Any, size: Any, narrow: bool, *style: Any, **more: Any) -> bytes:
+        if narrow:
+            return b'<svg xmlns="http://www.w3.org/2000/svg"><title> </title></svg>'
+        return drawn(draw, size, narrow, *style, **more)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(svg, "_drawn", wide)
+        yield

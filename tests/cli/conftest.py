@@ -1,7 +1,8 @@
-"""A record in time that laws can be fitted to in a second."""
+"""A record in time that laws can be fitted to in a second; pages without figures for phones."""
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import Axis, CoulombViscous, simulate
 from stickslip.drives import Sampled
@@ -21,3 +22,10 @@ def axis_record():
     run = simulate(Axis(inertia=INERTIA, drive=drive), LAW, t_end=6.0)
     noise = np.random.default_rng(0).normal(0.0, 1e-5, time.size)
     return {"t": time, "q": run.at(time)["x"] + noise, "u": force}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def figures_are_drawn_for_wide_screens():
+    """Leave out the narrow drawings, which tests of reports have of the same sections."""
+    with wide_only():
+        yield

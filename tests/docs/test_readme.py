@@ -4,9 +4,11 @@ import contextlib
 import io
 import re
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.support import wide_only
 
 from stickslip import load_rig
 from stickslip.cli import main
@@ -29,6 +31,12 @@ COMMANDS = [
     for part in re.findall(r"^\$ stickslip (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)
 ]
 CHAIN, OWN = (text for kind, text in BLOCKS if kind == "sh" and text.startswith("stickslip "))
+
+
+@pytest.fixture(autouse=True)
+def figures_are_drawn_for_wide_screens() -> Iterator[None]:
+    with wide_only():
+        yield
 
 
 def words(text: str) -> list[list[str]]:

@@ -266,7 +266,7 @@ def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     assert found.law.bristle_stiffness == pytest.approx(BRISTLES.bristle_stiffness, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_where_a_body_rests_bristles_predict_no_better_than_a_cone(seed):
     record = swayed(TRUTH, seed)
     found, cone = held_out(record, CoulombViscous)

@@ -16,7 +16,7 @@ from stickslip.mechanisms import Torque
 from stickslip.results import Status
 
 END = 3.0
-RUNS, SHARES = 1000, 4
+RUNS, SHARES, QUICK = 1000, 4, 2
 ROUNDING = 1e-7
 """Roundings of forces over the largest forces, where samples lie a nanosecond off an event."""
 AHEAD = 1e-9
@@ -125,7 +125,9 @@ def free_of_friction(cart, theta):
     return (M + m * math.sin(theta) ** 2) / (M + m)
 
 
-@pytest.mark.parametrize("share", range(SHARES))
+@pytest.mark.parametrize(
+    "share", [pytest.param(i, marks=[pytest.mark.slow] * (i >= QUICK)) for i in range(SHARES)]
+)
 def test_random_runs_end_with_a_status_that_is_true(share):
     random, met = np.random.default_rng([5, share]), Counter()
     for number in range(RUNS // SHARES):

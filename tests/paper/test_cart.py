@@ -27,6 +27,11 @@ def study():
     return study_cart(NAMED, THEIRS)
 
 
+@pytest.fixture(scope="module")
+def page(study):
+    return page_of(study)
+
+
 def page_of(study):
     found = SimpleNamespace(cart=study, values=PaperValues.of(load_rig()))
     sections = (cart_section(found), choice_section(found))
@@ -236,8 +241,7 @@ def test_the_study_is_a_json_document_with_all_runs(study):
     assert [one["cause"] for one in told["backward_motion"]] == [s.key for s in study.shares]
 
 
-def test_the_page_says_what_is_ours_and_shows_both_figures(study):
-    page = page_of(study)
+def test_the_page_says_what_is_ours_and_shows_both_figures(page):
     assert "Fig. 2." in page
     assert "Fig. 11." in page
     assert "The values here are ours" in page
@@ -246,16 +250,14 @@ def test_the_page_says_what_is_ours_and_shows_both_figures(study):
     assert ">nan<" not in page.lower()
 
 
-def test_figure_2_reaches_the_travel_of_its_heading(study):
-    page = page_of(study)
+def test_figure_2_reaches_the_travel_of_its_heading(page):
     figure = page[page.index('id="fig2-') : page.index("In place of Fig. 2.")]
     # ticks of both sizes: 12.7 m backwards lie between -12 m and -15 m
     assert {"−12", "−12.5"} & set(re.findall(r">(−?[\d.]+)<", figure))
     assert "all five cycles, and the first 0.54\xa0s" in page
 
 
-def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study):
-    page = page_of(study)
+def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study, page):
     table = page[page.index("Where the backward motion comes from") :]
     table = table[: table.index("vanish with the step")]
     assert "the misprint" not in table
@@ -268,7 +270,7 @@ def test_causes_of_the_backward_motion_are_those_of_what_was_simulated(study):
     assert math.fsum(one.least_velocity for one in rest) == pytest.approx(printed.least_velocity)
 
 
-def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study):
+def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study, page):
     period, end = study.period, study.choices[0].run.span[1]
     first, last = (end - share * period for share in STROKE)
     for one in study.choices:
@@ -280,7 +282,7 @@ def test_figure_11_shows_a_whole_stroke_in_which_the_laws_differ(study):
         assert inside.max() == pytest.approx(everywhere.max(), rel=1e-2)
     apart = [one.run.at(np.linspace(first, last, 500))["v"] for one in study.choices]
     assert np.abs(apart[1] - apart[0]).max() > 0.01
-    assert "difference in velocity" in page_of(study)
+    assert "difference in velocity" in page
 
 
 def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
@@ -290,8 +292,8 @@ def test_a_rig_for_which_nothing_is_named_shows_the_papers_choice_alone(study):
     assert "by select" not in page
 
 
-def test_a_cart_that_slips_back_is_said_to(study):
+def test_a_cart_that_slips_back_is_said_to(page):
     weak = study_cart(None, Coulomb(kinetic_coefficient=0.15))
     assert [one.key for one in weak.choices] == ["paper"]
     assert "slips back in a cycle" in page_of(weak)
-    assert "slips back in a cycle" not in page_of(study)
+    assert "slips back in a cycle" not in page

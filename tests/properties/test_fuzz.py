@@ -13,7 +13,7 @@ from stickslip import EventDriven
 SEED = 5
 FEW = Campaign(seed=SEED, solver=EventDriven(max_steps=400, tier="python"))
 MANY = Campaign(seed=1, solver=EventDriven(max_steps=1000, tier="python"))
-BATCHES, BATCH = 20, 15
+BATCHES, BATCH, QUICK = 20, 15, 10
 
 
 def trouble(campaign, outcome):
@@ -22,7 +22,9 @@ def trouble(campaign, outcome):
     return f"{words}\n{reproducer(campaign.case(outcome.index), campaign.solver)}"
 
 
-@pytest.mark.parametrize("batch", range(BATCHES))
+@pytest.mark.parametrize(
+    "batch", [pytest.param(i, marks=[pytest.mark.slow] * (i >= QUICK)) for i in range(BATCHES)]
+)
 def test_a_random_case_is_solved_or_says_why_not(batch):
     for index in range(batch * BATCH, (batch + 1) * BATCH):
         outcome = FEW.outcome(index)

@@ -1,5 +1,6 @@
 """The report of a selection on records holds for a simulated axis, and for a table of friction."""
 
+import contextlib
 import dataclasses
 import math
 import re
@@ -7,6 +8,7 @@ from html import unescape
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import (
     Axis,
@@ -84,6 +86,13 @@ def text_of(html):
 
 def plain(text):
     return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.fixture(autouse=True)
+def other_pages_are_drawn_for_wide_screens(request):
+    """Draw for phones what fixtures of the module make, which has all sections."""
+    with contextlib.nullcontext() if "html" in request.fixturenames else wide_only():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -414,7 +423,8 @@ def looped(seed=0):
 
 @pytest.fixture(scope="module")
 def loops():
-    return select(Axis(inertia=1.0), ["coulomb-viscous", "dahl-exponent"], looped())
+    laws = ["coulomb-viscous", "dahl-exponent"]
+    return select(Axis(inertia=1.0), laws, looped(), settings=RecordSettings(starts=1))
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,12 @@
 """The report of a run, for any mechanism and any end."""
 
+import contextlib
 import dataclasses
 import math
 import re
 
 import pytest
+from tests.support import wide_only
 
 from stickslip import (
     Axis,
@@ -31,6 +33,7 @@ from stickslip.report.core import documents
 from stickslip.report.runs import RunReport, page, run_page
 from stickslip.sweep import band_of
 
+EVERY = "test_every_section_can_be_made_of"
 STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 COULOMB = Coulomb(kinetic_coefficient=0.2)
@@ -68,6 +71,14 @@ RUNS = {
     "a cart on bristles": (CART, LUGRE, 1.0),
     "a cart that only rocks": (CART, Viscous(viscous_coefficient=4.0), 4.0),
 }
+
+
+@pytest.fixture(autouse=True)
+def pages_are_drawn_for_phones_once(request):
+    """Draw for wide screens only, but where a page of each kind is made."""
+    whole = request.node.name.startswith(EVERY)
+    with contextlib.nullcontext() if whole else wide_only():
+        yield
 
 
 def texts(html):

@@ -44,12 +44,12 @@ def law(**changes):
 
 
 def pulled(truth, path=THREE, *, seed=0, noise=5e-4, memory=0.3, stiffness=2e3, drift=0.0):
-    """Return a record at 10 Hz with autocorrelated noise."""
+    """Return a record at 5 Hz with autocorrelated noise."""
     knots, places = np.array(path[0]), 1e-6 * np.array(path[1])
-    t = np.arange(0.0, knots[-1], 0.1)
+    t = np.arange(0.0, knots[-1], 0.2)
     run = simulate_velocity_steps(truth, stiffness=stiffness, time=knots, pull=places, at=t)
     scatter = np.random.default_rng(seed).normal(0.0, noise, len(t))
-    rho = math.exp(-0.1 / memory)
+    rho = math.exp(-0.2 / memory)
     for i in range(1, len(t)):
         scatter[i] = rho * scatter[i - 1] + math.sqrt(1.0 - rho**2) * scatter[i]
     pull = np.interp(t, knots, places)
@@ -70,7 +70,7 @@ def verdicts():
 def test_three_steps_name_the_law_that_made_them(verdicts, name):
     verdict = verdicts[name]
     assert verdict.best.name == name
-    # the law predicts to the noise: 1,000 rows of 5 per correlation time know it to some 5 %
+    # the law predicts to the noise: 600 rows of 3 per correlation time know it to some 5 %
     assert verdict.best.score == pytest.approx(5e-4, rel=0.15)
     assert verdict.words.cannot_tell
 

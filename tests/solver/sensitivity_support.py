@@ -5,6 +5,7 @@ carry their derivatives, and the variational equations are integrated with DOP85
 event. Nothing of the generated equations or of the kernels takes part.
 """
 
+import functools
 import itertools
 import math
 from collections.abc import Callable
@@ -305,9 +306,15 @@ def away_from_ends(parts, t_end: float) -> Any:
     return np.array([*inner, t_end])
 
 
+@functools.lru_cache(maxsize=1)
+def solved(case: Case) -> Any:
+    """Return the oracle's solution of a case, to which runs of several tolerances are held."""
+    return Oracle(case).solve()
+
+
 def mismatch(case: Case, solver: EventDriven = PYTHON) -> float:
     """Return the largest difference between run and oracle, over the size of state and slope."""
-    parts, expected = Oracle(case).solve()
+    parts, expected = solved(case)
     t = away_from_ends(parts, case.t_end)
     found, known = case.sensitivities(t, solver), expected(t)
     run = case.run(solver)

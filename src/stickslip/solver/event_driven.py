@@ -94,7 +94,8 @@ class EventDriven(Solver):
     certificate: errors that the tolerance controls are of its size."""
     tier: Tier = "auto"
     """``"python"`` runs at once; ``"compiled"`` waits some seconds for numba the first time and is
-    then a hundred times faster; ``"auto"`` takes what this process has compiled already."""
+    then a hundred times faster; ``"auto"`` takes what this process has compiled already, and
+    compiles once its plain runs of the same equations have taken as long as that would."""
 
     @override
     def __post_init__(self) -> None:

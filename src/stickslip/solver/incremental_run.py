@@ -17,11 +17,10 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import runner_of
-from stickslip.solver.compile.modules import is_loaded
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.event_driven import EventDriven, trajectory_of
 from stickslip.solver.initial_states import within_stops
-from stickslip.solver.run import FIRST_ROWS, Record
+from stickslip.solver.run import FIRST_ROWS, Record, work_of
 from stickslip.trajectory import Trajectory
 
 __all__ = ["IncrementalRun"]
@@ -67,7 +66,9 @@ class IncrementalRun:
         """
         self.law, self.t_end, self.solver = law, t_end, solver
         self.model = model = formulate(mechanism, law)
-        compiled = solver.tier == "compiled" or (solver.tier == "auto" and is_loaded(model))
+        compiled = solver.tier == "compiled" or (
+            solver.tier == "auto" and work_of(model).is_enough()
+        )
         self.runner = runner = runner_of(model, compiled=compiled)
         inputs = gather(mechanism, law, model, t_end)
         self._width = 1 + 3 * len(model.drives)

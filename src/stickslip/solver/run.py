@@ -1,23 +1,60 @@
 """Runs a model in one of the two tiers: plain Python at once, or compiled by numba."""
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.state_layout import EVENT_COLUMNS, ROW_COLUMNS, Y
+from stickslip.kernels.state_layout import EVENT_COLUMNS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
+from stickslip.solver.compile.compile_units import parts_of
 from stickslip.solver.compile.modules import is_loaded, load_compiled
 from stickslip.solver.drive_schedule import Inputs
 
-__all__ = ["Record", "Tier", "execute", "prepare"]
+__all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
+LOADING = 0.3
+"""Time to load machine code that an earlier process compiled [s]."""
+PLAIN_STEP = 1e-4
+"""Time of a step in plain Python [s]."""
 FIRST_ROWS = 64
 """Rows of steps and of events that a run begins with room for."""
+
+
+@dataclass
+class Work:
+    """What plain runs of a model have taken in this process."""
+
+    model: Model
+    """Equations of a mechanism with a law."""
+    steps: int = 0
+    """Steps that were taken or rejected."""
+
+    def is_enough(self) -> bool:
+        """Whether machine code is here, or plain runs have taken as long as getting it would.
+
+        Few runs then never wait for a compiler, and many take at most twice as long as if they had
+        been compiled from the first.
+        """
+        if is_loaded(self.model):
+            return True
+        spent = self.steps * PLAIN_STEP
+        if spent < LOADING:
+            return False
+        parts = parts_of(self.model, ensembles=False)
+        absent = [part.seconds() for part in parts if not part.is_ready() and not part.is_kept()]
+        return spent >= sum(absent)
+
+
+@functools.lru_cache(maxsize=256)
+def work_of(model: Model) -> Work:
+    """Return what plain runs of a model have taken, one object in a process for each model."""
+    return Work(model)
 
 
 @dataclass(frozen=True)
@@ -63,14 +100,16 @@ def execute(
     limit : int
         Most steps.
     tier : Tier
-        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it already.
+        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, or has
+        spent as long on plain runs of the model as getting it takes.
 
     Returns
     -------
     Record
         Steps, events and the vectors of the run at its end.
     """
-    runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and is_loaded(model)))
+    work = work_of(model)
+    runner = runner_of(model, compiled=tier == "compiled" or (tier == "auto" and work.is_enough()))
     header = runner.header
     w, whole = runner.working(inputs.p), runner.whole()
     for i, value in enumerate(y0, header[Y]):
@@ -87,6 +126,8 @@ def execute(
         runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
         runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
     )
+    if not runner.compiled:
+        work.steps += int(whole[STEPS] + whole[REJECTED])
     return Record(runner, log, events, w, [int(x) for x in whole])
 
 

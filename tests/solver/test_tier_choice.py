@@ -1,0 +1,66 @@
+"""Which tier ``auto`` takes: plain Python until machine code would have paid for itself."""
+
+import pytest
+
+from stickslip import Coulomb, EventDriven, SpringBlock, simulate
+from stickslip.formulation import formulate
+from stickslip.solver import run
+from stickslip.solver.compile.compile_units import CompileUnit
+
+RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+LAW = Coulomb(kinetic_coefficient=0.25)
+
+
+@pytest.fixture
+def tiers(monkeypatch):
+    """Collect which tier each run asks for, and run all of them in plain Python."""
+    asked, runner_of = [], run.runner_of
+
+    def noted(model, *, compiled):
+        asked.append(compiled)
+        return runner_of(model, compiled=False)
+
+    run.work_of.cache_clear()
+    monkeypatch.setattr(run, "runner_of", noted)
+    monkeypatch.setattr(run, "is_loaded", lambda model: False)
+    monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: False)
+    yield asked
+    run.work_of.cache_clear()
+
+
+def steps(monkeypatch, seconds):
+    """Let the steps of one run stand for a time [s]."""
+    taken = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python")).certificate
+    monkeypatch.setattr(run, "PLAIN_STEP", seconds / (taken.steps + taken.rejected))
+    run.work_of.cache_clear()
+
+
+@pytest.mark.parametrize(("kept", "wait"), [(True, run.LOADING), (False, 6.0)])
+def test_auto_compiles_once_plain_runs_have_taken_as_long(monkeypatch, tiers, kept, wait):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: kept)
+    monkeypatch.setattr(CompileUnit, "seconds", lambda unit: 3.0)  # kernels and equations
+    steps(monkeypatch, 0.4 * wait)
+    tiers.clear()
+    for _ in range(4):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, False, False, True]
+
+
+def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: True)
+    steps(monkeypatch, 2.0 * run.LOADING)
+    tiers.clear()
+    for _ in range(2):
+        simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
+    assert tiers == [False, False]
+    assert run.work_of(formulate(RIG, LAW)).is_enough()
+
+
+def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: True)
+    steps(monkeypatch, 2.0 * run.LOADING)
+    simulate(RIG, LAW, t_end=1.0)
+    tiers.clear()
+    simulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
+    simulate(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True), LAW, t_end=1.0)
+    assert tiers == [True, False]
