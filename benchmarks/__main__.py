@@ -12,7 +12,16 @@ from benchmarks import tables
 from benchmarks.engines import Holding
 from benchmarks.measuring import BUDGET, REPEATS, Result, Section
 
-CASES = ("decay", "ensembles", "belt", "lugre", "sampled", "sensitivities", "engines")
+CASES = (
+    "decay",
+    "ensembles",
+    "belt",
+    "lugre",
+    "sampled",
+    "sensitivities",
+    "contacts",
+    "engines",
+)
 COMPILE = "compile"
 """Times of compiling, which are printed only: they take minutes and empty caches."""
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"

@@ -19,17 +19,17 @@ MU = decay.MU
 PAIRS: tuple[tuple[str, Mechanism, FrictionLaw], ...] = (
     ("SpringBlock, Coulomb: the first pair", decay.RIG, Coulomb(kinetic_coefficient=MU)),
     (
-        "SpringBlock, Coulomb and viscous: a further law of the same shape",
+        "SpringBlock, Coulomb and viscous: a further law",
         decay.RIG,
         CoulombViscous(kinetic_coefficient=MU, viscous_coefficient=0.1),
     ),
     (
-        "SpringBlock, Stribeck: a new shape",
+        "SpringBlock, Stribeck: a further law with switches",
         decay.RIG,
         Stribeck(kinetic_coefficient=MU, static_coefficient=1.2 * MU, stribeck_velocity=0.01),
     ),
-    ("SpringBlock, LuGre: a new shape", decay.RIG, lugre.LAW),
-    ("TowedBlock, LuGre: a further mechanism of the same shape", lugre.BLOCK, lugre.LAW),
+    ("SpringBlock, LuGre: a further law with bristles", decay.RIG, lugre.LAW),
+    ("TowedBlock, LuGre: a further mechanism", lugre.BLOCK, lugre.LAW),
 )
 HEADS = ("pair", "compiled in an empty cache, s", "loaded by the next process, s")
 
