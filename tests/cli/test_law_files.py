@@ -152,7 +152,7 @@ def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):
     assert code == 0
     said = "bristle parameters that were not measured: sigma_0 = 1,000 1/m"
     # the contact gives way by 0.5 mm as the force reverses: little of a travel of centimetres
-    assert f"rests on {said}" in err
+    assert f"depends on {said}" in err
     assert "back-slip in a cycle of" in err
     assert "travel in a cycle" not in err
     page = " ".join(Path("stickslip-run/index.html").read_text().split())
@@ -190,7 +190,7 @@ def test_bristles_of_a_pivot_are_in_radians():
         bristle_damping=0.5,
     )
     said = bristle_remark(law, None, {"travel": 1e-3}, Pendulum(mass=1.0, length=0.5))
-    assert "travel of 1 mrad rests on" in said
+    assert "travel of 1 mrad depends on" in said
     assert "= 100 1/rad and" in said
     assert said.endswith("s/rad.")
 
