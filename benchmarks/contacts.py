@@ -17,6 +17,8 @@ COUPLING, GROUND, T_END = 100.0, 10.0, 10.0
 """Springs between neighbours and to the ground [N/m]; time of the run [s]."""
 GOALS = {2: 0.15, 10: 1.2, 30: 6.0, 100: 45.0}
 """Time of the kernel that a chain of so many blocks was meant to take [ms]."""
+OFF = 1e-11
+"""Velocity that SciPy's blocks begin to slip with, or the event would be found again [m/s]."""
 LONGEST = 30
 """Blocks of the longest chain that SciPy runs."""
 HEADS = ("blocks", "events", "kernel, ms", "us an event", "SciPy by hand, ms", "ratio", "places")
@@ -128,10 +130,11 @@ def by_scipy(n: int, tolerance: float = 1e-12) -> tuple[float, np.ndarray]:
         i = int(np.argmin(np.where(moving, side * y[n:], spare)))
         y[n + i] = 0.0
         pull = float((-matrix @ y[:n])[i])
+        stops = bool(moving[i]) and abs(pull) < level[i]
         side = side.copy()
-        side[i] = 0.0 if abs(pull) < level[i] else math.copysign(1.0, pull)
-        if side[i]:
-            y[n + i] = side[i] * 1e-14  # a step off the event, or it is found again
+        side[i] = 0.0 if stops else math.copysign(1.0, pull)
+        if not stops:
+            y[n + i] = side[i] * OFF
     return 1e3 * (time.perf_counter() - start), y[:n]
 
 
