@@ -497,3 +497,14 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
     )
     assert done.returncode == -9
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_reader_who_has_seen_enough_costs_no_verdict(tmp_path):
+    """``stickslip select | head`` leaves the law for the next command."""
+    command = [sys.executable, "-m", "stickslip", "select", "--laws", "coulomb"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    ) as process:
+        process.stdout.close()
+    names = {path.name for path in (tmp_path / "stickslip-report").glob("[!.]*")}
+    assert names >= {"verdict.json", "law.toml"}

@@ -1,5 +1,6 @@
 """``stickslip select``."""
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -120,7 +121,10 @@ def run(
     if as_json:
         print_json(content)
     else:
-        show_verdict(verdict)
+        if not (output / DOCUMENT).exists():  # an earlier report stays until all of this is there
+            write_verdict(output, verdict, content)
+        with contextlib.suppress(BrokenPipeError):  # the report is written for a later reader
+            show_verdict(verdict)
         kept = f"The verdict is in {output / DOCUMENT}."
         own = path is None  # the bundled rig
         page_code = draw_page(
