@@ -258,6 +258,8 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
         raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
     names = tuple(contact.name for contact in mechanism.contacts())
+    if not names:
+        raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")
     if len(names) > 1 and (len(set(names)) < len(names) or "" in names):
         raise InputError(
             f"{type(mechanism).__name__} has {len(names)} contacts, which need different names, got"

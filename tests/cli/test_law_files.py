@@ -26,6 +26,7 @@ from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _event_rows
+from stickslip.documents import write_folder
 from stickslip.drives import ThreePhase
 from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
@@ -293,8 +294,7 @@ def test_a_page_that_is_not_drawn_costs_nothing_else_and_is_not_listed(
         raise error
 
     monkeypatch.setattr(runs, "run_page", fails)
-    Path("stickslip-run").mkdir()
-    Path("stickslip-run/index.html").write_text("of an earlier run")
+    write_folder(Path("stickslip-run"), {"index.html": "of an earlier run"})
     asked = ("simulate", CART, "--report", "--force", "-o", "run.csv")
     found, out, err = walk(*asked)
     assert (found, said in err) == (code, True)

@@ -269,9 +269,11 @@ class Footed(Mechanism):
         return {}
 
 
-@pytest.mark.parametrize("feet", [0, 2])
-def test_a_mechanism_without_exactly_one_contact_is_refused_in_words(feet):
-    with pytest.raises(InputError, match=f"{feet} contacts; this version solves exactly one"):
+@pytest.mark.parametrize(
+    ("feet", "said"), [(0, "has no contacts"), (2, "2 contacts, which need different names")]
+)
+def test_contacts_that_are_missing_or_have_no_names_are_refused_in_words(feet, said):
+    with pytest.raises(InputError, match=said):
         simulate(Footed(feet=feet), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
 
 

@@ -8,6 +8,7 @@ import pytest
 from tests.contact_cases import (
     Arm,
     Disc,
+    Plain,
     RubbingCart,
     TwoFeet,
     belt,
@@ -17,9 +18,14 @@ from tests.contact_cases import (
     decay,
     plates,
 )
+from tests.support import example_of
 
-from stickslip import EventDriven, Stribeck, ensemble, simulate
+from stickslip import EventDriven, LuGre, Stribeck, ensemble, simulate
+from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction import LAWS, Laws
+from stickslip.maths import where
+from stickslip.mechanisms import Contact
 from stickslip.results import Status
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
@@ -361,3 +367,96 @@ def test_sensitivities_of_several_contacts_are_refused_by_name():
     run = run_of(Arm(), ARM, 1.0, BENT)
     with pytest.raises(InputError, match="several contacts"):
         run.sensitivity("elbow", "friction.elbow.kinetic_coefficient")
+
+
+# Faults that were found by attack
+
+
+def two(force, load=None):
+    """Return two unit masses with a contact each, and a force on the first."""
+
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class Two(Plain):
+        name = "two"
+        coordinates, rates, units = ("x1", "x2"), ("v1", "v2"), ("m", "m")
+
+        def kinetic_energy(self, q, q_dot):
+            return 0.5 * (q_dot["x1"] * q_dot["x1"] + q_dot["x2"] * q_dot["x2"])
+
+        def forces(self, t, q, q_dot, drives):
+            return {"x1": force(t, q_dot)}
+
+        def contacts(self):
+            return (Contact(slip="x1", load=1.0, name="a"), Contact(slip="x2", load=1.0, name="b"))
+
+        def loads(self, t, q, q_dot, drives):
+            return {} if load is None else {"a": load(t)}
+
+    return Two()
+
+
+HALF = {"a": coulomb(0.5), "b": coulomb(0.5)}
+
+
+def test_a_coordinate_that_leaves_at_once_stops_no_other():
+    run = run_of(two(lambda t, v: 0.5 + 0.1 * t), HALF, 3.0, {"v2": 10.0})
+    assert run["x2"][-1] == pytest.approx(10.0 * 3.0 - 0.25 * 9.0, rel=1e-14)
+    assert run["x1"][-1] == pytest.approx(0.1 * 27.0 / 6.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+def test_each_law_moves_a_block_as_it_does_alone(kind):
+    law = example_of(kind)
+    alone = run_of(chain(1)(stiffness=4.0), law, 1.0, {"x1": 0.5, "v1": 0.3})
+    run = run_of(chain(2)(stiffness=4.0), {"x1": law, "x2": None}, 1.0, {"x1": 0.5, "v1": 0.3})
+    assert run["x1"][-1] == pytest.approx(alone["x1"][-1], abs=1e-7)
+
+
+def test_a_force_that_is_switched_on_in_time_moves_what_rested():
+    run = run_of(two(lambda t, v: where(t > 1.0, 2.0, 0.0)), HALF, 3.0)
+    assert run["x1"][-1] == pytest.approx(0.5 * 1.5 * 4.0, rel=1e-12)
+
+
+def test_a_load_that_is_switched_off_in_time_lets_go():
+    run = run_of(two(lambda t, v: 0.3, lambda t: where(t > 1.0, 0.0, 1.0)), HALF, 3.0)
+    assert [e.reason for e in run.events] == ["opens"]
+    assert run["x1"][-1] == pytest.approx(0.5 * 0.3 * 4.0, rel=1e-12)
+
+
+def test_a_load_that_falls_to_zero_and_stays_there_opens_the_contact():
+    mechanism, laws, start = clutches()
+    falling = Sampled(times=(0.0, 0.4, 0.6), values=(0.0, 20.0, 0.0))
+    run = run_of(dataclasses.replace(mechanism, second=falling), laws, 0.8, start)
+    assert [e.reason for e in run.events if e.contact == "clutch-2"] == ["closes", "opens"]
+
+
+def test_a_switch_of_the_mechanism_follows_a_rate_that_stops():
+    run = run_of(two(lambda t, v: where(v["x2"] > 0.0, 1.0, 0.0)), HALF, 2.0, {"v2": 0.25})
+    # the first is pushed until the second rests, at 0.5 s
+    assert run["v1"][-1] == 0.0
+    assert run["x1"][-1] == pytest.approx(0.5 * 0.5 * 0.25 + 0.25**2 / (2 * 0.5), rel=1e-12)
+
+
+def test_laws_in_another_order_stay_with_their_contacts():
+    turned = Laws(members=(("elbow", ARM["elbow"]), ("shoulder", ARM["shoulder"])))
+    one, other = (run_of(Arm(), laws, 1.0, BENT) for laws in (ARM, turned))
+    np.testing.assert_array_equal(one["elbow"], other["elbow"])
+
+
+def test_a_rule_for_rest_beside_bristles_is_refused():
+    law = LuGre(
+        kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01,
+        bristle_stiffness=1e3, bristle_damping=5.0, static_switch=True,
+    )  # fmt: skip
+    with pytest.raises(InputError, match="static_switch"):
+        simulate(Arm(), law, t_end=1.0, y0=BENT)
+
+
+def test_feet_at_different_heights_are_refused():
+    class Uneven(TwoFeet):
+        def contacts(self):
+            front, rear = super().contacts()
+            return (front, dataclasses.replace(rear, slip={"x": 1.0, "phi": 0.05}))
+
+    with pytest.raises(InputError, match="same height"):
+        simulate(Uneven(), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)

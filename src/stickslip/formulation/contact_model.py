@@ -86,7 +86,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
         board,
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
-    equations = _Equations(symbols, parts)
+    equations = _Equations(symbols, parts, board)
     sizes = _sizes(mechanism, own, equations, laws, board, len(paths), bristles)
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
@@ -128,8 +128,9 @@ def _titles(own: _Own) -> str:
 class _Equations:
     """The parts with the drives put in, and their slopes."""
 
-    def __init__(self, symbols: Symbols, parts: ContactParts) -> None:
+    def __init__(self, symbols: Symbols, parts: ContactParts, board: Switchboard) -> None:
         self.symbols, self.parts = symbols, parts
+        self.switched = bool(board.switches)
         closed = symbols.closed
         n = len(parts.coordinates)
         self.forces = [closed(e) for e in parts.forces]
@@ -162,7 +163,9 @@ class _Equations:
 
     def constant_loads(self) -> bool:
         """Whether all prescribed loads are constant."""
-        return not any(_names(e) & (self.moving | self._driven()) for e in self.loads)
+        return not any(_flags(e) for e in self.loads) and not any(
+            _names(e) & (self.moving | self._driven()) for e in self.loads
+        )
 
     def _driven(self) -> set[str]:
         """Return the symbols of the drives' numbers, which change from piece to piece."""
@@ -171,9 +174,8 @@ class _Equations:
     def affine(self) -> bool:
         """Whether all is affine in states and time together, whatever the flags are."""
         slopes = [*self.slopes.values(), *self.time_slopes.values()]
-        switched = any(_names(e) & _flags(e) for e in (*self.forces, *self.parts.mass.values()))
         return (
-            not switched
+            not self.switched
             and self.constant_mass()
             and self.constant_loads()
             and not any(self.parts.reacts)
@@ -183,7 +185,9 @@ class _Equations:
     def rest_is_final(self) -> bool:
         """Whether nothing but the drives can move what is held."""
         timed = any("t" in _names(e) for e in self.given_forces)
-        return not timed and self.constant_loads() and not any(self.parts.reacts)
+        return (
+            not timed and not self.switched and self.constant_loads() and not any(self.parts.reacts)
+        )
 
 
 def _names(e: se.Expr) -> set[str]:
@@ -226,6 +230,7 @@ def _sizes(
         constant_mass=equations.constant_mass(),
         constant_loads=equations.constant_loads(),
         affine=equations.affine(),
+        exact=equations.affine() and all(one.is_linear for one in laws),
         supplies=parts.supplied != 0,
     )
 

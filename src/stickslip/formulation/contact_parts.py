@@ -105,6 +105,7 @@ def derive_parts(
         if entry != 0 and (i >= n or j <= i)
     }
     slips = [_slip(mechanism, one, list(q)) for one in contacts]
+    _check_shares(mechanism, contacts, slips, held)
     return ContactParts(
         coordinates=tuple(q),
         held=held,
@@ -197,7 +198,31 @@ def _slip(mechanism: Mechanism, contact: Contact, coordinates: list[str]) -> tup
             f"{owner} slips along {' and '.join(moving)}; this version needs its slip to be a"
             " coordinate: use relative coordinates."
         )
-    return coordinates.index(moving[0]), table[moving[0]]
+    factor = table[moving[0]]
+    if factor == 0:
+        raise InputError(f"{owner} has the factor 0 for {moving[0]}: leave the contact out.")
+    return coordinates.index(moving[0]), factor
+
+
+def _check_shares(
+    mechanism: Mechanism,
+    contacts: Sequence[Contact],
+    slips: Sequence[tuple[int, se.Expr]],
+    held: Sequence[str],
+) -> None:
+    """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
+    if all(one.normal is None for one in contacts):
+        return
+    known: dict[int, tuple[str, list[se.Expr]]] = {}
+    for one, (index, factor) in zip(contacts, slips, strict=True):
+        arms = [se.expand(e / factor) for e in _along(_table(one.slip), held)]
+        other, expected = known.setdefault(index, (one.name, arms))
+        if arms != expected:
+            raise InputError(
+                f"{type(mechanism).__name__}: the contacts {other!r} and {one.name!r} slip along"
+                " one coordinate but act differently on the held ones, so that the loads depend on how"
+                " they share friction while they stick: let them slip at the same height."
+            )
 
 
 def _loads(
@@ -244,6 +269,11 @@ class LawParts:
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
 
+    @property
+    def is_linear(self) -> bool:
+        """Whether friction is affine in the speed, whatever its switches are."""
+        return all(case[6] == 1 for case in self.numbers.values())
+
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     """Trace a law: y0 is the slip speed, then come its parameters, its bristles and its load.
@@ -262,9 +292,16 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     Raises
     ------
+    InputError
+        If the law holds its contact by a rule of its own beside its bristles.
     TracingError
         If friction is not affine in the load.
     """
+    if isinstance(law, BristleLaw) and law.static_switch:
+        raise InputError(
+            f"{type(law).__name__}(static_switch=True) holds one contact; with several, use"
+            " static_switch=False."
+        )
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}

@@ -8,7 +8,6 @@ import symengine as se
 from stickslip.errors import InputError
 from stickslip.formulation.code_printer import Case, function
 from stickslip.formulation.contact_model import contact_model
-from stickslip.formulation.contact_parts import AnyForce
 from stickslip.formulation.hard_stops import impact_events, wall_guards
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import Mechanics, derive_mechanics
@@ -19,7 +18,7 @@ from stickslip.formulation.trace import Switch, Switchboard, Traced
 from stickslip.friction import FrictionLaw, Laws, bristles_of
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism, stops_of
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
@@ -72,29 +71,22 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
     return model
 
 
-MOST_COORDINATES = 3
-"""More coordinates than this are not eliminated symbolically: four take a minute."""
-
-
-def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> bool:
+def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     """Whether the equations are parts, as those of several contacts are."""
     contacts = mechanism.contacts()
-    combined = any(len(one.slips) > 1 or len(one.normals) > 1 for one in contacts)
-    scaled = any(isinstance(one.slip, Mapping) for one in contacts)
-    if isinstance(law, Laws) or len(contacts) > 1 or combined or scaled:
+    if isinstance(law, Laws) or len(contacts) > 1:
         return True
-    many = len(mechanism.coordinates) > MOST_COORDINATES
-    plain = not (stops_of(mechanism) or mechanism.guided() or slopes)
-    return many and plain and not bristles_of(law) and not mechanism.limits(AnyForce())
+    mapped = any(isinstance(way, Mapping) for one in contacts for way in (one.slip, one.normal))
+    return mapped or type(mechanism).loads is not Mechanism.loads
 
 
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
-    if _is_of_parts(mechanism, law, slopes):
+    if _is_of_parts(mechanism, law):
         if slopes:
             raise InputError(
-                f"{type(mechanism).__name__} has several contacts, for which this version has no"
-                " sensitivities: take differences of two runs."
+                f"{type(mechanism).__name__} has several contacts, a slip by factors or loads that"
+                " change; this version has no sensitivities for these: take differences of runs."
             )
         return contact_model(mechanism, law)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts

@@ -47,11 +47,10 @@ HOMES = {
 }
 
 INSIDE = {
-    "assigned": "by_contact",
-    "bristle_names": "by_contact",
-    "law_of": "by_contact",
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
+    "assigned": "by_contact",
+    "bristle_names": "by_contact",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -60,8 +60,10 @@ def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
     >>> [name for name, _ in laws.members]
     ['elbow']
     """
-    if isinstance(law, FrictionLaw | Laws):
+    if isinstance(law, FrictionLaw):
         return law
+    if isinstance(law, Laws):  # it names those that rub
+        law = dict.fromkeys(contacts) | dict(law.members)
     if not isinstance(law, Mapping):
         raise InputError(
             "law must be a FrictionLaw, or a mapping from the names of contacts to laws, got"

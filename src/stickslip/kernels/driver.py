@@ -17,7 +17,7 @@ from stickslip.kernels.mode_transitions import (
 )
 from stickslip.kernels.questions import BEGIN, CHANGE, FIRST_SIZES, SETTLE, ask, ask_here, ask_of
 from stickslip.kernels.state_layout import (
-    AFFINE,
+    ALWAYS_EXACT,
     BOOKS,
     CHANGED,
     CHANGES,
@@ -65,7 +65,7 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
         w[dense + i] = 0.0
     for i in range(n):
         w[dense + 1 + i] = w[y + i]
-    if whole[AFFINE]:
+    if whole[ALWAYS_EXACT]:
         w[dense] = 1.0  # a series, of which the first state is kept
     w[LENGTH] = end - w[TIME] if end > w[TIME] else 1.0
     record(log, end, w, whole)

@@ -231,6 +231,8 @@ class ContactSizes(Sizes):
     """Whether all loads are constant."""
     affine: bool
     """Whether the forces are affine in states and time, at any flags, and loads constant."""
+    exact: bool
+    """Whether all modes are, whatever the flags are: their rows keep one state only."""
     supplies: bool
     """Whether anything puts power in."""
 
@@ -306,7 +308,7 @@ class ContactSizes(Sizes):
             at.MOST_EVENTS: self.contacts + 4,
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
-            + (1 if self.affine else at.TERMS + 1) * self.states
+            + (1 if self.exact else at.TERMS + 1) * self.states
             + self.coordinates
             + 2 * self.contacts,
             at.N_CONTACTS: self.contacts,
@@ -320,6 +322,7 @@ class ContactSizes(Sizes):
             at.DIAGONAL: int(diagonal),
             at.CONSTANT_LOADS: int(self.constant_loads),
             at.AFFINE: int(self.affine),
+            at.ALWAYS_EXACT: int(self.exact),
             at.SUPPLIES: int(self.supplies),
         }
 

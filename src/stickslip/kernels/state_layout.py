@@ -21,6 +21,7 @@ __all__ = [
     "ACCELERATION",
     "ADDRESS",
     "AFFINE",
+    "ALWAYS_EXACT",
     "AMBIGUOUS",
     "ANSWER",
     "BEFORE",
@@ -366,7 +367,10 @@ KEPT = 110
 BOX = 111
 CHANGES = 112
 
-HEADER = 113
+ALWAYS_EXACT = 113
+"""Place in `whole` of whether all modes are exact, 1 or 0: rows of steps are short then."""
+
+HEADER = 114
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

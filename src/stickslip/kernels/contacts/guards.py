@@ -34,7 +34,7 @@ from stickslip.kernels.state_layout import (
     SLIPS,
 )
 
-__all__ = ["contact_guards", "first_contact_guard", "first_own_switch", "law_flags"]
+__all__ = ["LEAST_PIVOT", "contact_guards", "first_contact_guard", "first_own_switch", "law_flags"]
 
 ALWAYS = 1.0
 """Value of a guard that nothing watches."""

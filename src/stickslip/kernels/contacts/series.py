@@ -244,9 +244,9 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     sum_terms(whole[NEEDED_SERIES] + n, n, count, grown, n, w)
     best = NO_GUARD
     w[FRACTION] = 1.0
+    for guard in range(2 * n):
+        w[whole[ROOTS] + guard] = NEVER_FALLS
     for i in range(n):
-        w[whole[ROOTS] + 2 * i] = NEVER_FALLS
-        w[whole[ROOTS] + 2 * i + 1] = NEVER_FALLS
         mode = whole[whole[MODES] + i]
         if mode in (FORWARD, BACKWARD):
             speed = mode * w[whole[Y] + n + i]

@@ -4,6 +4,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import prepare, refresh
 from stickslip.kernels.contacts.decisions import decide
 from stickslip.kernels.contacts.guards import (
+    LEAST_PIVOT,
     contact_guards,
     first_contact_guard,
     first_own_switch,
@@ -40,9 +41,11 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_LIMITS,
     N_SWITCHES,
     NEEDED,
     OPEN,
+    PIVOT,
     REACHED,
     REACTS,
     RIGID,
@@ -135,7 +138,8 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
     for i in range(whole[N_COORDINATES]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
-    if not decide(w, whole):
+    solved = decide(w, whole)
+    if not solved or (whole[N_LIMITS] > 0 and w[PIVOT] < LEAST_PIVOT):
         whole[STATUS] = LIMITED
     if whole[LAW_SWITCHES] > 0:
         law_flags(w[TIME], w, whole, whole[Y])
@@ -151,7 +155,7 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
                 load = w[whole[LOAD] + c]
                 if load > 0.0:
                     whole[whole[OPEN] + c] = 0
-                elif load < 0.0:
+                else:
                     whole[whole[OPEN] + c] = 1
     follow_openings(w, whole)
 
@@ -219,8 +223,12 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
         write_event(guard, 0, 0, 0, 0.0, w, whole)
+        open_and_close(w, whole)  # loads may jump with the switch
     elif guard >= first_contact_guard(whole):
         lifted = switch_or_open(guard, w, whole)
+    else:
+        for _ in range(whole[N_SWITCHES]):
+            set_own_flags(w, whole)  # a rate that was set to 0 may be what a switch asks for
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
@@ -261,7 +269,9 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         write_event(guard, contact, 0, 0, 0.0, w, whole)
         return -1
     if whole[whole[REACTS] + contact]:
-        write_event(guard, contact, 0, 0, 0.0, w, whole)
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
+        now = mode_of(contact, mode, 0, w, whole)
+        write_event(guard, contact, now, now, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1
