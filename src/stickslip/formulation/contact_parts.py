@@ -220,8 +220,8 @@ def _check_shares(
         if arms != expected:
             raise InputError(
                 f"{type(mechanism).__name__}: the contacts {other!r} and {one.name!r} slip along"
-                " one coordinate but act differently on the held ones, so that the loads depend on how"
-                " they share friction while they stick: let them slip at the same height."
+                " one coordinate but act differently on the held ones, so that the loads depend on"
+                " how they share friction while they stick: let them slip at the same height."
             )
 
 
