@@ -22,14 +22,10 @@ def dop853_stage(s: int, t: float, h: float, w: Vector, whole: Wholes, at: int) 
     n = whole[N_STATES]
     row = s * (s - 1) // 2
     for i in range(n):
-        w[at + i] = 0.0
-    for j in range(s):
-        factor = A[row + j]
-        if factor != 0.0:
-            for i in range(n):
-                w[at + i] += factor * w[stages + j * n + i]
-    for i in range(n):
-        w[at + i] = w[y + i] + h * w[at + i]
+        total = 0.0
+        for j in range(s):
+            total += A[row + j] * w[stages + j * n + i]
+        w[at + i] = w[y + i] + h * total
     field(t + C[s] * h, w, whole, at, stages + s * n)
 
 
