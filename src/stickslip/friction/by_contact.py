@@ -8,7 +8,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.base import FrictionLaw, bristles_of
 from stickslip.quantities import Group
 
-__all__ = ["Friction", "Laws", "assigned", "bristle_names", "law_of"]
+__all__ = ["Friction", "Laws", "assigned", "bristle_names"]
 
 
 @final

@@ -52,10 +52,10 @@ class Runner:
         """Return a vector of zeros."""
         return np.zeros(size) if self.compiled else [0.0] * size
 
-    def whole(self, *, books: bool = True) -> Any:
-        """Return the whole numbers of a run that begins, which books its work or does not."""
+    def whole(self) -> Any:
+        """Return the whole numbers of a run that begins, which books its work."""
         whole = list(self.header)
-        whole[BOOKS] = int(books)
+        whole[BOOKS] = 1
         return np.array(whole, dtype=np.int64) if self.compiled else whole
 
     def working(self, numbers: Sequence[float]) -> Any:
