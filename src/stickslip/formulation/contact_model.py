@@ -52,7 +52,7 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
     return _Own(names, laws, shared, distinct, kinds, structures)
 
 
-def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
+def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
     """Trace a mechanism with several contacts and their laws.
 
     Parameters
@@ -61,6 +61,8 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
         What moves.
     law : FrictionLaw or Laws
         The law that all contacts share, or the law of each.
+    slopes : bool, default False
+        Whether to derive the parts with respect to parameters, too.
 
     Returns
     -------
@@ -87,7 +89,16 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
     equations = _Equations(symbols, parts, board)
-    sizes = _sizes(mechanism, own, equations, laws, board, len(paths), bristles)
+    quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
+    along: list[se.Symbol | None] = []
+    if slopes or any(bristles):  # what is stiff is integrated with the Jacobian
+        along = [*symbols.states, symbols.t]
+    if slopes:
+        drives = [se.Symbol(f"p{i}") for i in range(3 * len(symbols.drives))]
+        own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
+        along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
+    columns = equations.part_slopes(along)
+    sizes = _sizes(mechanism, own, equations, laws, board, len(paths), bristles, columns)
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
     for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
@@ -98,7 +109,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
     return Model(
         title=f"{type(mechanism).__name__} with {_titles(own)}",
         sizes=sizes,
-        text=_text(equations, laws, board),
+        text=_text(equations, laws, columns),
         states=(
             *mechanism.coordinates,
             *mechanism.rates,
@@ -107,7 +118,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws) -> Model:
         parameter_paths=(*paths, *law_paths),
         places=tuple(places),
         drives=tuple(symbols.drives),
-        has_slopes=False,
+        has_slopes=slopes,
         switch_events=tuple(events),
         impact_events=(),
         limits=(PAINLEVE,) * sizes.limits,
@@ -152,6 +163,37 @@ class _Equations:
             and (slope := collapsed(self.forces[i].diff(symbols.t))) != 0
         }
         self.moving = {str(s) for s in states} | {"t"}
+        self.margins = [closed(switch.margin) for switch in board.switches.values()]
+        self.geometry = [
+            *parts.factors,
+            *[e for row in parts.held_slips for e in row],
+            *[e for row in parts.held_normals for e in row],
+        ]
+
+    def part_slopes(self, along: Sequence[se.Symbol | None]) -> list[dict[int, se.Expr]]:
+        """Return the derivatives of all parts, by row, along each variable; None is in no part.
+
+        Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
+        and of held ones; then come loads, how contacts slip, and margins of switches.
+        """
+        first = len(self.symbols.states)
+        rows = [-e for e in self.forces]
+        for (i, j), entry in self.parts.mass.items():
+            rows[i] += entry * se.Symbol(f"y{first + j}")
+            if j < i < len(self.parts.coordinates):
+                rows[j] += entry * se.Symbol(f"y{first + i}")
+        rows += [*self.loads, *self.geometry, *self.margins]
+        names = [_names(e) for e in rows]
+        return [
+            {
+                i: slope
+                for i, e in enumerate(rows)
+                if str(x) in names[i] and (slope := collapsed(e.diff(x))) != 0
+            }
+            if x is not None
+            else {}
+            for x in along
+        ]
 
     def varies(self, e: se.Expr) -> bool:
         """Whether an expression changes in a run."""
@@ -206,6 +248,7 @@ def _sizes(
     board: Switchboard,
     parameter_count: int,
     bristles: Sequence[int],
+    columns: Sequence[Mapping[int, se.Expr]],
 ) -> ContactSizes:
     parts = equations.parts
     return ContactSizes(
@@ -232,31 +275,36 @@ def _sizes(
         affine=equations.affine(),
         exact=equations.affine() and all(one.is_linear for one in laws),
         supplies=parts.supplied != 0,
+        part_slopes=tuple(tuple(column) for column in columns),
     )
 
 
-def _text(equations: _Equations, laws: Sequence[LawParts], board: Switchboard) -> str:
+def _text(
+    equations: _Equations,
+    laws: Sequence[LawParts],
+    columns: Sequence[Mapping[int, se.Expr]],
+) -> str:
     """Write the module's own part: what the kernels find under these names."""
-    parts, closed = equations.parts, equations.symbols.closed
-    geometry = [
-        *parts.factors,
-        *[e for row in parts.held_slips for e in row],
-        *[e for row in parts.held_normals for e in row],
-    ]
+    parts = equations.parts
     same: Mapping[str, Sequence[se.Expr]] = {
         "forces": equations.forces,
         "masses": list(parts.mass.values()),
         "loads": equations.loads,
-        "geometry": geometry,
+        "geometry": equations.geometry,
         "force_slopes": [*equations.slopes.values(), *equations.time_slopes.values()],
         "energy": [parts.energy],
         "power": [equations.supplied],
-        "margins": [closed(switch.margin) for switch in board.switches.values()],
+        "margins": equations.margins,
         "rest": equations.given_forces,
     }
+    if columns:
+        same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
     texts = [function(name, {None: list(case)}) for name, case in same.items()]
     for kind, one in enumerate(laws):
         texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
-        margins = {side: list(case) for side, case in one.margins.items()}
-        texts.append(function(f"law_margins_{kind}", margins))
+        texts.append(function(f"law_margins_{kind}", {None: one.margins}))
+        if columns:
+            sides = {side: list(case) for side, case in one.slopes.items()}
+            texts.append(function(f"law_slopes_{kind}", sides))
+            texts.append(function(f"law_margin_slopes_{kind}", {None: one.margin_slopes}))
     return "\n\n".join(texts)

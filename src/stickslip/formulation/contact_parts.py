@@ -15,6 +15,7 @@ from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.mechanics import lagrange_rows
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.kernels.header import LAW_NUMBERS
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 from stickslip.quantities import parameters, shadow
 
@@ -264,8 +265,13 @@ class LawParts:
 
     numbers: Mapping[int, Sequence[se.Expr]]
     """As `kernels.contacts.assembly.ask_law` writes them."""
-    margins: Mapping[int, Sequence[se.Expr]]
+    slopes: Mapping[int, Sequence[se.Expr]]
+    """Derivatives of constant and factor of friction and level, and of the rates of bristles, with
+    respect to speed, parameters, bristles and load: a row each."""
+    margins: Sequence[se.Expr]
     """Margins of its switches."""
+    margin_slopes: Sequence[se.Expr]
+    """Their derivatives with respect to the same."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
 
@@ -277,6 +283,8 @@ class LawParts:
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     """Trace a law: y0 is the slip speed, then come its parameters, its bristles and its load.
+
+    These are the variables along which slopes are taken, in this order.
 
     Parameters
     ----------
@@ -309,7 +317,8 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     speed, load = se.Symbol("y0"), se.Symbol("N")
     states = tuple(se.Symbol(f"y{len(paths) + 1 + k}") for k in range(bristles))
     own_load = se.Symbol(f"y{len(paths) + 1 + bristles}")
-    numbers = {}
+    variables = [speed, *(se.Symbol(f"y{place[path]}") for path in paths), *states, own_load]
+    numbers, slopes = {}, {}
     for side in (1, -1):
         one = towards(twin, side)
         rates: list[se.Expr] = []
@@ -351,9 +360,13 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
             linear,
             *[rate.subs({load: own_load}) for rate in rates],
         ]
+        case = [*numbers[side][:4], *numbers[side][LAW_NUMBERS:]]
+        slopes[side] = [e.diff(x) for e in case for x in variables]
     margins = [switch.margin for switch in board.switches.values()]
     return LawParts(
         numbers=numbers,
-        margins=dict.fromkeys((1, -1), margins),
+        slopes=slopes,
+        margins=margins,
+        margin_slopes=[e.diff(x) for e in margins for x in variables],
         switch_events=tuple(switch.events for switch in board.switches.values()),
     )

@@ -5,7 +5,6 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
-from stickslip.errors import InputError
 from stickslip.formulation.code_printer import Case, function
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
@@ -83,12 +82,7 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
     if _is_of_parts(mechanism, law):
-        if slopes:
-            raise InputError(
-                f"{type(mechanism).__name__} has several contacts, a slip by factors or loads that"
-                " change; this version has no sensitivities for these: take differences of runs."
-            )
-        return contact_model(mechanism, law)
+        return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)

@@ -25,10 +25,13 @@ __all__ = [
     "JACOBIAN",
     "LAW",
     "LAW_MARGINS",
+    "LAW_MARGIN_SLOPES",
+    "LAW_SLOPES_OF",
     "LINEAR",
     "LOADS",
     "MARGINS",
     "MASSES",
+    "PART_SLOPES_OF",
     "POWER",
     "REST",
     "TIME_SLOPE",
@@ -55,6 +58,7 @@ MASSES = 15
 LOADS = 16
 GEOMETRY = 17
 FORCE_SLOPES = 18
+PART_SLOPES_OF = 19
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -75,12 +79,17 @@ CALLED: tuple[str, ...] = (
     "loads",
     "geometry",
     "force_slopes",
+    "part_slopes",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000
 """Law k of a model with several contacts has this number and k."""
 LAW_MARGINS = 1_000_000
 """The margins of its switches have this number and k."""
+LAW_SLOPES_OF = 2_000_000
+"""Its slopes have this number and k."""
+LAW_MARGIN_SLOPES = 3_000_000
+"""The slopes of the margins have this number and k."""
 
 
 def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to: int) -> None:

@@ -4,6 +4,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import accumulate
 
 from typing_extensions import override
 
@@ -235,6 +236,9 @@ class ContactSizes(Sizes):
     """Whether all modes are, whatever the flags are: their rows keep one state only."""
     supplies: bool
     """Whether anything puts power in."""
+    part_slopes: tuple[tuple[int, ...], ...]
+    """Rows of the parts that change with each variable: states, time, then, if there are slopes
+    with respect to them, numbers of drives and parameters."""
 
     @property
     def contacts(self) -> int:
@@ -272,11 +276,30 @@ class ContactSizes(Sizes):
             "loads": self.contacts,
             "geometry": self.contacts * (1 + 2 * self.held),
             "force_slopes": len(self.slopes) + len(self.time_slopes),
+            "part_slopes": sum(map(len, self.part_slopes)),
         }
         for kind in set(self.kinds):
             own[f"law_{kind}"] = LAW_NUMBERS + self._most_bristles
             own[f"law_margins_{kind}"] = self.law_switches
+            own[f"law_slopes_{kind}"] = self._law_slopes
+            own[f"law_margin_slopes_{kind}"] = self.law_switches * self._most_variables
         return own
+
+    @property
+    def _most_variables(self) -> int:
+        """Speed, parameters, bristles and load of a law."""
+        return 2 + max(self.numbers, default=0) + self._most_bristles
+
+    @property
+    def _law_slopes(self) -> int:
+        """Slopes of a law in one direction."""
+        return (4 + self._most_bristles) * self._most_variables
+
+    @property
+    def _part_rows(self) -> int:
+        """Rows of the parts that have slopes."""
+        rows = self.coordinates + self.held + self.contacts * (2 + 2 * self.held)
+        return rows + self.switches
 
     def law_places(self) -> tuple[int, ...]:
         """Return the place in the vector of a run of the numbers of each law."""
@@ -324,6 +347,8 @@ class ContactSizes(Sizes):
             at.AFFINE: int(self.affine),
             at.ALWAYS_EXACT: int(self.exact),
             at.SUPPLIES: int(self.supplies),
+            at.N_VARIABLES: len(self.part_slopes),
+            at.LAW_SLOPE_ROOM: self._law_slopes,
         }
 
     @override
@@ -365,6 +390,23 @@ class ContactSizes(Sizes):
             at.WORKS: c,
             at.BOX: 2 * self.drives,
             at.CHANGES: (c + 4) * at.EVENT_COLUMNS,
+            **(self._slope_rooms() if self.part_slopes else {}),
+        }
+
+    def _slope_rooms(self) -> dict[int, int]:
+        n, c = self.coordinates, self.contacts
+        return {
+            at.SLOPE_POINT: self.states + n,
+            at.PART_SLOPES: sum(map(len, self.part_slopes)),
+            at.LAW_SLOPES: 2 * c * self._law_slopes,
+            at.PART_COLUMN: self._part_rows,
+            at.ACCELERATION_SLOPES: n,
+            at.NEEDED_SLOPES: n,
+            at.LOAD_SLOPES: c,
+            at.FRICTION_SLOPES: c,
+            at.LEVEL_SLOPES: 2 * n,
+            at.BRISTLE_SLOPES: self.bristles,
+            at.MARGIN_SLOPES: self.law_switches * self._most_variables,
         }
 
     @override
@@ -400,3 +442,16 @@ class ContactSizes(Sizes):
         yield at.BEFORE, (0,) * n
         yield at.KEPT, (0,) * n
         yield at.CLOSED, (0,) * c
+        ends = accumulate(map(len, self.part_slopes), initial=0)
+        yield at.PART_STARTS, tuple(ends)
+        yield at.PART_ROWS, tuple(row for rows in self.part_slopes for row in rows)
+        yield at.VARIABLE_PLACES, self._law_variables()
+
+    def _law_variables(self) -> tuple[int, ...]:
+        """Return the place of each variable that is a law's parameter, 0 for all others."""
+        before = self.states + 1 + 3 * self.drives + self.parameters
+        if len(self.part_slopes) <= before:
+            return (0,) * len(self.part_slopes)
+        own = zip(self.law_places(), self.numbers, strict=True)
+        places = tuple(row + 1 + i for row, number in own for i in range(number))
+        return (*(0,) * before, *places)

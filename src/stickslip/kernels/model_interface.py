@@ -17,10 +17,15 @@ from stickslip.kernels.equations import (
 )
 from stickslip.kernels.questions import (
     COLUMNS,
+    GUARD_QUANTITIES,
+    GUARD_STATES,
     GUARDS_OF,
     IS_LINEAR,
     POWERS,
+    QUANTITY_SLOPES,
     RATES,
+    STATE_SLOPES,
+    TIME_SLOPES,
     ask_here,
     ask_of,
 )
@@ -70,7 +75,7 @@ def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to the states, row by row.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -85,14 +90,17 @@ def jacobian(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_STATES N_STATES,).
     """
-    evaluate(JACOBIAN, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        ask_of(STATE_SLOPES, t, w, whole, at, to)
+    else:
+        evaluate(JACOBIAN, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to time.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -107,7 +115,10 @@ def time_slope(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_STATES,).
     """
-    evaluate(TIME_SLOPE, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        ask_of(TIME_SLOPES, t, w, whole, at, to)
+    else:
+        evaluate(TIME_SLOPE, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -139,7 +150,7 @@ def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to the states and then to time.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -154,7 +165,10 @@ def guard_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_GUARDS (N_STATES + 1),), row by row.
     """
-    evaluate(GUARD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        ask_of(GUARD_STATES, t, w, whole, at, to)
+    else:
+        evaluate(GUARD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def linear(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -263,7 +277,7 @@ def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of the field with respect to all quantities: drives' numbers, parameters.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -278,14 +292,17 @@ def field_slopes(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     to : int
         Place of the result (N_STATES quantities,), row by row.
     """
-    evaluate(FIELD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        ask_of(QUANTITY_SLOPES, t, w, whole, at, to)
+    else:
+        evaluate(FIELD_SLOPES, whole[MODE], whole[FLAGS], t, w, at, to)
 
 
 def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Derivatives of each guard with respect to all quantities.
 
     Reads: `at`, MODE, FLAGS.
-    Writes: `to`.
+    Writes: `to`, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -300,4 +317,7 @@ def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> No
     to : int
         Place of the result (N_GUARDS quantities,), row by row.
     """
-    evaluate(GUARD_PARAMETERS, whole[MODE], whole[FLAGS], t, w, at, to)
+    if whole[N_CONTACTS] > 0:
+        ask_of(GUARD_QUANTITIES, t, w, whole, at, to)
+    else:
+        evaluate(GUARD_PARAMETERS, whole[MODE], whole[FLAGS], t, w, at, to)

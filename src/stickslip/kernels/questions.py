@@ -22,6 +22,11 @@ SERIES_STEP = 13
 CROSSING = 14
 RESTORE = 15
 PREPARE = 16
+STATE_SLOPES = 17
+TIME_SLOPES = 18
+QUANTITY_SLOPES = 19
+GUARD_STATES = 20
+GUARD_QUANTITIES = 21
 
 
 def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

@@ -3,6 +3,7 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.enums import HELD_FAST
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import field, jacobian, time_slope
@@ -19,6 +20,8 @@ from stickslip.kernels.state_layout import (
     DRIFT,
     MATRIX,
     MODE,
+    MODES,
+    N_CONTACTS,
     N_COORDINATES,
     N_STATES,
     PIVOTS,
@@ -79,8 +82,6 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     y1 = whole[Y1]
     matrix = whole[MATRIX]
     pivots = whole[PIVOTS]
-    slip = whole[SLIP]
-    coordinates = whole[N_COORDINATES]
     n = whole[N_STATES]
     if not rodas_matrix(t, h, w, whole):
         return math.inf
@@ -102,12 +103,27 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
                 total += C_RODAS[row + j] * w[stages + j * n + i]
             w[stage + i] += total / h + h * SLOPES_RODAS[s] * w[drift + i]
         lu_solve(w, matrix, n, pivots, stage)
-        if whole[MODE] == 0:  # a held body stays where it is, whatever pivots round to
-            w[stage + slip - coordinates] = 0.0
-            w[stage + slip] = 0.0
+        hold_still(stage, w, whole)
     for i in range(n):
         w[y1 + i] += w[stages + 7 * n + i]
     return rodas_error(h, w, whole, rtol)
+
+
+def hold_still(stage: int, w: Vector, whole: Wholes) -> None:
+    """Keep what is held where it is, whatever pivots round to.
+
+    Reads: MODE.
+    Writes: `stage`.
+    """
+    n = whole[N_COORDINATES]
+    for i in range(n):
+        if whole[N_CONTACTS] > 0:
+            held = whole[whole[MODES] + i] == HELD_FAST
+        else:
+            held = whole[MODE] == 0 and whole[SLIP] == n + i
+        if held:
+            w[stage + i] = 0.0
+            w[stage + n + i] = 0.0
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:

@@ -19,6 +19,7 @@ from stickslip.kernels.backend import Vector, vector
 
 __all__ = [
     "ACCELERATION",
+    "ACCELERATION_SLOPES",
     "ADDRESS",
     "AFFINE",
     "ALWAYS_EXACT",
@@ -31,6 +32,7 @@ __all__ = [
     "BRISTLES",
     "BRISTLE_COUNTS",
     "BRISTLE_RATES",
+    "BRISTLE_SLOPES",
     "CANDIDATES",
     "CAN_LIFT",
     "CAN_STICK",
@@ -62,6 +64,7 @@ __all__ = [
     "FRICTIONLESS",
     "FRICTION_CONSTANT",
     "FRICTION_FACTOR",
+    "FRICTION_SLOPES",
     "GIVEN",
     "GROSS",
     "HAS_BRISTLES",
@@ -74,16 +77,21 @@ __all__ = [
     "LAW_BRISTLES",
     "LAW_FLAGS",
     "LAW_ROWS",
+    "LAW_SLOPES",
+    "LAW_SLOPE_ROOM",
     "LAW_SWITCHES",
     "LAW_VALUES",
     "LENGTH",
     "LEVELS",
     "LEVEL_CONSTANT",
     "LEVEL_FACTOR",
+    "LEVEL_SLOPES",
     "LIVELIEST",
     "LOAD",
+    "LOAD_SLOPES",
     "LOST",
     "LOWEST",
+    "MARGIN_SLOPES",
     "MASS",
     "MASS_COLUMNS",
     "MASS_ROWS",
@@ -93,6 +101,7 @@ __all__ = [
     "MOST_EVENTS",
     "NEEDED",
     "NEEDED_SERIES",
+    "NEEDED_SLOPES",
     "NUMBERS",
     "N_COLUMNS",
     "N_CONTACTS",
@@ -107,8 +116,13 @@ __all__ = [
     "N_STATES",
     "N_SWITCHES",
     "N_TIME_SLOPES",
+    "N_VARIABLES",
     "N_WALLS",
     "OPEN",
+    "PART_COLUMN",
+    "PART_ROWS",
+    "PART_SLOPES",
+    "PART_STARTS",
     "PIECE",
     "PIVOT",
     "PIVOTINGS",
@@ -139,6 +153,7 @@ __all__ = [
     "SLIP_FACTORS",
     "SLOPES",
     "SLOPE_COLUMNS",
+    "SLOPE_POINT",
     "SLOPE_ROWS",
     "SLOPE_VALUES",
     "SLOW",
@@ -156,6 +171,7 @@ __all__ = [
     "TIME",
     "TIME_ROWS",
     "VALUES",
+    "VARIABLE_PLACES",
     "VIOLATION",
     "WALLS",
     "WALL_COLUMNS",
@@ -370,7 +386,31 @@ CHANGES = 112
 ALWAYS_EXACT = 113
 """Place in `whole` of whether all modes are exact, 1 or 0: rows of steps are short then."""
 
-HEADER = 114
+# Slopes of the parts: number of variables along which they are taken, room of a law's slopes in one
+# direction; where the slopes along each variable begin, their rows, the place of each variable that
+# is a law's parameter.
+N_VARIABLES = 114
+LAW_SLOPE_ROOM = 115
+PART_STARTS = 116
+PART_ROWS = 117
+VARIABLE_PLACES = 118
+
+# Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's law
+# forward and backward; along one variable, slopes of the parts, of accelerations, needed friction,
+# loads, friction, levels, rates of bristles; slopes of the margins of a law.
+SLOPE_POINT = 119
+PART_SLOPES = 120
+LAW_SLOPES = 121
+PART_COLUMN = 122
+ACCELERATION_SLOPES = 123
+NEEDED_SLOPES = 124
+LOAD_SLOPES = 125
+FRICTION_SLOPES = 126
+LEVEL_SLOPES = 127
+BRISTLE_SLOPES = 128
+MARGIN_SLOPES = 129
+
+HEADER = 130
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -66,7 +66,8 @@ def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
         whole[STEPPER] = STIFF
     else:
         linear(w[TIME], w, whole, whole[Y], values)
-        whole[STEPPER] = EXACT if w[values] > 0.0 else SMOOTH
+        others = STIFF if whole[N_CONTACTS] > 0 and whole[HAS_BRISTLES] else SMOOTH
+        whole[STEPPER] = EXACT if w[values] > 0.0 else others
     if whole[STEPPER] != EXACT:
         if whole[N_CONTACTS] == 0:
             probe_sizes(stop, w, whole)

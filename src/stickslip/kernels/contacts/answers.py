@@ -18,6 +18,7 @@ from stickslip.kernels.contacts.series import (
     contact_series_step,
     first_contact_crossing,
 )
+from stickslip.kernels.contacts.slopes import guard_slopes_along, rate_slopes_along
 from stickslip.kernels.contacts.transitions import begin_contacts, change_contacts, settle_contacts
 from stickslip.kernels.questions import (
     BEGIN,
@@ -26,19 +27,24 @@ from stickslip.kernels.questions import (
     COLUMNS,
     CROSSING,
     FIRST_SIZES,
+    GUARD_QUANTITIES,
+    GUARD_STATES,
     GUARDS_OF,
     IS_LINEAR,
     MOTION,
     POWERS,
     PREPARE,
+    QUANTITY_SLOPES,
     RATES,
     RESTORE,
     SERIES_FROM,
     SERIES_STEP,
     SETTLE,
+    STATE_SLOPES,
     STAYS,
+    TIME_SLOPES,
 )
-from stickslip.kernels.state_layout import ANSWER
+from stickslip.kernels.state_layout import ANSWER, N_STATES, N_VARIABLES
 
 __all__ = ["answer"]
 
@@ -69,8 +75,26 @@ def answer(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> N
         contact_columns(t, w, whole, at, to)
     elif name == POWERS:
         contact_power(t, w, whole, at, to)
-    else:
+    elif name < STATE_SLOPES:
         answer_of_run(name, t, w, whole, at, to)
+    else:
+        answer_of_slopes(name, t, w, whole, at, to)
+
+
+def answer_of_slopes(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write slopes along states, time, or all quantities."""
+    states = whole[N_STATES]
+    quantities = whole[N_VARIABLES] - states - 1
+    if name == STATE_SLOPES:
+        rate_slopes_along(0, states, t, w, whole, at, to)
+    elif name == TIME_SLOPES:
+        rate_slopes_along(states, 1, t, w, whole, at, to)
+    elif name == QUANTITY_SLOPES:
+        rate_slopes_along(states + 1, quantities, t, w, whole, at, to)
+    elif name == GUARD_STATES:
+        guard_slopes_along(0, states + 1, t, w, whole, at, to)
+    elif name == GUARD_QUANTITIES:
+        guard_slopes_along(states + 1, quantities, t, w, whole, at, to)
 
 
 def answer_of_run(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

@@ -29,6 +29,7 @@ from stickslip.kernels.state_layout import (
     FRICTION_CONSTANT,
     FRICTION_FACTOR,
     FRICTIONLESS,
+    HAS_BRISTLES,
     HELD_NORMALS,
     HELD_SLIPS,
     KINDS,
@@ -59,7 +60,18 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["accelerate", "ask_law", "assemble", "prepare", "refactor", "refresh", "side_of"]
+__all__ = [
+    "accelerate",
+    "add_normals",
+    "ask_law",
+    "assemble",
+    "determinant",
+    "prepare",
+    "refactor",
+    "refresh",
+    "set_row",
+    "side_of",
+]
 
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
@@ -146,6 +158,32 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
     at : int
         Place in `w` of the state.
     """
+    row = set_row(contact, side, w, whole, at)
+    kind = whole[whole[KINDS] + contact]
+    evaluate(LAW + kind, side, whole[whole[LAW_FLAGS] + contact], t, w, row, whole[LAW_VALUES])
+
+
+def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
+    """Write what the functions of a contact's law read; return the place in `w` where it stands.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    side : int
+        Direction of slip, 1 or -1.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+
+    Returns
+    -------
+    int
+        Place of slip speed, parameters, bristles and load.
+    """
     coordinate = whole[whole[SLIPS] + contact]
     row = whole[whole[LAW_ROWS] + contact]
     if whole[whole[MODES] + coordinate] == HELD_FAST:
@@ -159,8 +197,20 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
         for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
         w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]
-    kind = whole[whole[KINDS] + contact]
-    evaluate(LAW + kind, side, whole[whole[LAW_FLAGS] + contact], t, w, row, whole[LAW_VALUES])
+    return row
+
+
+def bend(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the rates of all bristles, with loads that are reactions; open contacts keep theirs."""
+    for c in range(whole[N_CONTACTS]):
+        bristle = whole[whole[BRISTLES] + c]
+        if bristle >= 0:
+            closed = not whole[whole[OPEN] + c]
+            if closed:
+                ask_law(c, side_of(c, w, whole, at), t, w, whole, at)
+            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+                rate = w[whole[LAW_VALUES] + 7 + k] if closed else 0.0
+                w[whole[BRISTLE_RATES] + bristle + k] = rate
 
 
 def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -188,8 +238,6 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if bristle >= 0:
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
-            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
-                w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
             continue
         if mode in (FORWARD, BACKWARD):
             w[constant + c] = side * w[values]
@@ -435,5 +483,7 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     ask_laws(t, w, whole, at)
     if whole[N_REACTIONS] > 0:
         react(w, whole)
+    if whole[HAS_BRISTLES]:
+        bend(t, w, whole, at)
     accelerate(w, whole)
     share(w, whole)

@@ -19,7 +19,13 @@ from typing import Any
 
 from stickslip import kernels
 from stickslip.formulation import Model
-from stickslip.kernels.equations import CALLED, LAW, LAW_MARGINS
+from stickslip.kernels.equations import (
+    CALLED,
+    LAW,
+    LAW_MARGIN_SLOPES,
+    LAW_MARGINS,
+    LAW_SLOPES_OF,
+)
 
 __all__ = ["contacts_text", "equations_text", "kernels_text", "numbered", "plain_text"]
 
@@ -27,9 +33,13 @@ FIRST = ("state_layout", "enums")
 """Modules of the kernels whose constants others build on."""
 PYTHON = ("backend", "entries", "header")
 """Modules that differ between the tiers, or that only Python runs."""
-LAW_FUNCTION = re.compile(r"law_(\d+)")
-MARGINS_FUNCTION = re.compile(r"law_margins_(\d+)")
-"""Names of the functions of laws, one for each structure."""
+LAW_FUNCTIONS = {
+    re.compile(r"law_(\d+)"): LAW,
+    re.compile(r"law_margins_(\d+)"): LAW_MARGINS,
+    re.compile(r"law_slopes_(\d+)"): LAW_SLOPES_OF,
+    re.compile(r"law_margin_slopes_(\d+)"): LAW_MARGIN_SLOPES,
+}
+"""Names of the functions of laws, one for each structure, and the number of the first."""
 KEPT = "run"
 """The one kernel with a file of its own, beside the entries: those of ensembles build on it."""
 DEFINITION = re.compile(r"^def (\w+)", re.MULTILINE)
@@ -187,7 +197,7 @@ def _compiled_kernels() -> str:
 def numbered(model: Model) -> dict[str, int]:
     """Return the numbers by which kernels call the functions of a model's equations."""
     found = {name: i for i, name in enumerate(CALLED)}
-    for start, numbers in ((LAW, LAW_FUNCTION), (LAW_MARGINS, MARGINS_FUNCTION)):
+    for numbers, start in LAW_FUNCTIONS.items():
         found |= {
             match[0]: start + int(match[1])
             for name in model.sizes.lengths()

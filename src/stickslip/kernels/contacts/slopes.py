@@ -1,0 +1,430 @@
+"""Derivatives of what holds at a state with several contacts, along one variable at a time.
+
+Variables are the states, time and, where the equations have them, the numbers of the drives and the
+parameters. The residual M a - h + W F of the equations of motion vanishes whatever they are, and so
+does its derivative: accelerations change by the solution of a system with the same mass matrix.
+Loads that are reactions change with them, as in `assembly.react`.
+"""
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.assembly import (
+    add_normals,
+    assemble,
+    determinant,
+    set_row,
+    side_of,
+)
+from stickslip.kernels.contacts.factors import solve_free
+from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.equations import (
+    LAW_MARGIN_SLOPES,
+    LAW_SLOPES_OF,
+    PART_SLOPES_OF,
+    evaluate,
+)
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    ACCELERATION_SLOPES,
+    BRISTLE_COUNTS,
+    BRISTLE_SLOPES,
+    BRISTLES,
+    CONSTANT_LOADS,
+    DIAGONAL,
+    DIRECTIONAL,
+    FLAGS,
+    FRICTION_CONSTANT,
+    FRICTION_FACTOR,
+    FRICTION_SLOPES,
+    HELD_NORMALS,
+    HELD_SLIPS,
+    KINDS,
+    LAW_BRISTLES,
+    LAW_FLAGS,
+    LAW_ROWS,
+    LAW_SLOPE_ROOM,
+    LAW_SLOPES,
+    LAW_SWITCHES,
+    LEVEL_CONSTANT,
+    LEVEL_FACTOR,
+    LEVEL_SLOPES,
+    LOAD,
+    LOAD_SLOPES,
+    MARGIN_SLOPES,
+    MASS,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_GUARDS,
+    N_HELD,
+    N_REACTIONS,
+    N_STATES,
+    N_SWITCHES,
+    NEEDED,
+    NEEDED_SLOPES,
+    OPEN,
+    PART_COLUMN,
+    PART_ROWS,
+    PART_SLOPES,
+    PART_STARTS,
+    REACTION_ROWS,
+    REACTS,
+    SLIP_FACTORS,
+    SLIPS,
+    SLOPE_POINT,
+    VARIABLE_PLACES,
+)
+
+__all__ = ["guard_slopes_along", "rate_slopes_along"]
+
+
+def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write what the slopes along all variables are made of."""
+    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[SLOPE_POINT]
+    assemble(t, w, whole, at)
+    for i in range(states):
+        w[point + i] = w[at + i]
+    for i in range(n):
+        w[point + states + i] = w[whole[ACCELERATION] + i]
+    evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, point, whole[PART_SLOPES])
+    for c in range(whole[N_CONTACTS]):
+        if not whole[whole[OPEN] + c]:
+            ask_slopes(c, t, w, whole, at)
+
+
+def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the slopes of a contact's law, of its level in both directions where they differ."""
+    kind, flags = whole[whole[KINDS] + contact], whole[whole[LAW_FLAGS] + contact]
+    room = whole[LAW_SLOPE_ROOM]
+    place = whole[LAW_SLOPES] + 2 * contact * room
+    side = side_of(contact, w, whole, at)
+    row = set_row(contact, side, w, whole, at)
+    evaluate(LAW_SLOPES_OF + kind, side, flags, t, w, row, place)
+    if whole[whole[DIRECTIONAL] + contact]:
+        evaluate(LAW_SLOPES_OF + kind, -side, flags, t, w, row, place + room)
+    else:
+        for k in range(room):
+            w[place + room + k] = w[place + k]
+
+
+def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of a number of a contact's law along a variable, at a given load.
+
+    `which` is 0 and 1 for constant and factor of friction, 2 and 3 for those of the level, and from
+    4 on the rates of its bristles; `back` is 1 for the direction against which it slips.
+    """
+    n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
+    i = whole[whole[SLIPS] + contact]
+    wide = whole[whole[LAW_BRISTLES] + contact] + whole[whole[BRISTLE_COUNTS] + contact] + 1
+    row = whole[LAW_SLOPES] + (2 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
+    own = w[row + wide - 1] if which >= 4 else 0.0
+    total = own * w[whole[LOAD_SLOPES] + contact]
+    if bristle >= 0:
+        first = 2 * n + bristle
+        if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
+            total += w[row + whole[whole[LAW_BRISTLES] + contact] + k - first]
+    place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
+    if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
+        total += w[row + place]
+    if whole[whole[MODES] + i] != HELD_FAST:
+        total += w[row] * speed_slope(contact, k, w, whole)
+    return total
+
+
+def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of a contact's slip speed along a variable."""
+    n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
+    rate = w[whole[SLOPE_POINT] + n + i]
+    slope = factor_slope(contact, w, whole) * rate
+    if k == n + i:
+        slope += w[whole[SLIP_FACTORS] + contact]
+    return side_of(contact, w, whole, whole[SLOPE_POINT]) * slope
+
+
+def factor_slope(contact: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of a contact's slip factor along the variable at hand."""
+    first = whole[N_COORDINATES] + whole[N_HELD] + whole[N_CONTACTS]
+    return w[whole[PART_COLUMN] + first + contact]
+
+
+def is_rigid(contact: int, whole: Wholes) -> bool:
+    """Whether a contact is held by a set-valued law: its friction is what is needed."""
+    held = whole[whole[MODES] + whole[whole[SLIPS] + contact]] == HELD_FAST
+    return held and whole[whole[BRISTLES] + contact] < 0
+
+
+def along(k: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes along a variable of accelerations, forces, levels and rates of bristles."""
+    column = whole[PART_COLUMN]
+    n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
+    for i in range(n + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]):
+        w[column + i] = 0.0
+    for j in range(whole[whole[PART_STARTS] + k], whole[whole[PART_STARTS] + k + 1]):
+        w[column + whole[whole[PART_ROWS] + j]] = w[whole[PART_SLOPES] + j]
+    for c in range(contacts):
+        w[whole[LOAD_SLOPES] + c] = w[column + n + held + c]
+    if whole[N_REACTIONS] > 0:
+        react_along(k, w, whole)
+    respond(k, w, whole)
+    for i in range(2 * n):
+        w[whole[LEVEL_SLOPES] + i] = 0.0
+    for c in range(contacts):
+        if not whole[whole[OPEN] + c]:
+            add_levels(c, k, w, whole)
+            for b in range(whole[whole[BRISTLE_COUNTS] + c]):
+                place = whole[BRISTLE_SLOPES] + whole[whole[BRISTLES] + c] + b
+                w[place] = law_slope(c, 0, 4 + b, k, w, whole)
+
+
+def respond(k: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes of friction, accelerations and needed friction for given ones of loads."""
+    n, column, mass = whole[N_COORDINATES], whole[PART_COLUMN], whole[MASS]
+    found, needed = whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
+    for i in range(n):
+        w[found + i] = -w[column + i]
+    for c in range(whole[N_CONTACTS]):
+        slope = 0.0
+        if not whole[whole[OPEN] + c] and not is_rigid(c, whole):
+            slope = friction_slope(c, k, w, whole)
+            i = whole[whole[SLIPS] + c]
+            load = w[whole[LOAD] + c]
+            own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * load
+            w[found + i] -= w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
+        w[whole[FRICTION_SLOPES] + c] = slope
+    for i in range(n):
+        w[needed + i] = w[found + i]
+    solve_free(w, whole, found)
+    for i in range(n):
+        if whole[whole[MODES] + i] != HELD_FAST:
+            w[needed + i] = 0.0
+        elif not whole[DIAGONAL]:
+            for j in range(n):
+                w[needed + i] -= w[mass + i * n + j] * w[found + j]
+
+
+def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of the friction of a contact that slips, or that has bristles."""
+    i = whole[whole[SLIPS] + contact]
+    slips = whole[whole[MODES] + i] in (FORWARD, BACKWARD)
+    if not slips and whole[whole[BRISTLES] + contact] < 0:
+        return 0.0
+    load = w[whole[LOAD] + contact]
+    own = law_slope(contact, 0, 0, k, w, whole) + load * law_slope(contact, 0, 1, k, w, whole)
+    side = side_of(contact, w, whole, whole[SLOPE_POINT])
+    return side * own + w[whole[FRICTION_FACTOR] + contact] * w[whole[LOAD_SLOPES] + contact]
+
+
+def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
+    """Add the slopes of a contact's levels to those of its coordinate."""
+    if whole[whole[BRISTLES] + contact] >= 0:
+        return
+    factor, load = w[whole[SLIP_FACTORS] + contact], w[whole[LOAD] + contact]
+    ahead = 0 if side_of(contact, w, whole, whole[SLOPE_POINT]) > 0 else 1
+    for which in range(2):
+        back = 0 if which == ahead else 1
+        place = 2 * contact + which
+        level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
+        slope = law_slope(contact, back, 2, k, w, whole)
+        slope += load * law_slope(contact, back, 3, k, w, whole)
+        slope += w[whole[LEVEL_FACTOR] + place] * w[whole[LOAD_SLOPES] + contact]
+        grows = factor_slope(contact, w, whole) * (1.0 if factor > 0.0 else -1.0)
+        to = which if factor > 0.0 else 1 - which
+        row = whole[LEVEL_SLOPES] + 2 * whole[whole[SLIPS] + contact] + to
+        w[row] += abs(factor) * slope + grows * level
+
+
+def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of the part that a held contact has of the needed friction.
+
+    Parts are equal, as in `assembly.split`.
+    """
+    i, partners = whole[whole[SLIPS] + contact], 0
+    for d in range(whole[N_CONTACTS]):
+        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+        partners += 1 if together and not whole[whole[OPEN] + d] else 0
+    factor = w[whole[SLIP_FACTORS] + contact]
+    part = w[whole[NEEDED] + i] / factor
+    change = w[whole[NEEDED_SLOPES] + i] - part * factor_slope(contact, w, whole)
+    return change / factor / max(partners, 1)
+
+
+def shared_part(contact: int, w: Vector, whole: Wholes) -> float:
+    """Return the part that a held contact has of the needed friction, or what slides there."""
+    if not is_rigid(contact, whole):
+        load = w[whole[LOAD] + contact]
+        return w[whole[FRICTION_CONSTANT] + contact] + w[whole[FRICTION_FACTOR] + contact] * load
+    i, partners = whole[whole[SLIPS] + contact], 0
+    for d in range(whole[N_CONTACTS]):
+        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+        partners += 1 if together and not whole[whole[OPEN] + d] else 0
+    return w[whole[NEEDED] + i] / w[whole[SLIP_FACTORS] + contact] / max(partners, 1)
+
+
+def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of the force that a held coordinate needs beside those that act on it."""
+    n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
+    slips = whole[PART_COLUMN] + n + held + 2 * contacts
+    normals = slips + contacts * held
+    total = w[whole[PART_COLUMN] + n + row]
+    for i in range(n):
+        total += w[whole[MASS] + (n + row) * n + i] * w[whole[ACCELERATION_SLOPES] + i]
+    for c in range(contacts):
+        if whole[whole[OPEN] + c]:
+            continue
+        slope = w[whole[FRICTION_SLOPES] + c]
+        if is_rigid(c, whole):
+            slope = shared_slope(c, w, whole)
+        total += w[whole[HELD_SLIPS] + c * held + row] * slope
+        total += w[slips + c * held + row] * shared_part(c, w, whole)
+        if whole[whole[REACTS] + c]:
+            total -= w[normals + c * held + row] * w[whole[LOAD] + c]
+    return total
+
+
+def react_along(k: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes of the loads that are reactions."""
+    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
+    rows = whole[REACTION_ROWS]
+    bare = rows + count * wide
+    for trial in range(count + 1):
+        unit = 0
+        for c in range(whole[N_CONTACTS]):
+            if whole[whole[REACTS] + c]:
+                w[whole[LOAD_SLOPES] + c] = 1.0 if unit == trial - 1 else 0.0
+                unit += 1
+        respond(k, w, whole)
+        for row in range(count):
+            surplus = surplus_slope(row, w, whole)
+            if trial == 0:
+                w[bare + row] = surplus
+            else:
+                w[rows + row * wide + trial - 1] = w[bare + row] - surplus
+    for row in range(count):
+        w[rows + row * wide + count] = w[bare + row]
+    add_normals(w, whole)
+    determinant(w, rows, count)
+    unit = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            w[whole[LOAD_SLOPES] + c] = w[rows + unit * wide + count]
+            unit += 1
+
+
+def rate_slopes_along(
+    first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
+) -> None:
+    """Write the slopes of the time derivatives of all states along some variables.
+
+    Parameters
+    ----------
+    first : int
+        Index of the first variable: a state, time, a number of a drive, or a parameter.
+    count : int
+        How many variables.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (N_STATES count,), row by row.
+    """
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    prepare_slopes(t, w, whole, at)
+    for j in range(count):
+        k = first + j
+        along(k, w, whole)
+        for i in range(n):
+            moves = k == n + i and whole[whole[MODES] + i] != HELD_FAST
+            w[to + i * count + j] = 1.0 if moves else 0.0
+            w[to + (n + i) * count + j] = w[whole[ACCELERATION_SLOPES] + i]
+        for b in range(states - 2 * n):
+            w[to + (2 * n + b) * count + j] = w[whole[BRISTLE_SLOPES] + b]
+
+
+def guard_slopes_along(
+    first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
+) -> None:
+    """Write the slopes of all guards along some variables.
+
+    Parameters
+    ----------
+    first : int
+        Index of the first variable: a state, time, a number of a drive, or a parameter.
+    count : int
+        How many variables.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the results (N_GUARDS count,), row by row.
+    """
+    n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
+    wide = whole[LAW_SWITCHES] + 1
+    prepare_slopes(t, w, whole, at)
+    for i in range(whole[N_GUARDS] * count):
+        w[to + i] = 0.0
+    for j in range(count):
+        k = first + j
+        along(k, w, whole)
+        for i in range(n):
+            mode = whole[whole[MODES] + i]
+            if mode in (FORWARD, BACKWARD):
+                w[to + 2 * i * count + j] = mode if k == n + i else 0.0
+            elif mode == HELD_FAST:
+                needed = w[whole[NEEDED_SLOPES] + i]
+                levels = whole[LEVEL_SLOPES] + 2 * i
+                w[to + 2 * i * count + j] = w[levels] - needed
+                w[to + (2 * i + 1) * count + j] = w[levels + 1] + needed
+        for c in range(contacts):
+            row = first_contact_guard(whole) + c * wide + whole[LAW_SWITCHES]
+            if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + c]:
+                load = w[whole[LOAD_SLOPES] + c]
+                w[to + row * count + j] = -load if whole[whole[OPEN] + c] else load
+        margins = whole[PART_COLUMN] + n + whole[N_HELD] + 2 * contacts * (1 + whole[N_HELD])
+        for s in range(whole[N_SWITCHES]):
+            sign = 1.0 if whole[FLAGS] & (1 << s) else -1.0
+            w[to + (first_own_switch(whole) + s) * count + j] = sign * w[margins + s]
+    for c in range(contacts):
+        switch_slopes(c, first, count, t, w, whole, at, to)
+
+
+def switch_slopes(
+    contact: int,
+    first: int,
+    count: int,
+    t: float,
+    w: Vector,
+    whole: Wholes,
+    at: int,
+    to: int,
+) -> None:
+    """Write the slopes of the guards that are switches of a contact's law."""
+    i, switches = whole[whole[SLIPS] + contact], whole[LAW_SWITCHES]
+    if switches == 0 or whole[whole[MODES] + i] not in (FORWARD, BACKWARD):
+        return
+    flags, kind = whole[whole[LAW_FLAGS] + contact], whole[whole[KINDS] + contact]
+    wide = whole[whole[LAW_BRISTLES] + contact] + whole[whole[BRISTLE_COUNTS] + contact] + 1
+    slopes = whole[MARGIN_SLOPES]
+    row = set_row(contact, side_of(contact, w, whole, at), w, whole, at)
+    for s in range(switches * wide):
+        w[slopes + s] = 0.0
+    evaluate(LAW_MARGIN_SLOPES + kind, 0, flags, t, w, row, slopes)
+    for j in range(count):
+        along(first + j, w, whole)
+        speed = speed_slope(contact, first + j, w, whole)
+        place = whole[whole[VARIABLE_PLACES] + first + j] - whole[whole[LAW_ROWS] + contact]
+        for s in range(switches):
+            total = w[slopes + s * wide] * speed
+            if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
+                total += w[slopes + s * wide + place]
+            guard = first_contact_guard(whole) + contact * (switches + 1) + s
+            w[to + guard * count + j] = total if flags & (1 << s) else -total
