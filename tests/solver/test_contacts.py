@@ -363,12 +363,6 @@ def test_loads_that_two_feet_do_not_determine_are_refused():
         simulate(OneSupport(), laws, t_end=1.0)
 
 
-def test_sensitivities_of_several_contacts_are_refused_by_name():
-    run = run_of(Arm(), ARM, 1.0, BENT)
-    with pytest.raises(InputError, match="several contacts"):
-        run.sensitivity("elbow", "friction.elbow.kinetic_coefficient")
-
-
 # Faults that were found by attack
 
 
@@ -460,3 +454,48 @@ def test_feet_at_different_heights_are_refused():
 
     with pytest.raises(InputError, match="same height"):
         simulate(Uneven(), {"front": coulomb(0.6), "rear": coulomb(0.2)}, t_end=1.0)
+
+
+LUGRE_ELBOW = LuGre(
+    kinetic_coefficient=0.12, static_coefficient=0.2, stribeck_velocity=0.05,
+    bristle_stiffness=2e3, bristle_damping=5.0, viscous_coefficient=0.01,
+)  # fmt: skip
+MIXED = {"shoulder": coulomb(0.3, 0.45), "elbow": LUGRE_ELBOW}
+TURNS = (0.8768957186, 1.7489498347, 2.6127205821, 3.4661826336)
+MIXED_END = (-0.23711148370, -0.25252786446, -2.3627837060, -2.3245753654)
+
+
+def assert_mixed(run, until, rel):
+    """Compare with SciPy's Radau at 1e-13."""
+    turns = [e.t for e in run.events if e.contact == "shoulder"]
+    np.testing.assert_allclose(turns, [t for t in TURNS if t < until], rtol=rel)
+
+
+def test_a_joint_with_bristles_beside_a_set_valued_one():
+    settings = {"t_end": 2.0, "y0": BENT}
+    run = simulate(Arm(), MIXED, solver=EventDriven(tier="python"), **settings)
+    assert_mixed(run, 2.0, 1e-9)
+    assert run.certificate.certified
+    assert run.certificate.steps < 2_000  # DOP853 would take 8,500
+
+
+@pytest.mark.slow
+def test_mixed_joints_to_the_digits_of_the_reference():
+    solver = EventDriven(tier="compiled", stiff_tolerance=1e-12)
+    run = simulate(Arm(), MIXED, t_end=4.0, y0=BENT, solver=solver)
+    assert_mixed(run, 4.0, 5e-11)  # half a unit of the last digit printed
+    end = [run[name][-1] for name in ("shoulder", "elbow", "shoulder_dot", "elbow_dot")]
+    np.testing.assert_allclose(end, MIXED_END, atol=6e-11)
+
+
+def test_rates_of_bristles_see_the_reaction_of_the_same_instant():
+    """With loads that are reactions, the run must not depend on what was asked before."""
+    feet = TwoFeet()
+    law = dataclasses.replace(LUGRE_ELBOW, bristle_damping=0.1)
+    start = {feet.rates[0]: 0.8}
+    whole = simulate(feet, law, t_end=0.2, y0=start, solver=EventDriven(tier="python"))
+    half = simulate(feet, law, t_end=0.1, y0=start, solver=EventDriven(tier="python"))
+    state = {name: half[name][-1] for name in (*feet.coordinates, *feet.rates, "z:front", "z:rear")}
+    rest = simulate(feet, law, t_end=0.1, y0=state, solver=EventDriven(tier="python"))
+    for name in state:
+        assert rest[name][-1] == pytest.approx(whole[name][-1], rel=1e-6, abs=1e-12)

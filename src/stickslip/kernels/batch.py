@@ -249,10 +249,10 @@ def sense_end(
     `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
     `sense`; `gradients` gets states by directions.
 
-    Reads: TIME, DENSE, STEPS, EVENTS.
+    Reads: TIME, Y, DENSE, STEPS, EVENTS.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
-    guard slopes.
+    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5,
+    directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)

@@ -27,7 +27,7 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.kernels.taylor_series import series_fill
 
-__all__ = ["piece_at", "play", "restore", "row_at"]
+__all__ = ["piece_at", "play", "restore", "restore_modes", "row_at"]
 
 
 def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
@@ -92,6 +92,17 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
 
     Reads: TIME, Y.
     Writes: ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    end : int
+        Place in `log` where the row has ended.
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
     at = end - n - 2 * contacts

@@ -40,7 +40,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
     """Factorise 1 / (gamma h) - J.
 
     Reads: Y, MODE, FLAGS.
-    Writes: MATRIX, PIVOTS.
+    Writes: MATRIX, PIVOTS, ANSWER, CHANGED.
     """
     matrix = whole[MATRIX]
     n = whole[N_STATES]
@@ -109,11 +109,11 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     return rodas_error(h, w, whole, rtol)
 
 
-def hold_still(stage: int, w: Vector, whole: Wholes) -> None:
+def hold_still(to: int, w: Vector, whole: Wholes) -> None:
     """Keep what is held where it is, whatever pivots round to.
 
     Reads: MODE.
-    Writes: `stage`.
+    Writes: `to`.
     """
     n = whole[N_COORDINATES]
     for i in range(n):
@@ -122,8 +122,8 @@ def hold_still(stage: int, w: Vector, whole: Wholes) -> None:
         else:
             held = whole[MODE] == 0 and whole[SLIP] == n + i
         if held:
-            w[stage + i] = 0.0
-            w[stage + n + i] = 0.0
+            w[to + i] = 0.0
+            w[to + n + i] = 0.0
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:

@@ -16,18 +16,21 @@ those of the functions of these names.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.dense_evaluation import restore
+from stickslip.kernels.dense_evaluation import restore, restore_modes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
-from stickslip.kernels.enums import STOP
+from stickslip.kernels.enums import HELD_FAST, STOP
+from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import (
     field,
     field_slopes,
     guard_parameters,
     guard_slopes,
+    guards,
     jacobian,
 )
+from stickslip.kernels.questions import PREPARE, SERIES_FROM, ask, ask_of
 from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
 from stickslip.kernels.state_layout import (
     CAN_STICK,
@@ -38,6 +41,9 @@ from stickslip.kernels.state_layout import (
     FLAGS,
     MATRIX,
     MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
     N_DRIVES,
     N_GUARDS,
     N_STATES,
@@ -48,6 +54,7 @@ from stickslip.kernels.state_layout import (
     SIZE,
     SLIP,
     SLOPES,
+    TIME,
     VALUES,
     Y1,
     Y,
@@ -56,6 +63,10 @@ from stickslip.kernels.taylor_series import series_fill
 
 __all__ = ["sense", "sense_size"]
 
+COINCIDENT = 1e-9
+"""Distance from its level, over the latter, at which what breaks away has done so by itself."""
+TOGETHER_TOO = 1e-6
+"""Difference of two moments' derivatives, over their size, up to which they are one."""
 MORE_TERMS = 5
 """Terms that the derivative of a series needs beyond the series."""
 
@@ -104,7 +115,7 @@ def forcing(
     `own` has the quantity of each direction, -1 for an initial state.
 
     Reads: `at`, MODE, FLAGS, directions.
-    Writes: `to`, SIZE.
+    Writes: `to`, SIZE, ANSWER, CHANGED.
     """
     size = whole[SIZE]
     n = whole[N_STATES]
@@ -141,9 +152,9 @@ def series_sensed(
 ) -> None:
     """Advance the sensitivities of an exact mode from the state in Y; result in columns 1.
 
-    Reads: Y, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 3,
-    columns 4.
+    Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
+    Writes: TIME, POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns
+    3, columns 4.
     """
     y = whole[Y]
     dense = whole[DENSE]
@@ -152,7 +163,12 @@ def series_sensed(
     n = whole[N_STATES]
     now, result = columns_at(0, q, m, whole), columns_at(1, q, m, whole)
     term, new = columns_at(2, q, m, whole), columns_at(3, q, m, whole)
-    series_fill(t, h, w, whole, y)
+    if whole[N_CONTACTS] > 0:
+        w[TIME] = t
+        ask_of(SERIES_FROM, h, w, whole, y, 0)
+        jacobian(t, w, whole, y, matrix)
+    else:
+        series_fill(t, h, w, whole, y)
     terms = int(w[dense])
     forcing(t, y, w, whole, own, q, m, term)
     add_product(w, whole, matrix, now, m, term)
@@ -183,7 +199,7 @@ def radau_stage(
     """Write the rows of one stage: of the matrix, and of all right-hand sides.
 
     Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, SIZE, columns 2, columns 5.
+    Writes: POINT, MATRIX, SIZE, ANSWER, CHANGED, columns 2, columns 5.
     """
     point = whole[POINT]
     matrix_at = whole[MATRIX]
@@ -217,7 +233,7 @@ def radau_sensed(
     """Advance the sensitivities along a row of length `h` by `length`; result in columns 1.
 
     Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, SIZE, columns 1, columns 2, columns 5.
+    Writes: POINT, MATRIX, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 5.
     """
     n = whole[N_STATES]
     stages = RADAU_STAGES * n
@@ -246,8 +262,8 @@ def advance_sensed(
     """Advance the sensitivities from the start of a restored row; result in columns 1.
 
     Reads: Y, DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns 3,
-    columns 4, columns 5.
+    Writes: TIME, POINT, MATRIX, DRIFT, DENSE, SIZE, ANSWER, CHANGED, columns 1, columns 2, columns
+    3, columns 4, columns 5.
     """
     at = row * whole[ROW_COLUMNS]
     if log[at + ROW_DENSE] > 0.0:
@@ -260,7 +276,7 @@ def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int,
     """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
 
     Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
-    Writes: SLOPES, columns 4, guard slopes.
+    Writes: SLOPES, ANSWER, CHANGED, columns 4, guard slopes.
     """
     y = whole[Y]
     slopes = whole[SLOPES]
@@ -380,8 +396,8 @@ def pass_instant(
     What follows at the same instant has its moment from what came first.
 
     Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, columns 0, columns
-    4, directions, guard slopes.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, columns 0,
+    columns 3, columns 4, directions, guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -394,6 +410,12 @@ def pass_instant(
     interpolate(w, whole, 1.0 if whole_row else (t - log[at]) / log[at + 2], point)
     for i in range(n):
         w[y + i] = w[point + i]
+    if whole[N_CONTACTS] > 0:
+        guard = first_guard(events, first, number, t)
+        pass_contacts(log, row, guard, table, dtable, w, whole, own, q, m)
+        while first < number and events[first * EVENT_COLUMNS] <= t:
+            first += 1
+        return first
     following = int(log[at + width + 5])
     known = following != int(log[at + 5])
     if known:
@@ -411,6 +433,125 @@ def pass_instant(
         pass_event(guard, t, w, whole, q, m)
         k += 1
     return k
+
+
+def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
+    """Take over modes, flags and state with which a row begins, of several contacts.
+
+    Reads: TIME.
+    Writes: Y, FLAGS, ANSWER, CHANGED.
+    """
+    at = row * whole[ROW_COLUMNS]
+    for i in range(whole[N_STATES]):
+        w[whole[Y] + i] = log[at + ROW_DENSE + 1 + i]
+    whole[FLAGS] = int(log[at + 4])
+    restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+
+
+def first_guard(events: Vector, k: int, number: int, t: float) -> int:
+    """Return the guard that fell first of those at an instant, NO_GUARD if none did."""
+    guard = NO_GUARD
+    while k < number and events[k * EVENT_COLUMNS] <= t:
+        known = int(events[k * EVENT_COLUMNS + 3])
+        if guard == NO_GUARD:
+            guard = known if known >= 0 else -2 - known
+        k += 1
+    return guard
+
+
+def own_moments(
+    first: int,
+    following: int,
+    t: float,
+    log: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Write the moment of an instant in which several contacts change, in the modes before it.
+
+    Where two guards have fallen and not at the same moment for parameters nearby, the run has no
+    derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
+    as it has reached its level, and not because of another.
+
+    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
+    Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
+    """
+    n, values = whole[N_COORDINATES], whole[VALUES]
+    kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
+    after = (following + 1) * whole[ROW_COLUMNS] - n - 2 * whole[N_CONTACTS]
+    moments(first, t, w, whole, own, q, m)
+    for c in range(m):
+        w[kept + c] = w[moment + c]
+    guards(t, w, whole, whole[Y], values)
+    for other in range(2 * n):
+        mode = whole[whole[MODES] + other // 2]
+        if other == first or mode == int(log[after + other // 2]):
+            continue
+        stops = mode != HELD_FAST and other % 2 == 0
+        level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
+        breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
+        if stops or breaks:
+            moments(other, t, w, whole, own, q, m)
+            for c in range(m):
+                size = abs(w[kept + c]) + abs(w[moment + c])
+                if abs(w[kept + c] - w[moment + c]) > TOGETHER_TOO * size:
+                    w[kept + c] = math.nan
+    for c in range(m):
+        w[moment + c] = w[kept + c]
+
+
+def pass_contacts(
+    log: Vector,
+    row: int,
+    guard: int,
+    table: Vector,
+    dtable: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Make all that changes at the end of a row where several contacts rub, as one jump.
+
+    Reads: Y, MODE, FLAGS, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, columns 0, columns 3,
+    columns 4, directions, guard slopes.
+    """
+    at = row * whole[ROW_COLUMNS]
+    y, t = whole[Y], log[at + 1]
+    w[TIME] = t
+    piece = int(log[at + whole[ROW_COLUMNS] + 5])
+    moment = columns_at(4, q, m, whole)
+    field(t, w, whole, y, whole[Y1])
+    if piece != int(log[at + 5]):
+        load_piece(table, piece, w, whole)
+        load_directions(piece, dtable, w, whole, q, m)
+        for c in range(m):
+            w[moment + c] = dtable[piece * (1 + 3 * whole[N_DRIVES]) * m + c]
+    elif guard != NO_GUARD:
+        own_moments(guard, row + 1, t, log, w, whole, own, q, m)
+    else:
+        return
+    restore_contacts(log, row + 1, w, whole)
+    field(t, w, whole, y, whole[VALUES])
+    jump(w, whole, q, m)
+    hold_contacts(w, whole, q, m)
+
+
+def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
+    """Take away the rates of what is held.
+
+    Writes: columns 0.
+    """
+    n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
+    for i in range(n):
+        if whole[whole[MODES] + i] == HELD_FAST:
+            for c in range(m):
+                w[now + (n + i) * m + c] = 0.0
 
 
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
@@ -445,7 +586,7 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
 
-    Reads: TIME, DENSE, columns 0.
+    Reads: TIME, Y, DENSE, columns 0.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
     ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
     guard slopes.
@@ -485,7 +626,12 @@ def sense(
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         k += 1
-    hold(int(log[3]), w, whole, q, m)
+    if whole[N_CONTACTS] > 0:
+        ask(PREPARE, log[0], w, whole)
+        restore(log, 0, table, w, whole)
+        hold_contacts(w, whole, q, m)
+    else:
+        hold(int(log[3]), w, whole, q, m)
     for row in range(count):
         at = row * width
         last = row == count - 1

@@ -395,9 +395,9 @@ PART_STARTS = 116
 PART_ROWS = 117
 VARIABLE_PLACES = 118
 
-# Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's law
-# forward and backward; along one variable, slopes of the parts, of accelerations, needed friction,
-# loads, friction, levels, rates of bristles; slopes of the margins of a law.
+# Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's
+# law forward and backward; along one variable, slopes of the parts, of accelerations, needed
+# friction, loads, friction, levels, rates of bristles; slopes of the margins of a law.
 SLOPE_POINT = 119
 PART_SLOPES = 120
 LAW_SLOPES = 121

@@ -387,7 +387,15 @@ def put_loads(unit: int, w: Vector, whole: Wholes) -> None:
 
 
 def add_normals(w: Vector, whole: Wholes) -> None:
-    """Add to each row of the reactions what a unit of each load does to it by itself."""
+    """Add to each row of the reactions what a unit of each load does to it by itself.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
     count, held = whole[N_REACTIONS], whole[N_HELD]
     k = 0
     for c in range(whole[N_CONTACTS]):
@@ -402,6 +410,20 @@ def determinant(w: Vector, rows: int, count: int) -> float:
     """Solve a system of `count` equations by elimination; return its determinant.
 
     The right-hand side, in the last column, becomes the solution.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    rows : int
+        Place in `w` of the rows (count, count + 1).
+    count : int
+        Number of equations.
+
+    Returns
+    -------
+    float
+        The determinant.
     """
     wide = count + 1
     product = 1.0

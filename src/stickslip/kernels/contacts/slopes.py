@@ -36,7 +36,6 @@ from stickslip.kernels.state_layout import (
     FRICTION_CONSTANT,
     FRICTION_FACTOR,
     FRICTION_SLOPES,
-    HELD_NORMALS,
     HELD_SLIPS,
     KINDS,
     LAW_BRISTLES,

@@ -21,6 +21,7 @@ from stickslip.kernels.enums import (
     UNLOADED,
 )
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
+from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.state_layout import (
     BEFORE,
     CANDIDATES,
@@ -62,7 +63,7 @@ from stickslip.kernels.state_layout import (
 __all__ = ["begin_contacts", "change_contacts", "settle_contacts"]
 
 OF_MODES = -1
-"""Guard of an event in which modes change, in its record."""
+"""Guard of an event in which modes change, in its record, less the guard that fell first."""
 TOGETHER = 4e-15
 """Time between two falls that are one, over the larger of the present time and the step."""
 REACHED_ZERO = 1e-13
@@ -190,7 +191,7 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
     open_and_close(w, whole)
     none_forced(whole)
     settle_modes(w, whole)
-    write_changes(w, whole)
+    write_changes(NO_GUARD, w, whole)
 
 
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
@@ -232,7 +233,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
-    write_changes(w, whole)
+    write_changes(guard, w, whole)
     if lifted >= 0:
         whole[STATUS] = LIFTED_OFF
 
@@ -284,7 +285,7 @@ def mode_of(contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: 
     return coordinate_mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -coordinate_mode
 
 
-def write_changes(w: Vector, whole: Wholes) -> None:
+def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
     """Write an event for each contact whose mode has changed, in their order."""
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
@@ -296,7 +297,7 @@ def write_changes(w: Vector, whole: Wholes) -> None:
                 needed = w[whole[NEEDED] + i]
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
-            write_event(OF_MODES, c, before, after, margin, w, whole)
+            write_event(OF_MODES - 1 - guard, c, before, after, margin, w, whole)
 
 
 def write_event(
