@@ -22,6 +22,7 @@ __all__ = [
     "check_replaceable",
     "document",
     "json_text",
+    "unwritable",
     "write_file",
     "write_files",
     "write_folder",
@@ -126,7 +127,25 @@ def write_folder(
             stale_there = [target / name for name in (*list(contents)[1:], *gone)]
             _write_each([lists[0], *files_there, lists[1]], before=1, gone=stale_there)
     except OSError as error:
-        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
+        raise unwritable(folder, error) from error
+
+
+def unwritable(path: Path, error: OSError) -> InputError:
+    """Return the error of a file or folder that cannot be written.
+
+    Parameters
+    ----------
+    path : Path
+        The file or folder.
+    error : OSError
+        What the system says.
+
+    Returns
+    -------
+    InputError
+        The error, to be raised.
+    """
+    return InputError(f"{path} cannot be written: {error.strerror or error}.")
 
 
 def check_replaceable(folder: Path, names: Collection[str]) -> None:
@@ -178,7 +197,7 @@ def write_files(files: Mapping[Path, str | bytes]) -> None:
             path.parent.mkdir(parents=True, exist_ok=True)
         _write_each(list(contents.items()), before=0, gone=list(contents)[1:])
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
+        raise unwritable(path, error) from error
 
 
 def write_file(path: Path, content: str | bytes) -> None:

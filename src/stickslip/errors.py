@@ -21,6 +21,7 @@ __all__ = [
     "TracingError",
     "UnknownNameError",
     "nearest",
+    "not_whole",
     "renamed",
 ]
 
@@ -139,6 +140,31 @@ def nearest(name: str, known: Iterable[str]) -> str:
         return ""
     near = [word for word in known if len(word) <= COMPARED]
     return " or ".join(repr(word) for word in difflib.get_close_matches(name, near, n=2))
+
+
+def not_whole(name: str, least: int, value: object) -> str:
+    """Return the sentence that refuses what is no whole number, or too small a one.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    least : int
+        Smallest allowed value.
+    value : object
+        What was given.
+
+    Returns
+    -------
+    str
+        The sentence.
+
+    Examples
+    --------
+    >>> not_whole("steps", 1, 2.5)
+    'steps must be a whole number of at least 1, got 2.5.'
+    """
+    return f"{name} must be a whole number of at least {least}, got {value!r}."
 
 
 RENAMED = {

@@ -721,9 +721,27 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)
         if not isinstance(name, str) or found.get(name, kind) is not kind:
-            raise StickslipError(f"{where} is named {name!r}, which is taken: rename it.")
+            raise name_taken(where, repr(name))
         found[name] = kind
     return types.MappingProxyType(found)
+
+
+def name_taken(where: str, name: str) -> StickslipError:
+    """Return the error of a plug-in by a name that another one has.
+
+    Parameters
+    ----------
+    where : str
+        Where it is from.
+    name : str
+        Its name, or several.
+
+    Returns
+    -------
+    StickslipError
+        The error, to be raised.
+    """
+    return StickslipError(f"{where} is named {name}, which is taken: rename it.")
 
 
 def plugins(group: str, base: type[T]) -> Iterator[tuple[str, type[T]]]:

@@ -233,6 +233,16 @@ def _numbers(run: Trajectory) -> str:
     return f" Limit: {run.events[-1].reason} ({', '.join(values)})."
 
 
+def no_mechanism(given: object) -> InputError:
+    """Return the error of what was given as a mechanism and is none."""
+    return InputError(f"mechanism must be a Mechanism such as SpringBlock, got {given!r}.")
+
+
+def no_law(given: object) -> InputError:
+    """Return the error of what was given as a law and is none."""
+    return InputError(f"law must be a friction law such as Coulomb, got {given!r}.")
+
+
 def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":
     """Return the law, or the laws by contact; refuse what is no mechanism or no law.
 
@@ -254,9 +264,9 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
         If one of them is of another kind.
     """
     if not isinstance(mechanism, Mechanism):
-        raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
+        raise no_mechanism(mechanism)
     if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
-        raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+        raise no_law(law)
     names = tuple(contact.name for contact in mechanism.contacts())
     if not names:
         raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory"]
+__all__ = ["Certificate", "Ensemble", "Event", "Status", "Trajectory", "completed"]
 
 UNLOADED = 3
 """Mode of a contact that is open."""
@@ -452,4 +452,22 @@ class Ensemble(OnAxes):
         rows += [(status.value, str(count)) for status, count in counts.items() if count]
         rows.append(("certified", str(int(self.certified.sum()))))
         complete = sum(count for status, count in counts.items() if status.complete)
-        return Summary(sentence=f"{complete} of {len(self)} runs were completed.", rows=rows)
+        return Summary(sentence=completed(complete, len(self)), rows=rows)
+
+
+def completed(count: int, runs: int) -> str:
+    """Return the sentence that says how many of several runs were completed.
+
+    Parameters
+    ----------
+    count : int
+        Number of those.
+    runs : int
+        Number of all.
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
+    return f"{count} of {runs} runs were completed."

@@ -217,6 +217,12 @@ def test_a_run_that_ends_early_says_so():
         run()
 
 
+def test_a_cart_that_tips_in_closed_loop_is_refused_with_the_name_of_the_limit():
+    cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, wheelbase=0.1, centre_height=0.2)
+    with pytest.raises(SimulationError, match=r"Limit: tips (for|back)ward \(normal force "):
+        closed_loop(cart, STICTION, lambda t, seen: 5.0, period=1e-2, t_end=1.0, y0={"theta": 0.1})
+
+
 @pytest.mark.slow
 def test_both_tiers_give_the_same_bits():
     runs = [

@@ -14,7 +14,7 @@ from stickslip.sweep import average_velocity
 
 G = 9.81
 PLAIN = EventDriven(tier="python")
-"""For a few short runs of an ensemble: no other test has their shape, which would be compiled."""
+"""For a few short runs of an ensemble, whose equations no other test has compiled."""
 
 
 def test_a_linear_oscillator_answers_a_square_wave_as_its_fourier_series_says():

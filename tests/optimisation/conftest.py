@@ -35,6 +35,6 @@ def cart_limits():
 
 @pytest.fixture(scope="session")
 def capsule():
-    # a motor without a limit would be another shape to compile; no test comes near this one
+    # a motor without a limit would have other equations to compile; no test comes near this one
     drive = Prescribed(profile=STROKE, limit=100.0)
     return Capsule(capsule_mass=0.8, inner_mass=0.2, drive=drive)

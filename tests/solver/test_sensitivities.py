@@ -322,7 +322,7 @@ LAYER = Stribeck(kinetic_coefficient=0.5, static_coefficient=1.0, stribeck_veloc
         ),
         pytest.param(
             Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=0.5), stiffness=2.0), LAYER,
-            id="driven layer", marks=pytest.mark.slow,  # of a shape that no other test compiles
+            id="driven layer", marks=pytest.mark.slow,  # no other test compiles its equations
         ),
     ],
 )  # fmt: skip

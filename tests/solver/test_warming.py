@@ -22,7 +22,7 @@ RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
 OTHER = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
 PAIRS = [(RIG, LAW), (RIG, OTHER), (SpringBlock(mass=2.0), LAW)]
-"""Two laws of one shape, and one that differs from the first in numbers only."""
+"""Two laws, and a pair that differs from the first in numbers only."""
 WARM = """
 from stickslip import Coulomb, SpringBlock
 from stickslip.solver import warm_up
@@ -34,7 +34,7 @@ print(done.kernels_compiled, done.kernels_found)
 
 @pytest.fixture(scope="module")
 def warmed(tmp_path_factory):
-    """Compile the pairs of one shape once, from two processes at a time, one of them killed."""
+    """Compile the kernels and the pairs once, from two processes at a time, one of them killed."""
     folder = tmp_path_factory.mktemp("warm")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
@@ -91,13 +91,13 @@ def never(*_arguments, **_settings):
     raise AssertionError("a process was started")
 
 
-def test_two_processes_at_once_compile_a_shape_once(warmed):
+def test_two_processes_at_once_compile_the_kernels_once(warmed):
     _, counts, *_ = warmed
     assert [int(compiled) + int(found) for compiled, found in counts] == [1, 1]
     assert sum(int(compiled) for compiled, _ in counts) <= 1  # none if the killed one was through
 
 
-def test_laws_of_one_shape_share_its_kernels(warmed):
+def test_laws_share_the_kernels(warmed):
     folder, _, done, _ = warmed
     assert (done.kernels_compiled, done.kernels_found) == (0, 1)
     assert (done.equations_compiled, done.equations_found) == (1, 1)

@@ -11,6 +11,7 @@ from stickslip.cli.options import (
     Columns,
     Conditions,
     Data,
+    EndTime,
     Enforce,
     FittedLaw,
     Fixed,
@@ -240,9 +241,7 @@ def simulate(
     law_load: LawLoad = None,
     changes: Set = None,
     allow_import: AllowImport = False,
-    t_end: Annotated[
-        float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
-    ] = None,
+    t_end: EndTime = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Export the run to this CSV or Parquet file."),
@@ -324,9 +323,7 @@ def animate(
     law_load: LawLoad = None,
     changes: Set = None,
     allow_import: AllowImport = False,
-    t_end: Annotated[
-        float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
-    ] = None,
+    t_end: EndTime = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", help="GIF or MP4 file; MP4 needs ffmpeg.")
     ] = Path("stickslip.gif"),

@@ -18,6 +18,7 @@ from stickslip.documents import (
     check_replaceable,
     document,
     json_text,
+    unwritable,
     write_file,
     write_files,
     write_folder,
@@ -202,7 +203,7 @@ def refuse_overwriting(
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
+        raise unwritable(path, error) from error
     finally:
         for part in new:
             with contextlib.suppress(OSError):

@@ -15,6 +15,7 @@ __all__ = [
     "Conditions",
     "Data",
     "Effort",
+    "EndTime",
     "Enforce",
     "Evaluations",
     "FittedLaw",
@@ -75,6 +76,9 @@ AllowImport = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document to stdout.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
+EndTime = Annotated[
+    float | None, typer.Option("--t-end", help="End time [s]; default: that of the rig file.")
+]
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the report.")]
 Record = Annotated[str, typer.Argument(metavar="NAME", help="Name of a record, see `data list`.")]
 Enforce = Annotated[

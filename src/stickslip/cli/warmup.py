@@ -24,7 +24,7 @@ __all__ = ["run"]
 PULSE = Pulse(level=1.0, duration=1.0)
 SWING = ThreePhase(amplitude=1.0, fast=2.0, slow=1.0)
 MOTORS = (Torque(drive=PULSE), Prescribed(profile=SWING))
-"""With the pulse, what stands for any: of others only the equations differ, not the kernels."""
+"""A pulse for all drives: the equations of another one are compiled when it is first run."""
 
 
 def run(

@@ -11,11 +11,11 @@ from stickslip.control.actuation import place_of
 from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_of
 from stickslip.control.sensors import Sensors
 from stickslip.display import InPanels, Summary
-from stickslip.errors import InputError, SimulationError
+from stickslip.errors import InputError
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import END, check_pair, initial_state
+from stickslip.simulation import END, check_pair, initial_state, refuse
 from stickslip.solver import EventDriven, IncrementalRun
 from stickslip.trajectory import Status, Trajectory
 
@@ -310,12 +310,8 @@ def _result(
     run = onward.finished(driven)
     if book.cancelled:
         run = replace(run, status=Status.CANCELLED)
-    if throw and not run.status.complete:
-        raise SimulationError(
-            f"{run.status.value} The run ended at t = {quantity(run.span[1], 's', 6)}."
-        )
-    if throw and not run.certificate.certified:
-        raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))
+    if throw:
+        refuse(run)
     asked = np.array(book.asked)
     cut = timing.limit if timing.limit is not None else math.inf
     return ClosedLoop(

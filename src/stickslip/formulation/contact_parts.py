@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import symengine as se
 
-from stickslip.errors import InputError, TracingError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation.linearity import linear_where
+from stickslip.formulation.load_factor import load_factor, unknown_kind
 from stickslip.formulation.mechanics import lagrange_rows
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
@@ -335,16 +336,10 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
             friction = side * expression(one.force(*arguments))
             rates = [expression(rate) for rate in one.bristle_rates(*arguments)]
         else:
-            raise TracingError(f"{type(law).__name__} is neither a SetValuedLaw nor a BristleLaw")
+            raise unknown_kind(law)
         board.signs = {}
         level = expression(one.break_away(Traced(load, board)))
-        factor, level_factor = collapsed(friction.diff(load)), collapsed(level.diff(load))
-        for part in (factor, level_factor):
-            if se.expand(collapsed(part.diff(load))) != 0:
-                raise TracingError(
-                    f"{type(law).__name__}: friction must be affine in the load, F = a + b N; its"
-                    " second derivative with respect to N is not zero"
-                )
+        factor, level_factor = (load_factor(law, part, load) for part in (friction, level))
         constant, level_constant = friction.subs({load: 0}), level.subs({load: 0})
         flags = [switch.symbol for switch in board.switches.values()]
         linear = linear_where([constant, factor], [speed], flags)

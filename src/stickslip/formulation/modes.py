@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import symengine as se
 
-from stickslip.errors import TracingError
+from stickslip.formulation.load_factor import load_factor, unknown_kind
 from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.prescribed_motion import own_limits
-from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
+from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
@@ -156,13 +156,8 @@ def _slip(context: _Context, mode: Mode) -> ModeEquations:
         friction = expression(law.force(*arguments))
         bristle_rates = [expression(rate) for rate in law.bristle_rates(*arguments)]
     else:
-        raise TracingError(f"{type(law).__name__} is neither a SetValuedLaw nor a BristleLaw")
-    factor = collapsed(friction.diff(load))
-    if se.expand(collapsed(factor.diff(load))) != 0:
-        raise TracingError(
-            f"{type(law).__name__}: friction must be affine in the load, F = a + b N;"
-            " its second derivative with respect to N is not zero"
-        )
+        raise unknown_kind(law)
+    factor = load_factor(law, friction, load)
     constant = friction.subs({load: 0})
     motion = context.mechanics.slipping(constant, factor)
     normal = motion.normal

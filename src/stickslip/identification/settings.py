@@ -4,7 +4,7 @@ import numbers
 from dataclasses import dataclass, fields
 from typing import Literal, TypeAlias, get_args
 
-from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.errors import ParameterError, UnknownNameError, not_whole
 from stickslip.quantities import Quantity
 
 __all__ = ["LEAST", "RESOLUTION", "Hold", "RecordSettings"]
@@ -52,9 +52,6 @@ class RecordSettings:
             value = getattr(self, name)
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
             if not (whole and value >= least):
-                raise ParameterError(
-                    f"RecordSettings.{name} must be a whole number of at least {least}, got"
-                    f" {value!r}."
-                )
+                raise ParameterError(not_whole(f"RecordSettings.{name}", least, value))
         if self.hold not in get_args(Hold):
             raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))

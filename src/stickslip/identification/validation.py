@@ -21,6 +21,7 @@ __all__ = [
     "arguments",
     "called",
     "check_given",
+    "check_varied",
     "covers",
     "law_quantities",
     "laws_of",
@@ -314,6 +315,18 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
     elif isinstance(measurement, Rig):
         cure = "give rig.measurement"
     raise InputError(f"{verb} takes a Measurement, got {called(measurement)}: {cure}.")
+
+
+def check_varied(count: int) -> None:
+    """Refuse a fit of no parameters.
+
+    Raises
+    ------
+    InputError
+        If the number of varied parameters is 0.
+    """
+    if not count:
+        raise InputError("there is nothing to fit: name at least one parameter in vary.")
 
 
 def called(given: object) -> str:

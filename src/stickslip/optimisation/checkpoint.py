@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, final
 
-from stickslip.documents import write_file
+from stickslip.documents import unwritable, write_file
 from stickslip.errors import InputError
 
 __all__ = ["Memory", "Row"]
@@ -124,4 +124,4 @@ def _refuse_unwritable(path: Path) -> None:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
+        raise unwritable(path, error) from error

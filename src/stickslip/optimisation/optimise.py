@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Profile
-from stickslip.errors import ConvergenceError, InputError, ParameterError, renamed
+from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole, renamed
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.optimisation.checkpoint import Memory
@@ -22,7 +22,7 @@ from stickslip.optimisation.problem import FINER, GOALS, GoalName, Problem, Scor
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named
-from stickslip.simulation import simulate
+from stickslip.simulation import no_law, simulate
 
 __all__ = ["optimise_profile"]
 
@@ -223,9 +223,7 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
         raise InputError(f"limits must be Limits(position=..., rate=...), got {limits!r}.")
     for name, value, least in (("evaluations", evaluations, 1), ("seed", seed, 0)):
         if type(value) is not int or value < least:
-            raise ParameterError(
-                f"{name} must be a whole number of at least {least}, got {value!r}."
-            )
+            raise ParameterError(not_whole(name, least, value))
     motor = getattr(mechanism, motor_of(mechanism))
     slip = slip_of(mechanism)
     if guide_of(mechanism)[0] == slip:
@@ -247,7 +245,7 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
 
 def _check(law: object, progress: object) -> None:
     if not isinstance(law, FrictionLaw):
-        raise InputError(f"law must be a friction law such as Coulomb, got {law!r}.")
+        raise no_law(law)
     if progress is not None and not callable(progress):
         raise InputError(
             "progress must be callable with the search, the number of motions evaluated and their"

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, not_whole
 from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
@@ -124,7 +124,7 @@ def _grid(
 ) -> Scenarios:
     """Return evenly spread values of each parameter, ends included, in all combinations."""
     if type(points) is not int or points < 2:
-        raise ParameterError(f"points must be a whole number of at least 2, got {points!r}.")
+        raise ParameterError(not_whole("points", 2, points))
     known = [
         path
         for root, prefix in ((mechanism, "mechanism"), (law, "friction"))

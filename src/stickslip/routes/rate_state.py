@@ -31,6 +31,7 @@ from stickslip.selection import (
     RateStateLaw,
     RateStateLaws,
     RateStateVerdict,
+    on_second_record,
     rate_state_laws,
     score_text,
     select_rate_state,
@@ -130,7 +131,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
         second = None if validate is None else fit.judged(validate)
         lines = [f"Residual of the coefficient of friction: {number(fit.rmse, 2)}"]
         if second is not None:
-            lines.append(f"On the second record: {number(second, 2)}")
+            lines.append(on_second_record(number(second, 2)))
         agreeing, starts = fit.starts_agreeing, len(fit.optimum.costs)
         lines.append(
             f"Restarts: {agreeing} of {starts} starts reached the smallest residual within"

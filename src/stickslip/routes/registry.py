@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, TypeAlias
 
-from stickslip.errors import InputError, StickslipError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
 from stickslip.identification import RouteChoice, called
-from stickslip.quantities import plugins
+from stickslip.quantities import name_taken, plugins
 from stickslip.routes.features import FeatureRoute
 from stickslip.routes.rate_state import RateStateRoute
 from stickslip.routes.records import RecordRoute
@@ -47,7 +47,7 @@ def routes() -> tuple[AnyRoute, ...]:
     base: type[Any] = Route
     for where, kind in plugins("stickslip.routes", base):
         if known := sorted(taken.intersection(kind.names)):
-            raise StickslipError(f"{where} is named {joined(known)}, which is taken: rename it.")
+            raise name_taken(where, joined(known))
         taken.update(kind.names)
         found.append(kind())
     return (*found, *OWN)

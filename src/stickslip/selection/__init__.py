@@ -29,6 +29,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "DOUBT_NAMES": "travel_wording",
     "Experiment": "design.experiments",
     "LEVEL": "choice",
     "LIKELY": "choice",
@@ -55,6 +56,7 @@ INSIDE = {
     "limits_of": "limits",
     "misfit": "travel_verdict",
     "moved_by_errors": "identifiable",
+    "on_second_record": "wording",
     "predictor_of": "next_measurements",
     "rate_state_laws": "rate_state",
     "restarts_text": "record_wording",

@@ -55,6 +55,7 @@ from stickslip.selection.sheet_tables import tables_of as tables_of
 from stickslip.selection.travel_verdict import TravelCandidate as TravelCandidate
 from stickslip.selection.travel_verdict import TravelVerdict as TravelVerdict
 from stickslip.selection.travel_verdict import misfit as misfit
+from stickslip.selection.travel_wording import DOUBT_NAMES as DOUBT_NAMES
 from stickslip.selection.travels import PLAIN as PLAIN
 from stickslip.selection.travels import select_travels as select_travels
 from stickslip.selection.verdict import Candidate as Candidate
@@ -64,6 +65,7 @@ from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
 from stickslip.selection.wording import friction_of as friction_of
 from stickslip.selection.wording import in_sentence as in_sentence
+from stickslip.selection.wording import on_second_record as on_second_record
 
 __all__ = [
     "Candidate",

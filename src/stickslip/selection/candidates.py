@@ -1,7 +1,7 @@
 """Which laws a measurement is compared with, and how their comparison is watched."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TypeAlias
 
 from stickslip.errors import InputError
@@ -69,10 +69,21 @@ def specifications(
             specification(one) if isinstance(one, str) else CandidateSpec.of(one.name, one)
             for one in laws
         ]
-    if not found:
-        raise InputError("no friction law was given: name at least one in `laws`.")
+    check_any(found)
     check_apart([one.name for one in found])
     return tuple(found)
+
+
+def check_any(laws: Collection[object]) -> None:
+    """Refuse to compare no laws at all.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if not laws:
+        raise InputError("no friction law was given: name at least one in `laws`.")
 
 
 def check_apart(names: Sequence[str]) -> None:

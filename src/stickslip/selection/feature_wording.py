@@ -28,11 +28,13 @@ from stickslip.selection.verdict import Wording, score_text
 from stickslip.selection.wording import (
     CORRECT_FIRST,
     NOT_DISTINGUISHED,
+    ONE_LAW,
     UNMEASURED,
     friction_of,
     held_out_text,
     in_sentence,
     not_distinguished,
+    to_predict,
 )
 
 __all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
@@ -137,7 +139,7 @@ def _verdict(
     if mass is not None:
         name += f" with an effective mass of {mass.plus_minus}"
     if best.doubt:
-        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
+        return to_predict(name, best.doubt)
     if equal:
         titles = [one.title for one in equal]
         return f"Use {name}; {not_distinguished(titles, 'these features')}."
@@ -262,7 +264,7 @@ def _motion(predicted: Mapping[str, float]) -> str:
 
 def _no_score(ordered: Sequence[FeatureCandidate], equal: Sequence[FeatureCandidate]) -> str:
     if len(ordered) < 2:
-        return "No ranking: one law was tried."
+        return ONE_LAW
     if not equal:
         return ""
     return (

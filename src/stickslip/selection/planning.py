@@ -44,6 +44,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import Quantity, fields_of, parameters, vary
 from stickslip.selection.admissibility import limit_of
+from stickslip.selection.candidates import check_any
 from stickslip.selection.design.discriminating_settings import (
     Separation,
     knob_of,
@@ -420,8 +421,7 @@ def _candidates(
         kind = law_type(one) if isinstance(one, str) else one
         law = _ordinary(mechanism, kind, t_end) if isinstance(kind, type) else kind
         found[law.name] = law
-    if not found:
-        raise InputError("no friction law was given: name at least one in `laws`.")
+    check_any(found)
     return found
 
 
@@ -482,9 +482,14 @@ def _levelled(
             found[name] = fit_trials(law, trials, free=payable(law, trials)[:1], t_end=t_end).law
         except (ConvergenceError, InputError) as error:
             remarks.append(f"{law.title} friction was left out: {error}")
-    if not found:
-        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
+    _check_planned(found, remarks)
     return {name: found[name] for name in laws if name in found}, remarks
+
+
+def _check_planned(laws: Mapping[str, FrictionLaw], remarks: Sequence[str]) -> None:
+    """Refuse to plan for no law, with why each was left out."""
+    if not laws:
+        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
 
 
 def _why_none(mechanism: Mechanism, law: FrictionLaw, t_end: float, error: float) -> str:
@@ -618,8 +623,7 @@ def _stopping(
         value, said = reasons.popitem()
         at = quantity(value, unit, degrees=True)
         remarks.append(f"{law.title} friction was left out: with {words_of(path)} {at}, {said}")
-    if not found:
-        raise InputError(f"no law can be planned for. {' '.join(remarks)}")
+    _check_planned(found, remarks)
     return found, remarks
 
 

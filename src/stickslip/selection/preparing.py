@@ -16,8 +16,7 @@ PLAIN = {
     "amplitude": "Measure the force with the sensor that will record it, to {needed}.",
     "duration": "Determine the push from a record of its force, to {needed}.",
     "incline": "Measure the rise of the track over its length, or its angle, to {needed}.",
-    "lower_stop": "Measure where the stop is, to {needed}.",
-    "upper_stop": "Measure where the stop is, to {needed}.",
+    **dict.fromkeys(("lower_stop", "upper_stop"), "Measure where the stop is, to {needed}."),
 }
 """How to measure a parameter, by its last name, where nothing has to be computed for it."""
 LIFTED = 20.0

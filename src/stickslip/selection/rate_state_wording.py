@@ -10,6 +10,7 @@ from stickslip.formatting import Scale, capital, joined, quantity, ratio, signif
 from stickslip.identification import RateStateFit
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate
 from stickslip.selection.verdict import Wording, score_text
+from stickslip.selection.wording import ONE_LAW
 
 __all__ = ["outcomes", "rate_state_wording", "score_of"]
 
@@ -290,7 +291,7 @@ def _measure_next(
 
 def _no_score(ordered: Sequence[RateStateCandidate], rival: RateStateCandidate | None) -> str:
     if len(ordered) < 2:
-        return "No ranking: one law was tried."
+        return ONE_LAW
     if rival is None:
         return ""
     return (

@@ -33,6 +33,8 @@ from stickslip.selection.wording import (
     held_out_text,
     in_sentence,
     not_distinguished,
+    on_second_record,
+    to_predict,
 )
 
 __all__ = [
@@ -256,7 +258,7 @@ def _verdict(
     if apart:
         return f"{capital(name)} predicts best, but the two halves of the record disagree: {apart}."
     if best.doubt:
-        return f"Use {name} to predict, but not all of its parameters are identified: {best.doubt}."
+        return to_predict(name, best.doubt)
     if equal:
         return f"Use {name}; {_not_distinguished(equal)}."
     return f"Use {name}."
@@ -365,7 +367,7 @@ def _second_text(
     """Return the error on the second record, and whether the choice holds there."""
     assert best.fit is not None
     own, other = _second_errors(_scale(candidates, best.fit), on_second)
-    text = f"On the second record: {own}"
+    text = on_second_record(own)
     if SEVERAL <= on_second.ratio < math.inf:
         text += (
             f", {number(on_second.ratio, 2)} times the held-out error; expect errors of this size"

@@ -171,13 +171,14 @@ def _tie(
     else:
         rest = "No other model does."
     force = _mean_force(best)
+    first = f"{_with_estimates(best)} explains the measurement. {rest}"
     if not others:
         return (
-            f"{_with_estimates(best)} explains the measurement. {rest}",
+            first,
             f"One travel determines one number, the mean friction force of {quantity(force, 'N')}.",
         )
     return (
-        f"{_with_estimates(best)} explains the measurement. {rest}",
+        first,
         f"One travel determines one number, the mean friction force of {quantity(force, 'N')}; it"
         f" cannot distinguish friction models. {best.title} is named because it needs the fewest"
         " assumptions, not because it fits better.",

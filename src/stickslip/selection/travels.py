@@ -24,7 +24,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 from stickslip.selection.admissibility import chosen, mark_passed_over
-from stickslip.selection.candidates import Watch, check_apart
+from stickslip.selection.candidates import Watch, check_any, check_apart
 from stickslip.selection.contradictions import Contradiction, closest_of, contradiction
 from stickslip.selection.design.discriminating_settings import (
     Proposal,
@@ -115,8 +115,7 @@ def select_travels(
     if isinstance(laws, Mapping) and not laws:
         laws = None  # a rig file without friction values: the command tries the usual laws too
     named = _named(laws)
-    if not named:
-        raise InputError("no friction law was given: name at least one in `laws`.")
+    check_any(named)
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
     compile_for(trials, named.values(), progress=_compiling(progress))

@@ -8,11 +8,14 @@ from stickslip.selection.verdict import score_text
 __all__ = [
     "CORRECT_FIRST",
     "NOT_DISTINGUISHED",
+    "ONE_LAW",
     "UNMEASURED",
     "friction_of",
     "held_out_text",
     "in_sentence",
     "not_distinguished",
+    "on_second_record",
+    "to_predict",
 ]
 
 MOST = 3
@@ -23,6 +26,8 @@ NOT_DISTINGUISHED = "not distinguished"
 """Outcome of a candidate as good as the chosen one."""
 CORRECT_FIRST = "First correct the record: "
 """Before the sentence of a warning about the record."""
+ONE_LAW = "No ranking: one law was tried."
+"""Where the candidates would be ranked."""
 UNMEASURED = "Friction at speeds, loads and temperatures outside those measured."
 """What no verdict can tell."""
 
@@ -106,3 +111,31 @@ def held_out_text(scale: Scale, score: float | None, error: float | None, scored
     """
     text = " ".join(score_text(scale, score, error)).strip()
     return f"Held-out error: {with_unit(text, scale.unit)} ({scored})."
+
+
+def to_predict(name: str, doubt: str) -> str:
+    """Return the verdict on a law that predicts, although some of its parameters are open.
+
+    Parameters
+    ----------
+    name : str
+        Friction of the law.
+    doubt : str
+        Which parameters, and why.
+
+    Returns
+    -------
+    str
+        The sentence.
+
+    Examples
+    --------
+    >>> to_predict("LuGre friction", "$sigma_1$ is bounded on one side only")
+    'Use LuGre friction to predict, but not all of its parameters are identified: $sigma_1$ ...'
+    """
+    return f"Use {name} to predict, but not all of its parameters are identified: {doubt}."
+
+
+def on_second_record(error: str) -> str:
+    """Return the clause of the error on a second record."""
+    return f"On the second record: {error}"

@@ -200,11 +200,34 @@ def _quantities(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model) -> 
     return known
 
 
-def _numbers(path: str, values: ArrayLike) -> Array:
+def as_numbers(path: str, values: ArrayLike) -> Array:
+    """Return values of a parameter as an array.
+
+    Parameters
+    ----------
+    path : str
+        Full path of the parameter, for the message.
+    values : array_like
+        What was given.
+
+    Returns
+    -------
+    ndarray
+        Its numbers, of whatever shape.
+
+    Raises
+    ------
+    InputError
+        If they are no numbers.
+    """
     try:
-        array = np.asarray(values, dtype=np.float64)
+        return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(f"{path} must be an array of numbers, got {values!r}.") from None
+
+
+def _numbers(path: str, values: ArrayLike) -> Array:
+    array = as_numbers(path, values)
     if array.ndim > 1:
         raise InputError(f"{path} must be an array (n,), got one of {array.shape}.")
     return array

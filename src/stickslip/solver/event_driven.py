@@ -93,9 +93,10 @@ class EventDriven(Solver):
     """Whether to run once more with half the tolerance, and to put the difference into the
     certificate: errors that the tolerance controls are of its size."""
     tier: Tier = "auto"
-    """``"python"`` runs at once; ``"compiled"`` waits some seconds for numba the first time and is
-    then a hundred times faster; ``"auto"`` takes what this process has compiled already, and
-    compiles once its plain runs of the same equations have taken as long as that would."""
+    """``"python"`` runs at once; ``"compiled"`` waits for numba, half a minute the first time on a
+    machine and a second or two for further equations, and is then a hundred times faster;
+    ``"auto"`` takes what this process has compiled already, and compiles once its plain runs of the
+    same equations have taken as long as that would."""
 
     @override
     def __post_init__(self) -> None:

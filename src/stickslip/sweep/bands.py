@@ -16,6 +16,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, slip_names
 from stickslip.simulation import ensemble
 from stickslip.solver import EventDriven, Samples
+from stickslip.trajectory import completed
 
 __all__ = ["Band", "Spread", "band_of"]
 
@@ -96,7 +97,7 @@ class Band(OnAxes):
         ]
         lasted = self.count - self.ended_early
         return Summary(
-            sentence=f"{lasted} of {self.count} runs were completed.",
+            sentence=completed(lasted, self.count),
             head=("", "2.5 %", "median", "97.5 %", "unit"),
             rows=rows,
         )

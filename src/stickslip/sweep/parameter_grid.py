@@ -12,7 +12,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, bristles_of
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
-from stickslip.solver import EventDriven
+from stickslip.solver import EventDriven, as_numbers
 
 __all__ = [
     "Array",
@@ -100,10 +100,7 @@ def axis_of(
     for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
         known += [found for found, _, _ in parameters(root, prefix)]
     full = full_path(path, known)
-    try:
-        array = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise InputError(f"{full} must be an array of numbers, got {values!r}.") from None
+    array = np.atleast_1d(as_numbers(full, values))
     if array.ndim > 1 or not array.size or not np.isfinite(array).all():
         raise InputError(f"{full} must be an array (n,) of finite numbers, got {values!r}.")
     return full, array

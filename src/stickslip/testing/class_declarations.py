@@ -5,12 +5,13 @@ import dataclasses
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
 
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.testing.report import Suite
 
 __all__ = [
     "declared",
@@ -19,9 +20,39 @@ __all__ = [
     "kebab_case",
     "parameters_checked",
     "quantities_declared",
+    "suite",
 ]
 
+Case = TypeVar("Case")
+
 _KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+
+
+def suite(of: Callable[[Case], Parametrised], declares: str, names: Sequence[str]) -> Suite[Case]:
+    """Return the checks of this module, of the law or mechanism of a case.
+
+    Parameters
+    ----------
+    of : callable
+        Returns the law or mechanism of a case.
+    declares : str
+        What it should declare, as the name of that check.
+    names : sequence of str
+        Class attributes that this takes.
+
+    Returns
+    -------
+    Suite
+        Checks by what should be.
+    """
+    return {
+        "its name is in kebab case": lambda case: kebab_case(of(case)),
+        declares: lambda case: declared(of(case), names),
+        "it is a frozen, keyword-only dataclass": lambda case: frozen(of(case)),
+        "every number is a declared quantity": lambda case: quantities_declared(of(case)),
+        "every quantity is documented": lambda case: explained(of(case)),
+        "parameters are checked": lambda case: parameters_checked(of(case)),
+    }
 
 
 def kebab_case(one: Any) -> Iterator[str]:

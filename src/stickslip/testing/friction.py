@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.formatting import number
-from stickslip.formulation import formulate
 from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.mechanisms import Axis
 from stickslip.quantities import fields_of
@@ -236,22 +235,12 @@ def _certified(case: _Case) -> Iterator[str]:
         yield from run.certificate.problems
 
 
-def _derived(case: _Case) -> Iterator[str]:
-    formulate(case.rig, case.law)
-    yield from ()
+def _law(case: _Case) -> FrictionLaw:
+    return case.law
 
 
 FIRST: Suite[_Case] = {
-    "its name is in kebab case": lambda case: class_declarations.kebab_case(case.law),
-    "it declares its name, title, formula and sources": lambda case: class_declarations.declared(
-        case.law, TOLD
-    ),
-    "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(case.law),
-    "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
-        case.law
-    ),
-    "every quantity is documented": lambda case: class_declarations.explained(case.law),
-    "parameters are checked": lambda case: class_declarations.parameters_checked(case.law),
+    **class_declarations.suite(_law, "it declares its name, title, formula and sources", TOLD),
     "the fit order names parameters of the law": _fit_order,
     "fitted parameters have ranges": _ranges,
     "friction opposes slip": _opposes,
@@ -259,21 +248,19 @@ FIRST: Suite[_Case] = {
     "break-away and sliding agree": _breaks_away,
     "friction is odd in velocity unless declared directional": _odd,
     "arrays and scalars give the same forces": _arrays,
-    "its equations can be derived": _derived,
+    generated_equations.DERIVED: lambda case: generated_equations.derived(case.rig, case.law),
 }
 THEN: Suite[_Case] = {
     "the generated equations agree with the law": _traced,
     "friction never increases the energy": _dissipates,
-    "runs satisfy the energy balance": _certified,
-    "equations are finite at the end of slip": lambda case: generated_equations.finite_near_rest(
+    generated_equations.BALANCED: _certified,
+    generated_equations.FINITE: lambda case: generated_equations.finite_near_rest(
         case.rig, case.law, ({}, {"x": 0.1})
     ),
     generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.rig, case.law, {"v": case.speed}, case.t_end
     ),
-    "sensitivities agree with finite differences": lambda case: (
-        generated_equations.sensitivities_hold(
-            case.rig, case.law, case.law, {"v": case.speed}, case.t_end
-        )
+    generated_equations.DERIVATIVES: lambda case: generated_equations.sensitivities_hold(
+        case.rig, case.law, case.law, {"v": case.speed}, case.t_end
     ),
 }

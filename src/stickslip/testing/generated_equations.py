@@ -16,7 +16,12 @@ from stickslip.solver import Equations, EventDriven, gather
 from stickslip.trajectory import Trajectory
 
 __all__ = [
+    "BALANCED",
+    "DERIVATIVES",
+    "DERIVED",
+    "FINITE",
     "TIERS",
+    "derived",
     "finite_near_rest",
     "generated",
     "reach",
@@ -26,6 +31,10 @@ __all__ = [
     "vector",
 ]
 
+DERIVED = "its equations can be derived"
+BALANCED = "runs satisfy the energy balance"
+FINITE = "equations are finite at the end of slip"
+DERIVATIVES = "sensitivities agree with finite differences"
 TIERS = "compiled and interpreted runs agree bit for bit"
 """The check that compiles."""
 NEAR_REST = (0.0, -1e-4)
@@ -54,6 +63,25 @@ def generated(mechanism: Mechanism, law: FrictionLaw) -> Equations:
     """
     model = formulate(mechanism, law)
     return Equations(model, gather(mechanism, law, model, 0.0))
+
+
+def derived(mechanism: Mechanism, law: FrictionLaw) -> Iterator[str]:
+    """Yield nothing; raise what keeps the equations from being derived.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contact.
+
+    Yields
+    ------
+    str
+        A finding in words.
+    """
+    formulate(mechanism, law)
+    yield from ()
 
 
 def rest_of(mechanism: Mechanism) -> str:

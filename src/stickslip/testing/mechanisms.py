@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Drive
 from stickslip.formatting import number
-from stickslip.formulation import formulate
 from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.mechanisms import MatrixMechanism, Mechanism
 from stickslip.quantities import Parametrised
@@ -268,41 +267,31 @@ def _mirrored(case: _Case) -> Iterator[str]:
                 )
 
 
-def _derived(case: _Case) -> Iterator[str]:
-    formulate(case.mechanism, case.law)
-    yield from ()
+def _mechanism(case: _Case) -> Mechanism:
+    return case.mechanism
 
 
 FIRST: Suite[_Case] = {
-    "its name is in kebab case": lambda case: class_declarations.kebab_case(case.mechanism),
-    "it declares its states": lambda case: class_declarations.declared(
-        case.mechanism, ("name", "coordinates", "rates", "units")
+    **class_declarations.suite(
+        _mechanism, "it declares its states", ("name", "coordinates", "rates", "units")
     ),
-    "it is a frozen, keyword-only dataclass": lambda case: class_declarations.frozen(
-        case.mechanism
-    ),
-    "every number is a declared quantity": lambda case: class_declarations.quantities_declared(
-        case.mechanism
-    ),
-    "every quantity is documented": lambda case: class_declarations.explained(case.mechanism),
-    "parameters are checked": lambda case: class_declarations.parameters_checked(case.mechanism),
     "every coordinate has one rate and one unit": _lengths,
     "contacts name coordinates": _contacts,
     "drives are named and are fields": _drives,
     "its initial state consists of states": _start,
     "its kinetic energy is positive and quadratic in the rates": _quadratic,
     "its mass matrix is symmetric and positive definite": _symmetric,
-    "its equations can be derived": _derived,
+    generated_equations.DERIVED: lambda case: generated_equations.derived(case.mechanism, case.law),
 }
 THEN: Suite[_Case] = {
     "centrifugal and Coriolis forces do no work": _gyroscopic,
-    "runs satisfy the energy balance": _balanced,
-    "equations are finite at the end of slip": lambda case: generated_equations.finite_near_rest(
+    generated_equations.BALANCED: _balanced,
+    generated_equations.FINITE: lambda case: generated_equations.finite_near_rest(
         case.mechanism, case.law, [dict(case.mechanism.start()) | dict(s) for s in case.starts]
     ),
     generated_equations.TIERS: lambda case: generated_equations.same_in_both_tiers(
         case.mechanism, case.law, case.starts[-1], case.t_end
     ),
-    "sensitivities agree with finite differences": _sensitivities,
+    generated_equations.DERIVATIVES: _sensitivities,
     "mirrored initial states give mirrored runs": _mirrored,
 }

@@ -15,7 +15,7 @@ from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
 from stickslip.experiments.units import shown
 
-__all__ = ["culprit", "grouped", "read_text"]
+__all__ = ["ambiguous", "culprit", "grouped", "read_text"]
 
 HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
@@ -35,6 +35,24 @@ _GROUPED: Final = re.compile(
 _THOUSANDS: Final = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
 """A number with a comma that may stand between thousands or before decimals."""
 _WORDS: Final = {"", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false"}
+
+
+def ambiguous(file: str | Path, name: str) -> InputError:
+    """Return the error of a table in which two columns have one name.
+
+    Parameters
+    ----------
+    file : str or Path
+        The file.
+    name : str
+        The name.
+
+    Returns
+    -------
+    InputError
+        The error, to be raised.
+    """
+    return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
 def read_text(path: Path) -> tuple[pd.DataFrame, int]:
@@ -60,7 +78,7 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
     _check_table(path, names, sample, separator)
     twice = [name for name in names if names.count(name) > 1 and name.strip()]
     if twice:
-        raise InputError(f"{path}: two columns are named {shown(twice[0])}. Rename one of them.")
+        raise ambiguous(path, twice[0])
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
     try:
         with warnings.catch_warnings():

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.readers.csv_reader import culprit, grouped, read_text
+from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
 from stickslip.experiments.readers.matlab import read_mat
 from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.toml import check_file
@@ -266,7 +266,7 @@ def _named(
         match = _HEADER.fullmatch(header)
         name, unit = (match["name"], match["unit"]) if match else (header, None)
         if name in names:
-            raise InputError(f"{file}: two columns are named {name!r}. Rename one of them.")
+            raise ambiguous(file, name)
         names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)

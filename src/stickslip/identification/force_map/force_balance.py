@@ -35,6 +35,7 @@ from stickslip.identification.series.inverse_dynamics import (
     known_forces,
     mass_of,
     positions_of,
+    times_of,
 )
 from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
@@ -134,10 +135,9 @@ def balanced(
     check_loads(measurement)
     found: list[MotionSegment] = []
     for number, record in enumerate(measurement.records()):
-        if not isinstance(record.time, np.ndarray):
-            raise InputError("inverse dynamics needs the motion in time.")
+        t = times_of(record)
         set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
-        length = float(np.ptp(record.time)) / SEGMENTS if segment is None else segment
+        length = float(np.ptp(t)) / SEGMENTS if segment is None else segment
         for piece in between_gaps(record):
             if np.asarray(piece.time).size >= LEAST:
                 one = _stretch(set_up, piece, hold, samples, slipping=slipping, wider=wider)

@@ -34,7 +34,13 @@ from stickslip.identification.rate_state.result import (
     result_of,
 )
 from stickslip.identification.settings import RecordSettings
-from stickslip.identification.validation import LAW, Parameters, arguments, check_given
+from stickslip.identification.validation import (
+    LAW,
+    Parameters,
+    arguments,
+    check_given,
+    check_varied,
+)
 from stickslip.mechanisms import Mechanism, TowedBlock
 
 __all__ = ["STARTS", "Drift", "fit_rate_state", "form_of", "with_profile"]
@@ -275,8 +281,7 @@ def _asked(
         held[STIFFNESS] = block.stiffness
     if form is RATE_STATE_FORMS["constant-coefficient"]:  # the load point drags it along
         held |= {PATHS[0]: 0.0, STIFFNESS: block.stiffness}
-    if not free and STIFFNESS in held:
-        raise InputError("there is nothing to fit: name at least one parameter in vary.")
+    check_varied(bool(free) or STIFFNESS not in held)
     given = {path: value for path, value in own.items() if path in free}
     return _Asked(
         block=block,

@@ -32,6 +32,7 @@ from stickslip.identification.series.start_values import (
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
+from stickslip.identification.validation import check_varied
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
@@ -201,8 +202,7 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
     start, items, further = law_unknowns(wanted.law, scales, wanted.free, wanted.known)
     own = mechanism_unknowns(mechanism, start, wanted.unknown, scales, wanted.held)
     free_parameters = joined(start, [*items, *own])
-    if not len(free_parameters):
-        raise InputError("there is nothing to fit: name at least one parameter in vary.")
+    check_varied(len(free_parameters))
     _refuse_overrides(under_load, free_parameters)
 
     if scales.nominal is not None:

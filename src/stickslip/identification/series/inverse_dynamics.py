@@ -25,6 +25,7 @@ __all__ = [
     "known_forces",
     "mass_of",
     "positions_of",
+    "times_of",
 ]
 
 Array = NDArray[np.float64]
@@ -198,10 +199,22 @@ def check_is_mass(names: Iterable[str]) -> None:
             raise InputError(f"inverse dynamics identifies the mass of a mechanism, not {name!r}.")
 
 
-def _pieces(record: Measurement) -> list[Measurement]:
-    """Return what lies between the gaps of a record and is long enough to be filtered."""
+def times_of(record: Measurement) -> Array:
+    """Return the times (n,) of a record [s].
+
+    Raises
+    ------
+    InputError
+        If it has none, as a measured travel.
+    """
     if not isinstance(record.time, np.ndarray):
         raise InputError("inverse dynamics needs the motion in time.")
+    return record.time
+
+
+def _pieces(record: Measurement) -> list[Measurement]:
+    """Return what lies between the gaps of a record and is long enough to be filtered."""
+    times_of(record)
     pieces = between_gaps(record)
     sizes = [np.asarray(piece.time).size for piece in pieces]
     found = [piece for piece, size in zip(pieces, sizes, strict=True) if size >= LEAST]

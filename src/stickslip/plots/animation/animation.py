@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from stickslip.documents import unwritable
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.plots.animation.animation_frame import Stage, moments_of
@@ -164,7 +165,7 @@ def animate(
             return None
         beside.replace(path)
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
+        raise unwritable(path, error) from error
     finally:
         beside.unlink(missing_ok=True)
     return path

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stickslip.errors import InputError
 from stickslip.mechanisms import Mechanism
+from stickslip.simulation import no_mechanism
 from stickslip.trajectory import Trajectory
 
 __all__ = ["check_scene", "check_size", "check_type", "file_of", "number"]
@@ -41,7 +42,7 @@ def check_scene(run: object, mechanism: object, scene: object = None) -> None:
     if not isinstance(run, Trajectory):
         raise InputError(f"run must be a Trajectory such as simulate returns, got {run!r}.")
     if not isinstance(mechanism, Mechanism):
-        raise InputError(f"mechanism must be a Mechanism such as SpringBlock, got {mechanism!r}.")
+        raise no_mechanism(mechanism)
     if scene is not None and not callable(scene):
         raise InputError(
             f"scene must be a function of mechanism and run that gives a Picture, got {scene!r}."

@@ -8,8 +8,20 @@ from typing import Final, Literal, NamedTuple, TypeAlias, final
 from stickslip.errors import InputError
 from stickslip.formatting import Scale, number
 
-__all__ = ["Axis", "Colour", "Mark", "RowPlot", "Shape", "Tick", "error_axis", "error_plot"]
+__all__ = [
+    "ERRORS",
+    "Axis",
+    "Colour",
+    "Mark",
+    "RowPlot",
+    "Shape",
+    "Tick",
+    "error_axis",
+    "error_plot",
+]
 
+ERRORS: Final = "dot: error; bar: ± 1 s.e."
+"""Caption of an axis of errors."""
 Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
 """A colour by its meaning; the style sheet says which it is in light, dark and print."""
 
@@ -343,12 +355,11 @@ def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
     if len(scores) < 2:
         return None
     low, high = min(scores), max(scores)
-    caption = "dot: error; bar: ± 1 s.e."
     if high > _WIDEST * low:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         ticks = tuple(10.0**power for power in powers)
         shown = ticks[:: 1 + len(ticks) // 6]
-        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=caption)
+        return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=ERRORS)
     power = 10.0 ** math.floor(math.log10(high))
     top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)

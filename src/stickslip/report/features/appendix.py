@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 
-from stickslip.formatting import estimate, in_words, number, percent, quantity
+from stickslip.formatting import estimate, number, percent, quantity
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.headings import checks_heading
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.features.texts import typeset_lines
@@ -21,10 +22,7 @@ def record_section(verdict: FeatureVerdict) -> Section:
         items.append(KeyValue(key="Feature", value=line, mark="warn"))
     items += check_items(verdict.checks)
     warned = sum(item.mark != "none" for item in items)
-    heading = "The record: no warnings from its checks"
-    if warned:
-        noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record: {in_words(warned)} {noun} from its features and checks"
+    heading = checks_heading(warned, "its features and checks")
     block = KeyValues(items=tuple(items))
     return Section(id="record", nav="Record and checks", heading=heading, blocks=(block,))
 

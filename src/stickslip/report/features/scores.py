@@ -6,8 +6,9 @@ from stickslip.formatting import estimate_text, in_words, number, percent, quant
 from stickslip.identification import COMPARED, QUANTILE, FeatureFit
 from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
 from stickslip.report.core.documents import Section
+from stickslip.report.core.headings import identified_heading
 from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
+from stickslip.report.core.sparklines import ERRORS, Axis, Colour, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.features.texts import (
     UNITS,
@@ -109,7 +110,7 @@ def _axis(rows: list[FeatureCandidate]) -> Axis:
     high = max(ends, default=1.0) or 1.0
     power = 10.0 ** math.floor(math.log10(high))
     top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption="dot: error; bar: ± 1 s.e.")
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)
 
 
 def _features(fit: FeatureFit) -> Table:
@@ -164,7 +165,7 @@ def parameters_section(verdict: FeatureVerdict) -> Section | None:
         blocks += [Subheading(text="Remarks"), KeyValues(items=items)]
     open_ended = sum(not e.bounded for e in fit.estimates)
     heading = (
-        f"All {in_words(len(fit.estimates))} parameters are identified"
+        identified_heading(len(fit.estimates))
         if not open_ended
         else f"{in_words(open_ended).capitalize()} of {in_words(len(fit.estimates))} parameters"
         " not identified by the features"

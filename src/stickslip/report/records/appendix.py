@@ -10,8 +10,10 @@ from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, spee
 from stickslip.report.core.blocks import Block, Figure, KeyValues
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import Section
+from stickslip.report.core.headings import checks_heading
 from stickslip.report.core.markup import typeset
 from stickslip.report.core.tables import Column, Number, Row, Table
+from stickslip.report.records.scores import error_column
 from stickslip.report.records.texts import symbols_of
 from stickslip.selection import Experiment, RecordCandidate, RecordVerdict, score_text
 
@@ -39,7 +41,7 @@ def dropped_section(verdict: RecordVerdict) -> Section | None:
         rows.append(Row(cells=cells, muted=True))
     columns = (
         Column(head="candidate"),
-        Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
+        error_column(scale),
         Column(head="estimates"),
         Column(head="reason", phone="label", label="rule:"),
     )
@@ -84,10 +86,7 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     if not blocks:
         return None
     warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
-    heading = "The record: no warnings from its checks"
-    if warned:
-        noun = "warning" if warned == 1 else "warnings"
-        heading = f"The record: {in_words(warned)} {noun} from its checks"
+    heading = checks_heading(warned)
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 

@@ -10,6 +10,7 @@ from stickslip.formatting import in_words, number, percent, quantity, ratio, res
 from stickslip.identification import SEPARABLE, RecordFit
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
+from stickslip.report.core.headings import CERTIFICATE
 from stickslip.report.records.scores import picks_text
 from stickslip.selection import RecordVerdict, restarts_text
 
@@ -47,7 +48,7 @@ def certificate_section(verdict: RecordVerdict) -> Section | None:
     return Section(
         id="certificate",
         nav="Certificate",
-        heading="Certificate of the computation",
+        heading=CERTIFICATE,
         blocks=(KeyValues(items=tuple(items)),),
     )
 

@@ -16,6 +16,7 @@ from stickslip.identification import (
 )
 from stickslip.report.core.blocks import Block, Columns, KeyValue, KeyValues, Math, Subheading
 from stickslip.report.core.documents import Section
+from stickslip.report.core.headings import identified_heading
 from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
@@ -51,11 +52,7 @@ def _heading(fit: RecordFit) -> str:
     open_ended = [e for e in fit.estimates if not e.bounded]
     count = len(fit.estimates)
     if not open_ended:
-        if count == 1:
-            return "The parameter is identified"
-        if count == 2:
-            return "Both parameters are identified"
-        return f"All {in_words(count)} parameters are identified"
+        return identified_heading(count)
     verb = "is" if len(open_ended) == 1 else "are"
     return (
         f"{in_words(len(open_ended)).capitalize()} of {in_words(count)} parameters {verb} not"

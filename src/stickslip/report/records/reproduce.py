@@ -65,9 +65,14 @@ def python_lines(verdict: RecordVerdict) -> str:
     parts += _asked(verdict)
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
-    lines = [f">>> from stickslip import {', '.join(names)}", ">>> verdict = select("]
+    lines = [_imported(*names), ">>> verdict = select("]
     lines += [f"...     {part}," for part in parts]
     return "\n".join([*lines, "... )"])
+
+
+def _imported(*names: str) -> str:
+    """Return the line of Python that imports public names."""
+    return f">>> from stickslip import {', '.join(names)}"
 
 
 def _built(mechanism: Mechanism) -> str:
@@ -138,7 +143,7 @@ def _data(verdict: RecordVerdict) -> list[KeyValue]:
 def _as_code(law: FrictionLaw) -> str:
     """Return the fitted law as one would write it."""
     kind = type(law).__name__
-    lines = [f">>> from stickslip import {kind}", f">>> law = {kind}("]
+    lines = [_imported(kind), f">>> law = {kind}("]
     for name in fields_of(type(law)):
         value = getattr(law, name)
         if value is not None:

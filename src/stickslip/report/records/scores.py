@@ -21,7 +21,7 @@ from stickslip.selection import (
     score_text,
 )
 
-__all__ = ["picks_text", "scores_section"]
+__all__ = ["error_column", "picks_text", "scores_section"]
 
 NAMES: Final = {
     "held-out blocks": "held-out error",
@@ -45,7 +45,7 @@ def scores_section(verdict: RecordVerdict) -> Section:
     columns = (
         Column(head="model"),
         Column(head="free\nparameters", numeric=True, phone="hide"),
-        Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True),
+        error_column(scale),
         *([Column(head="", axis=axis)] if axis else []),
         *([_last_column(scale)] if verdict.plan.length else []),
         *([_second_column(scale)] if second else []),
@@ -58,6 +58,11 @@ def scores_section(verdict: RecordVerdict) -> Section:
     )
     blocks = (Paragraph(text=_how(verdict)), table)
     return Section(id="scores", nav="Scores", heading=heading, blocks=blocks)
+
+
+def error_column(scale: Scale) -> Column:
+    """Return the column of held-out errors."""
+    return Column(head=f"held-out error\n{scale.unit}, ± 1 s.e.", numeric=True)
 
 
 def _last_column(scale: Scale) -> Column:

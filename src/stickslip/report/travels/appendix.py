@@ -16,6 +16,7 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.certificates import evidence
 from stickslip.report.core.documents import Origin, Section
+from stickslip.report.core.headings import CERTIFICATE
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.travels.texts import (
@@ -170,7 +171,7 @@ def certificate_section(verdict: TravelVerdict) -> Section:
     return Section(
         id="certificate",
         nav="Certificate",
-        heading="Certificate of the computation",
+        heading=CERTIFICATE,
         blocks=(KeyValues(items=tuple(items)),),
     )
 

@@ -20,7 +20,7 @@ from stickslip.identification import Estimate
 from stickslip.plots import TRAVEL_SIZES, draw_travels, inline_svg
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.core.sparklines import Axis, Colour, Mark, RowPlot
+from stickslip.report.core.sparklines import ERRORS, Axis, Colour, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.travels.texts import (
     assumptions,
@@ -201,15 +201,14 @@ def _axis(verdict: TravelVerdict) -> Axis | None:
     if not verdict.ranked or not scores or max(scores) <= 0:
         return None
     low, high = max(min(scores), 1e-3 * max(scores)), max(scores)
-    caption = "dot: error; bar: ± 1 s.e."
     if high > 20 * low:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         ticks = tuple(10.0**power for power in powers)
-        return Axis(low=ticks[0], high=ticks[-1], ticks=ticks, log=True, caption=caption)
+        return Axis(low=ticks[0], high=ticks[-1], ticks=ticks, log=True, caption=ERRORS)
     errors = [factor * (c.score_error or 0.0) for c in verdict.candidates if c.score is not None]
     ends = (s + e for s, e in zip(scores, errors, strict=True) if math.isfinite(e))
     top = _rounded_up(max(chain([high], ends)))
-    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=caption)
+    return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)
 
 
 def _caption(verdict: TravelVerdict) -> str:

@@ -225,12 +225,10 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
     if large:
         return f"A fixed step of {quantity(min(large), 's')} is too large for this law"
-    if not rows:
-        return "Fixed steps and the exact run"
-    worst = max(rows, key=lambda row: row.reversals)
+    worst = max(rows, key=lambda row: row.reversals, default=None)
     exact = next((row.reversals for row in rows if row.dt is None), 0)
-    extra = worst.reversals - exact
-    if worst.dt is None or extra == 0:
+    extra = worst.reversals - exact if worst else 0
+    if worst is None or worst.dt is None or extra == 0:
         return "Fixed steps and the exact run"
     times = "once" if extra == 1 else f"{extra:,} times"
     rule = "" if worst.stick_rule else " without a stick rule"

@@ -8,7 +8,7 @@ from stickslip.report.travels.texts import (
     score_scale_of,
     travels,
 )
-from stickslip.selection import TravelCandidate, TravelVerdict, misfit, score_text
+from stickslip.selection import DOUBT_NAMES, TravelCandidate, TravelVerdict, misfit, score_text
 
 __all__ = ["opening_section"]
 
@@ -62,10 +62,8 @@ def _estimate(best: TravelCandidate) -> Fact | None:
     estimate = best.fit.estimates[0]
     value = within(estimate.value, estimate.low, estimate.high)
     what = f"${estimate.quantity.symbol}$ for {best.title}; the range is the "
-    doubt = {
-        "rounding range": "rounding of the measurement",
-        "stated interval": "interval stated with the measurement",
-    }.get(estimate.interval, f"{estimate.interval} interval")
+    names = {**DOUBT_NAMES, "stated interval": "interval stated with the measurement"}
+    doubt = names.get(estimate.interval, f"{estimate.interval} interval")
     return Fact(
         value=with_unit(value, estimate.quantity.unit),
         aside=estimate_range(estimate) if estimate.bounded else "",

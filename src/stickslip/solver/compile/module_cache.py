@@ -45,7 +45,7 @@ HAS_MODES = os.name == "posix"
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
 LONGEST_WAIT = 600.0
-"""Waiting for another process that compiles a module [s]: kernels take some 20 s of processor time,
+"""Waiting for another process that compiles a module [s]: kernels take some 30 s of processor time,
 so that one which takes longer is taken to hang."""
 
 

@@ -26,9 +26,9 @@ class WarmUp:
     """What a warm-up did: machine code is kept by module, the kernels or equations of a pair."""
 
     kernels_compiled: int
-    """Shapes whose kernels were compiled."""
+    """Modules of kernels that were compiled: one serves all pairs, one more several contacts."""
     kernels_found: int
-    """Shapes whose kernels were there already."""
+    """Modules of kernels that were there already."""
     equations_compiled: int
     """Pairs whose equations were compiled."""
     equations_found: int
