@@ -1,8 +1,10 @@
 """Where inside a step a guard is first violated."""
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.enums import BACKWARD, FORWARD, LIFT_OFF, STOP
+from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST, LIFT_OFF, STOP
 from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
@@ -29,8 +31,10 @@ from stickslip.kernels.state_layout import (
 
 __all__ = [
     "NO_GUARD",
+    "coarseness",
     "first_violation",
     "guard_values",
+    "is_held",
     "note_least",
     "note_sizes",
     "reverses",
@@ -46,6 +50,18 @@ reverse with every rounding error.
 """
 GOLDEN = 0.6180339887498949
 """(sqrt(5) - 1) / 2: of two points that cut a bracket so, one does so in the next bracket too."""
+BARELY = 0.01
+"""Share of the next value below which a guard may well have turned between them."""
+RESOLVED = 1e-4
+"""Difference from a polynomial, over the largest value, at which samples show a guard's course."""
+ROUNDED = 1e-9
+"""Share of the largest value so far of which nothing is asked: it may be rounding."""
+AT_GOLDEN_0 = 0.023356649595636096
+AT_GOLDEN_1 = -0.15688989337595488
+AT_GOLDEN_2 = 0.7337820300563611
+AT_GOLDEN_3 = 0.43754306663301834
+AT_GOLDEN_4 = -0.037791852909060696
+"""Weights at `GOLDEN` of the polynomial through five values at even distances."""
 EPSILON_STEP = 2.220446049250313e-16
 """Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
 
@@ -178,6 +194,21 @@ def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whol
     return -1.0
 
 
+def turns(edge: float, near: float, far: float) -> bool:
+    """Whether a guard may fall below zero between the edge of a step and the sample next to it.
+
+    A step that was taken again to end just beyond an event has a shallow fall there. The parabola
+    through the three values turns between the first two; it falls below zero where `edge` is less
+    than half the square of its slope there over its curvature, and 2.5 times that leaves room for
+    what is no parabola. Very near to where it turns, the three values do not tell its slope.
+    """
+    slope = 0.5 * (4.0 * near - 3.0 * edge - far)
+    bend = edge - 2.0 * near + far
+    if 0.0 < edge < BARELY * near:
+        return True
+    return slope < 0.0 and 2.0 * edge * bend < 2.5 * slope * slope
+
+
 def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return the first point just past a fall of one guard among the samples.
 
@@ -201,11 +232,20 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
             return min(first, bisect(guard, low, s / SAMPLES, t, h, w, whole))
         if armed and s > 1:
             earlier = w[at + (s - 2) * n_guards]
+            if s == 2 and turns(earlier, before, value):
+                x = dip(guard, 0.0, 1.0 / SAMPLES, t, h, w, whole)
+                if x >= 0.0:
+                    return min(first, bisect(guard, 0.0, x, t, h, w, whole))
             # A minimum lies near `before`. The parabola through the three values falls below zero
             # only where 10 before < earlier + value; 4 leaves room for what is no parabola.
             if before <= value and before < earlier and 4.0 * before < earlier + value:
                 low = (s - 2) / SAMPLES
                 x = dip(guard, low, s / SAMPLES, t, h, w, whole)
+                if x >= 0.0:
+                    return min(first, bisect(guard, low, x, t, h, w, whole))
+            if s == SAMPLES and turns(value, before, earlier):
+                low = (s - 1) / SAMPLES
+                x = dip(guard, low, 1.0, t, h, w, whole)
                 if x >= 0.0:
                     return min(first, bisect(guard, low, x, t, h, w, whole))
         if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
@@ -256,6 +296,79 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
             best = guard
     w[FRACTION] = min(w[FRACTION], 1.0)
     return best
+
+
+def is_held(whole: Wholes) -> bool:
+    """Whether anything is held: its guards may change with time while no state does.
+
+    Reads: MODE.
+
+    Parameters
+    ----------
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether friction or a stop holds the body, or any coordinate of several contacts.
+    """
+    if whole[N_CONTACTS] == 0:
+        return abs(whole[MODE]) != 1
+    held = False
+    for i in range(whole[N_COORDINATES]):
+        held = held or whole[whole[MODES] + i] == HELD_FAST
+    return held
+
+
+def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
+    """Return how badly the samples of a step show the course of the guards; up to 1 they do.
+
+    Every other sample is compared with the polynomial through the rest, and so is one point that is
+    no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
+
+    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS.
+    Writes: POINT, VALUES, ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    t : float
+        Start of the step [s].
+    h : float
+        Its length [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Largest difference over the largest value of its guard and what is allowed.
+    """
+    n_guards, sampled, values = whole[N_GUARDS], whole[SAMPLED], whole[VALUES]
+    interpolate(w, whole, GOLDEN, whole[POINT])
+    guard_values(t + GOLDEN * h, w, whole, whole[POINT], values)
+    worst = 0.0
+    for guard in range(n_guards):
+        at = sampled + guard
+        a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
+        d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
+        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), ROUNDED * w[whole[REACHED] + guard])
+        other = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
+        difference = abs(other - 128.0 * w[at + n_guards])
+        other = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
+        difference = max(difference, abs(other - 128.0 * w[at + 3 * n_guards]))
+        other = 3.0 * a - 20.0 * b + 90.0 * c + 60.0 * d - 5.0 * e
+        difference = max(difference, abs(other - 128.0 * w[at + 5 * n_guards]))
+        other = -5.0 * a + 28.0 * b - 70.0 * c + 140.0 * d + 35.0 * e
+        difference = max(difference, abs(other - 128.0 * w[at + 7 * n_guards])) / 128.0
+        other = AT_GOLDEN_0 * a + AT_GOLDEN_1 * b + AT_GOLDEN_2 * c
+        other += AT_GOLDEN_3 * d + AT_GOLDEN_4 * e
+        difference = max(difference, abs(other - w[values + guard]))
+        if difference > worst * RESOLVED * size:
+            worst = difference / (RESOLVED * size) if size > 0.0 else math.inf
+    return worst
 
 
 def rises(guard: int, w: Vector, whole: Wholes) -> bool:

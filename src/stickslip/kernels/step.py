@@ -5,7 +5,15 @@ import math
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
-from stickslip.kernels.guard_roots import NO_GUARD, first_violation, note_sizes, reverses, rises
+from stickslip.kernels.guard_roots import (
+    NO_GUARD,
+    coarseness,
+    first_violation,
+    is_held,
+    note_sizes,
+    reverses,
+    rises,
+)
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
 from stickslip.kernels.model_interface import jacobian
@@ -126,6 +134,26 @@ def accepted_step(
         h = proposed
 
 
+def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a step should be taken again, 0 if its samples show the guards.
+
+    Nothing else keeps steps short where a body is held and only its load or the force on it change.
+    The next step is no longer than these guards allow.
+
+    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS.
+    Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
+    """
+    t = w[TIME]
+    coarse = coarseness(t, h, w, whole)
+    if coarse == 0.0:
+        return 0.0
+    good = h * max(0.1, 0.9 * math.pow(coarse, -0.2)) if coarse < math.inf else 0.1 * h
+    if coarse <= 1.0:
+        w[slot] = min(w[slot], good)
+        return 0.0
+    return good if t + good / 8.0 > t else 0.0
+
+
 def retry_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a step should be taken again, 0 if it stands.
 
@@ -215,7 +243,10 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
                 shorter = bounce_length(guard, h, w, whole)
         else:
             guard = first_violation(w[TIME], h, w, whole)
-            shorter = 0.0
+            shorter = finer(h, slot, w, whole) if is_held(whole) else 0.0
+            if shorter > 0.0:
+                w[slot] = shorter
+                continue
             if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
                 guard = doubted
                 w[FRACTION] = 0.0
