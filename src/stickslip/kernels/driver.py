@@ -8,7 +8,6 @@ from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.mode_transitions import (
-    STALL_LIMIT,
     count_event,
     handle_event,
     initial_mode,
@@ -31,9 +30,9 @@ from stickslip.kernels.state_layout import (
     LOWEST,
     MOST_EVENTS,
     N_CONTACTS,
-    N_COORDINATES,
     N_GUARDS,
     N_STATES,
+    N_SWITCHES,
     RHYTHM,
     ROW_COLUMNS,
     STATUS,
@@ -49,6 +48,9 @@ from stickslip.kernels.step_log import add_work, close_step, record
 from stickslip.kernels.stepper_selection import choose_stepper
 
 __all__ = ["run"]
+
+FEW_STALLS = 20
+"""Events at one instant that several contacts may have, beside those of each contact and switch."""
 
 
 def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
@@ -122,11 +124,12 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
+    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES]
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
         for i in range(EVENT_COLUMNS):
             events[at + i] = w[whole[CHANGES] + k * EVENT_COLUMNS + i]
-        count_event(t, whole, events, STALL_LIMIT + 4 * whole[N_COORDINATES])
+        count_event(t, whole, events, most)
 
 
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:

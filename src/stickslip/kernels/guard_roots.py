@@ -1,7 +1,5 @@
 """Where inside a step a guard is first violated."""
 
-import math
-
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST, LIFT_OFF, STOP
@@ -56,6 +54,8 @@ RESOLVED = 1e-4
 """Difference from a polynomial, over the largest value, at which samples show a guard's course."""
 ROUNDED = 1e-9
 """Share of the largest value so far of which nothing is asked: it may be rounding."""
+LEAST_SIZE = 1e-290
+"""Value below which quotients lose their digits."""
 AT_GOLDEN_0 = 0.023356649595636096
 AT_GOLDEN_1 = -0.15688989337595488
 AT_GOLDEN_2 = 0.7337820300563611
@@ -366,8 +366,8 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         other = AT_GOLDEN_0 * a + AT_GOLDEN_1 * b + AT_GOLDEN_2 * c
         other += AT_GOLDEN_3 * d + AT_GOLDEN_4 * e
         difference = max(difference, abs(other - w[values + guard]))
-        if difference > worst * RESOLVED * size:
-            worst = difference / (RESOLVED * size) if size > 0.0 else math.inf
+        if size > LEAST_SIZE and difference > worst * RESOLVED * size:
+            worst = difference / (RESOLVED * size)
     return worst
 
 

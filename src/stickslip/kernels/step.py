@@ -52,6 +52,8 @@ below 1: a step taken again up to an event must not be stretched back."""
 AHEAD = 3.0
 """Length of a series over the mean time between events: a shorter one ends earlier, and fewer
 guards have falls in it."""
+TINIEST = 1e-18
+"""Length of a step, over the end of the piece, below which no shorter one is tried."""
 BOUNCE = 1e-3
 """Fraction of a series below which an impact is looked for in a shorter one."""
 
@@ -154,8 +156,10 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     return good if t + good / 8.0 > t else 0.0
 
 
-def retry_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
+def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a step should be taken again, 0 if it stands.
+
+    Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
 
     Reads: TIME, FRACTION, Y.
     """
@@ -164,7 +168,7 @@ def retry_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
         return 0.0  # it is at its stop
     if guard != NO_GUARD and fraction == 0.0 and not reverses(guard, whole):
-        return h / 8.0 if t + h / 64.0 > t else 0.0
+        return h / 8.0 if t + h / 64.0 > t and h > TINIEST * stop else 0.0
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
         return BEYOND * fraction * h
     return 0.0
@@ -251,7 +255,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
                 guard = doubted
                 w[FRACTION] = 0.0
             else:
-                shorter = retry_length(guard, h, w, whole)
+                shorter = retry_length(guard, h, stop, w, whole)
             if shorter > 0.0:
                 doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
         if shorter > 0.0:
