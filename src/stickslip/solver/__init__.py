@@ -27,7 +27,6 @@ INSIDE = {
     "Equations": "evaluator",
     "IncrementalRun": "incremental_run",
     "gather": "drive_schedule",
-    "is_writable": "compile.module_cache",
     "notice": "compile.messages",
     "run_ensemble": "ensembles",
 }
