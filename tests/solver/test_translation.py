@@ -156,6 +156,11 @@ def test_each_kind_of_arithmetic_gives_the_same_bits(library):
     agree(f"{HEAD}    c = w[at] + 0.1\n{''.join(lines)}", draws(200), library)
 
 
+def test_a_long_sum_is_added_term_by_term(library):
+    terms = [f"{sign} w[at + {i % 8}]" for i, sign in zip(range(2500), itertools.cycle("+-+"))]
+    agree(f"{HEAD}    w[to] = {' '.join(terms).removeprefix('+ ')}\n", draws(20), library)
+
+
 BRANCHES = """
     if mode == 1:
         y0 = w[at + 0]

@@ -1,8 +1,8 @@
-"""Machine code of a model's equations: made by LLVM in hundredths of a second, and kept in a file.
+"""Machine code of a model's equations: made by LLVM in a tenth of a second, and kept in a file.
 
-Numba is not asked: finding out which type everything has takes it a second for each model, while
-here everything is a real number or a place (`translation`). LLVM gets the settings that numba gives
-it, so that results are the same.
+Numba, which takes a second or more for each model, is not asked: here everything is known to be a
+real number or a place (`translation`). LLVM gets the settings that numba gives it, so that results
+are the same.
 
 Code that is loaded stays until the process ends, since vectors of runs hold its address.
 """
@@ -94,7 +94,7 @@ def code_of(model: Model) -> EquationsCode:
 def _maker() -> str:
     """Return what decides, beside the text, which machine code comes of it."""
     sources = [Path(path).read_text("utf-8") for path in (__file__, translation.__file__)]
-    return "\n".join([f"llvmlite {version('llvmlite')}", *sources])
+    return name_of("\n".join([f"llvmlite {version('llvmlite')}", *sources]))
 
 
 @functools.cache

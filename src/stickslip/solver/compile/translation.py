@@ -264,9 +264,8 @@ class _Function:
                 return self._result(REAL, f"load double, ptr {self._place(node, names)}")
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return self._result(REAL, "fneg double {}", self._real(operand, names))
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in ARITHMETIC:
-                words = self._real(left, names), self._real(right, names)
-                return self._result(REAL, f"{ARITHMETIC[type(op)]} double {{}}, {{}}", *words)
+            case ast.BinOp():
+                return self._arithmetic(node, names)
             case ast.Call(
                 func=ast.Attribute(value=ast.Name(id="math"), attr=name),
                 args=arguments,
@@ -277,6 +276,21 @@ class _Function:
                 given = ", ".join(f"double {value.text}" for value in values)
                 return self._result(REAL, f"call double @{FUNCTIONS[name][0]}({given})")
         _refuse(node)
+
+    def _arithmetic(self, node: ast.BinOp, names: Names) -> Value:
+        """Translate a sum or a product, whose terms may be more than functions may call deep."""
+        rest: list[ast.BinOp] = []
+        first: ast.expr = node
+        while isinstance(first, ast.BinOp):
+            if type(first.op) not in ARITHMETIC:
+                _refuse(first)
+            rest.append(first)
+            first = first.left
+        value = self._real(first, names)
+        for part in reversed(rest):
+            operation = f"{ARITHMETIC[type(part.op)]} double {{}}, {{}}"
+            value = self._result(REAL, operation, value, self._real(part.right, names))
+        return value
 
     def _whole(self, node: ast.expr, names: Names) -> Value:
         match node:
