@@ -174,7 +174,7 @@ RENAMED = {
     "evolution": "`evolution` is now part of the law: 'rate-and-state' or 'rate-and-state-slip'",
     "doubts": "`doubts` was renamed to `parameter_uncertainties`",
     "watch": "`watch` was renamed to `progress`, called with the same values",
-    "compiling": "`compiling` was renamed to `progress`, called with 'compiling: ...' and a share",
+    "compiling": "`compiling` was renamed to `progress`, which hears of runs; compiling is logged",
 }
 """What was an argument's name once, and what it is now."""
 

@@ -173,10 +173,10 @@ def test_the_command_in_a_report_is_quoted(run, monkeypatch, tmp_path):
 
 def test_notices_of_the_library_reach_a_pipe(run, monkeypatch):
     monkeypatch.setattr(
-        "stickslip.cli.console.print_json", lambda _: notice("Compiling the equations ...")
+        "stickslip.cli.console.print_json", lambda _: notice("Compiling the solver ...")
     )
     _, _, err = run("schema")
-    assert "Compiling the equations ..." in err
+    assert "Compiling the solver ..." in err
 
 
 @pytest.fixture

@@ -42,10 +42,10 @@ def asked(monkeypatch):
     """Compile nothing; return what was asked for."""
     seen = {}
 
-    def remembered(pairs, *, jobs, progress):
+    def remembered(pairs, *, progress):
         progress(0, 2, "a pair")
         progress(2, 2, "a pair")
-        seen.update(pairs=pairs, jobs=jobs)
+        seen.update(pairs=pairs)
         return WarmUp(
             kernels_compiled=2, kernels_found=1, equations_compiled=3, equations_found=4,
             seconds=31.25, folder=Path("/cache"),
@@ -73,13 +73,12 @@ def test_one_mechanism_with_two_laws_is_compiled_once(run, monkeypatch, tmp_path
 
 
 def test_the_result_is_one_line(run, asked):
-    code, out, _ = run("warmup", "--jobs", "3")
+    code, out, _ = run("warmup")
     assert code == 0
     assert out == (
         "Compiled in 31.2 s: kernels 2, equations 3. Already in the cache: kernels 1, equations 4."
         " Cache: /cache\n"
     )
-    assert asked["jobs"] == 3
 
 
 def test_by_default_it_takes_every_mechanism_and_every_law(run, asked):
@@ -129,7 +128,6 @@ BAD = [
     (["--mechanism", "axes"], "Did you mean 'axis'"),
     (["--laws", "coulom"], "Did you mean 'coulomb'"),
     (["--laws", ""], "unknown friction law"),
-    (["--jobs", "0"], "--jobs"),
 ]
 
 
@@ -150,7 +148,7 @@ def test_a_cache_that_cannot_be_written_to_is_refused(run, monkeypatch, tmp_path
 
 @pytest.mark.parametrize(
     ("error", "code", "words"),
-    [(CompilationError("a process died"), 3, "a process died"), (KeyboardInterrupt(), 130, "Canc")],
+    [(CompilationError("too large"), 3, "too large"), (KeyboardInterrupt(), 130, "Canc")],
 )
 def test_a_failure_and_an_interrupt_have_their_exit_codes(run, monkeypatch, error, code, words):
     def failing(*_arguments, **_settings):

@@ -21,7 +21,7 @@ from stickslip.formulation import formulate
 from stickslip.kernels.equations import FIELD
 from stickslip.solver.compile import module_cache
 from stickslip.solver.compile.codegen import plain_text
-from stickslip.solver.compile.compile_units import parts_of
+from stickslip.solver.compile.compile_units import CompileUnit
 from stickslip.solver.compile.modules import cache_directory, load, plain_equations
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -431,11 +431,13 @@ def test_folders_that_are_made_are_closed_to_others(tmp_path, small, monkeypatch
 
 
 @posix
-def test_an_open_umask_leaves_no_machine_code_that_others_may_change(cache, model):
+def test_an_open_umask_leaves_no_machine_code_that_others_may_change(cache):
+    text = "from numba import cfunc\n\n"
+    text += "@cfunc('int64(int64)', cache=True)\ndef contacts(i):\n    return i + 1\n"
     cache.mkdir(mode=0o755)  # shared on purpose: others may read
     old = os.umask(0o000)
     try:
-        (unit,) = [unit for unit in parts_of(model, ensembles=False) if not unit.is_shared]
+        unit = CompileUnit("a small one", text, ("contacts",))
         unit.load()
     finally:
         os.umask(old)

@@ -6,6 +6,7 @@ from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
 from stickslip.solver import run
 from stickslip.solver.compile.compile_units import CompileUnit
+from stickslip.solver.compile.equations_code import EquationsCode
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
@@ -21,9 +22,11 @@ def tiers(monkeypatch):
         return runner_of(model, compiled=False)
 
     run.work_of.cache_clear()
+    monkeypatch.setattr(run.Work, "all_steps", 0)
     monkeypatch.setattr(run, "runner_of", noted)
     monkeypatch.setattr(run, "is_loaded", lambda model: False)
     monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: False)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: False)
     yield asked
     run.work_of.cache_clear()
 
@@ -32,13 +35,14 @@ def steps(monkeypatch, seconds):
     """Let the steps of one run stand for a time [s]."""
     taken = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python")).certificate
     monkeypatch.setattr(run, "PLAIN_STEP", seconds / (taken.steps + taken.rejected))
+    monkeypatch.setattr(run.Work, "all_steps", 0)
     run.work_of.cache_clear()
 
 
-@pytest.mark.parametrize(("kept", "wait"), [(True, run.LOADING), (False, 6.0)])
+@pytest.mark.parametrize(("kept", "wait"), [(True, run.LOADING), (False, 3.0)])
 def test_auto_compiles_once_plain_runs_have_taken_as_long(monkeypatch, tiers, kept, wait):
     monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: kept)
-    monkeypatch.setattr(CompileUnit, "seconds", lambda unit: 3.0)  # kernels and equations
+    monkeypatch.setattr(CompileUnit, "seconds", lambda unit: 3.0)
     steps(monkeypatch, 0.4 * wait)
     tiers.clear()
     for _ in range(4):
@@ -64,3 +68,29 @@ def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
     simulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
     simulate(SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True), LAW, t_end=1.0)
     assert tiers == [True, False]
+
+
+def test_where_kernels_are_loaded_plain_runs_pay_for_the_equations_alone(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: True)
+    steps(monkeypatch, 0.4 * run.EQUATIONS)
+    tiers.clear()
+    for _ in range(4):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, False, False, True]
+
+
+def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
+    simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [True]
+
+
+def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: True)
+    steps(monkeypatch, 0.6 * run.LOADING)
+    tiers.clear()
+    held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    for rig in (RIG, held, RIG, held):
+        simulate(rig, LAW, t_end=1.0)
+    assert tiers == [False, False, True, True]

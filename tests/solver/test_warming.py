@@ -1,4 +1,4 @@
-"""Compiling ahead of time, in processes of their own."""
+"""Compiling ahead of time."""
 
 import os
 import signal
@@ -6,35 +6,44 @@ import subprocess
 import sys
 import tempfile
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from stickslip import Coulomb, CoulombViscous, EventDriven, SpringBlock, simulate
-from stickslip.drives import Pulse
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
 from stickslip.solver import prepare, warm_up
-from stickslip.solver.compile import compile_pool, compile_units, messages, module_cache, precompile
+from stickslip.solver.compile import (
+    compile_units,
+    equations_code,
+    messages,
+    module_cache,
+    modules,
+    precompile,
+)
+from stickslip.solver.compile.compile_units import CompileUnit
+from stickslip.solver.compile.equations_code import EquationsCode
 from stickslip.solver.compile.modules import load_compiled
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
 OTHER = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
 PAIRS = [(RIG, LAW), (RIG, OTHER), (SpringBlock(mass=2.0), LAW)]
-"""Two laws, and a pair that differs from the first in numbers only."""
+"""Two laws, and a mechanism that differs from the first in numbers only."""
 WARM = """
 from stickslip import Coulomb, SpringBlock
 from stickslip.solver import warm_up
 rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))], ensembles=False, jobs=1)
+done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))], ensembles=False)
 print(done.kernels_compiled, done.kernels_found)
 """
 
 
 @pytest.fixture(scope="module")
 def warmed(tmp_path_factory):
-    """Compile the kernels and the pairs once, from two processes at a time, one of them killed."""
+    """Compile one pair from two processes at a time, beside a third that is killed, then all."""
     folder = tmp_path_factory.mktemp("warm")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
@@ -42,7 +51,7 @@ def warmed(tmp_path_factory):
         doomed = start(folder)
         while not list(folder.glob("*.py")):
             threading.Event().wait(0.05)
-        os.killpg(doomed.pid, signal.SIGKILL)  # with the process that compiles for it
+        os.killpg(doomed.pid, signal.SIGKILL)
         doomed.communicate()
         outputs = [run.communicate(timeout=600) for run in runs]
         assert [run.returncode for run in runs] == [0, 0], outputs
@@ -70,6 +79,7 @@ def fresh(monkeypatch):
     for name in forgotten:
         del sys.modules[name]
     monkeypatch.setattr(compile_units, "_ready", set())
+    monkeypatch.setattr(equations_code, "_loaded", {})
     load_compiled.cache_clear()
     yield
     load_compiled.cache_clear()
@@ -87,8 +97,12 @@ def start(folder):
     )
 
 
-def never(*_arguments, **_settings):
-    raise AssertionError("a process was started")
+def nothing_is_loaded(monkeypatch):
+    def never(_part):
+        raise AssertionError("something was loaded or compiled")
+
+    monkeypatch.setattr(CompileUnit, "load", never)
+    monkeypatch.setattr(EquationsCode, "load", never)
 
 
 def test_two_processes_at_once_compile_the_kernels_once(warmed):
@@ -97,13 +111,13 @@ def test_two_processes_at_once_compile_the_kernels_once(warmed):
     assert sum(int(compiled) for compiled, _ in counts) <= 1  # none if the killed one was through
 
 
-def test_laws_share_the_kernels(warmed):
+def test_laws_share_the_kernels_and_have_a_file_each(warmed):
     folder, _, done, _ = warmed
     assert (done.kernels_compiled, done.kernels_found) == (0, 1)
     assert (done.equations_compiled, done.equations_found) == (1, 1)
     assert done.folder == folder
     assert len(list((folder / "__pycache__").glob("*.enter_run-*.nbc"))) == 1
-    assert len(list((folder / "__pycache__").glob("*.equations-*.nbc"))) == 2
+    assert len(list(folder.glob("*.image"))) == 2
 
 
 def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
@@ -111,8 +125,8 @@ def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
     assert told == [(0, 1, "SpringBlock with CoulombViscous"), (1, 1, told[0][2])]
 
 
-def test_what_is_there_starts_no_process(cache, monkeypatch):
-    monkeypatch.setattr(compile_pool.subprocess, "Popen", never)
+def test_what_is_there_is_not_even_loaded(cache, monkeypatch):
+    nothing_is_loaded(monkeypatch)
     done = warm_up(PAIRS, ensembles=False)
     assert (done.kernels_compiled, done.equations_compiled) == (0, 0)
     assert (done.kernels_found, done.equations_found) == (1, 2)
@@ -151,9 +165,9 @@ def test_a_read_only_cache_is_used_through_a_copy(cache, fresh, monkeypatch, tmp
 
 def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeypatch):
     model = formulate(RIG, LAW)
-    part = compile_units.parts_of(model, ensembles=False)[0]
+    part = compile_units.units_of(model, ensembles=False)[0]
     assert part.is_kept()
-    assert not compile_units.parts_of(model, ensembles=True)[0].is_kept()
+    assert not compile_units.units_of(model, ensembles=True)[0].is_kept()
     monkeypatch.setattr(module_cache, "_processor", lambda: "another")
     assert not part.is_kept()
     monkeypatch.undo()
@@ -163,58 +177,19 @@ def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeyp
     assert not part.is_kept()
 
 
-def test_a_process_that_dies_is_a_clear_error(empty, monkeypatch):
-    monkeypatch.setattr(compile_pool, "_python", lambda: "false")  # a program that fails at once
-    with pytest.raises(CompilationError, match="ended with code 1 while compiling SpringBlock"):
-        warm_up(PAIRS)
-
-
-def test_a_process_that_is_killed_is_a_clear_error(empty, monkeypatch):
-    def told(done, total, what):
-        for process in started:
-            os.kill(process.pid, signal.SIGKILL)
-
-    started = watched(monkeypatch)
-    with pytest.raises(CompilationError, match=r"ended by signal 9 \(out of memory\?\)"):
-        warm_up(PAIRS, progress=told)
-
-
-def test_an_interrupt_ends_the_processes(empty, monkeypatch):
-    def interrupted(done, total, what):
-        raise KeyboardInterrupt
-
-    started = watched(monkeypatch)
-    with pytest.raises(KeyboardInterrupt):
-        warm_up(PAIRS, progress=interrupted)
-    assert started
-    assert all(process.poll() is not None for process in started)
-    assert not list(empty.glob("*.ready"))
-
-
-def watched(monkeypatch):
-    """Return a list of the processes that are started from now on."""
-    started, begin = [], subprocess.Popen
-
-    def remembered(*arguments, **settings):
-        started.append(begin(*arguments, **settings))
-        return started[-1]
-
-    monkeypatch.setattr(compile_pool.subprocess, "Popen", remembered)
-    return started
-
-
 def test_a_cache_that_cannot_be_written_to_is_refused(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
-    monkeypatch.setattr(compile_pool.subprocess, "Popen", never)
+    nothing_is_loaded(monkeypatch)
     with pytest.raises(InputError, match="STICKSLIP_CACHE"):
         warm_up(PAIRS)
 
 
-@pytest.mark.parametrize("jobs", [0, -1, 1.5, True])
-def test_a_number_of_processes_is_checked(jobs):
-    with pytest.raises(InputError, match="whole number above 0"):
-        warm_up(PAIRS, jobs=jobs)
+def test_what_the_cache_does_not_keep_is_a_clear_error(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
+    monkeypatch.setattr(CompileUnit, "load", lambda unit: True)
+    with pytest.raises(CompilationError, match="did not keep the solver"):
+        warm_up(PAIRS, ensembles=False)
 
 
 @pytest.mark.parametrize("pair", [RIG, (RIG,), (LAW, RIG), (RIG, Coulomb)])
@@ -225,11 +200,10 @@ def test_what_is_no_pair_is_named(pair):
 
 def test_the_kernels_come_first_and_once_for_all(empty, monkeypatch):
     seen = []
-    monkeypatch.setattr(precompile, "compile_all", lambda parts, *_: seen.extend(parts))
-    driven = SpringBlock(mass=1.0, drive=Pulse(level=1.0, duration=1.0))
-    warm_up([*PAIRS, (driven, LAW), (driven, OTHER)])
-    assert [part.is_shared for part in seen] == [True] + [False] * 4
-    assert len({part.text for part in seen}) == len(seen)
+    monkeypatch.setattr(precompile, "_compiled", lambda parts, _: set(seen.extend(parts) or []))
+    warm_up([*PAIRS, (replace(RIG, attached=True), LAW), (replace(RIG, attached=True), OTHER)])
+    assert [isinstance(part, CompileUnit) for part in seen] == [True] + [False] * 4
+    assert len(set(seen)) == len(seen)
 
 
 @pytest.mark.parametrize(
@@ -263,11 +237,9 @@ def test_files_and_pipes_are_nobody_who_watches():
         assert file.read() == b""
 
 
-def test_a_message_names_pair_and_seconds_once(empty, monkeypatch, caplog):
-    monkeypatch.setattr(precompile, "compile_all", lambda *_: None)
+def test_a_message_says_what_is_compiled_and_how_long_it_takes(empty, monkeypatch, caplog):
     monkeypatch.setattr(compile_units, "_ready", set())  # what other tests left in this process
+    units = compile_units.units_of(formulate(RIG, LAW), ensembles=False)
     with caplog.at_level("INFO", "stickslip"):
-        warm_up(PAIRS, jobs=1)
-    assert caplog.messages == [
-        "Compiling the equations of SpringBlock with Coulomb and 1 more (about 17 s, once) ..."
-    ]
+        modules.waiting(units)
+    assert caplog.messages == ["Compiling the solver (about 12 s, once) ..."]

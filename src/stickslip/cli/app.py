@@ -487,10 +487,6 @@ def warmup(
     ] = None,
     laws: Laws = None,
     allow_import: AllowImport = False,
-    jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", min=1, help="Number of processes; default: one per core."),
-    ] = None,
     as_json: Json = False,
 ) -> None:
     """Compile equations ahead of time.
@@ -503,7 +499,7 @@ def warmup(
     """
     from stickslip.cli.warmup import run
 
-    run(rig, mechanisms or [], laws, allow_import=allow_import, jobs=jobs, as_json=as_json)
+    run(rig, mechanisms or [], laws, allow_import=allow_import, as_json=as_json)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""Progress of work on several laws, and of compiling their equations, on stderr."""
+"""Progress of work on several laws, and of compiling ahead of time, on stderr."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,8 +20,6 @@ from stickslip.cli.interrupts import Interrupts
 __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 
-COMPILING = "compiling: "
-"""How `select` says what is compiled."""
 NO_SHORTER = "Held-out blocks are evaluated to the end; press Ctrl-C again to cancel."
 
 
@@ -68,22 +66,14 @@ class _Shown:
 
 @final
 class Compiling(_Shown):
-    """A bar that is there while equations are compiled; callable as ``report(done, total, what)``.
+    """A bar that is there while code is compiled; callable as ``report(done, total, what)``."""
 
-    It stands among the bars of other work, if there is any.
-
-    Parameters
-    ----------
-    bars : Progress, optional
-        Bars that this one is added to; a display of its own if None.
-    """
-
-    def __init__(self, bars: Progress | None = None) -> None:
-        super().__init__(bars or _bars())
+    def __init__(self) -> None:
+        super().__init__(_bars())
         self._task: TaskID | None = None
 
     def __call__(self, done: int, total: int, what: str) -> None:
-        """Note how many modules are done, and for what one is compiled."""
+        """Note how many parts are done, and which one is in work."""
         if self._task is None:
             self._task = self._bars.add_task("", total=total, runs="")
         description = f"Compiling, once: {what}"
@@ -117,8 +107,6 @@ class Drawing(_Shown):
 class Watching(_Shown):
     """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``.
 
-    What is compiled before the work begins comes as ``watch("compiling: what", share)``.
-
     Parameters
     ----------
     names : sequence of str
@@ -131,13 +119,9 @@ class Watching(_Shown):
         super().__init__(_bars())
         self._names, self._verb = list(names), verb
         self._task = self._bars.add_task(f"{verb} ", total=len(self._names), runs="0 runs")
-        self._compiling = Compiling(self._bars)
 
     def __call__(self, name: str, runs: float) -> None:
-        """Note that a law has had so many runs, or that a share is compiled."""
-        if name.startswith(COMPILING):
-            self._compiling(round(100.0 * runs), 100, name.removeprefix(COMPILING))
-            return
+        """Note that a law has had so many runs."""
         done = self._names.index(name) if name in self._names else 0
         self._say(f"{self._verb} {name}")
         self._bars.update(

@@ -33,7 +33,6 @@ def run(
     laws: str | None,
     *,
     allow_import: bool,
-    jobs: int | None,
     as_json: bool,
 ) -> None:
     """Compile, and say what was done.
@@ -48,8 +47,6 @@ def run(
         Names of the laws to compile, joined by commas; those of the rig, or all, if None.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
-    jobs : int or None
-        Number of processes; one per core if None.
     as_json : bool
         Whether one JSON document is printed on stdout instead of text.
 
@@ -66,7 +63,7 @@ def run(
         pairs = _of_registry(mechanisms, laws)
     with Compiling() as progress:
         try:
-            done = warm_up(pairs, jobs=jobs, progress=progress)
+            done = warm_up(pairs, progress=progress)
         except KeyboardInterrupt:
             note("Equations compiled so far stay in the cache.")
             raise

@@ -1,9 +1,9 @@
 """Expressions to program text.
 
-One printer for Python, in the subset that numba compiles. Rules that make tiers agree bit for bit:
-whole powers are products, constants are printed by `repr`, functions come from `math` alone. A
-Piecewise becomes an if/else whose branches have a scope of their own, so that nothing of the
-branch not taken is evaluated.
+One printer for Python, in the subset that `solver.compile.translation` knows. Rules that make tiers
+agree bit for bit: whole powers are products, constants are printed by `repr`, functions come from
+`math` alone. A Piecewise becomes an if/else whose branches have a scope of their own, so that
+nothing of the branch not taken is evaluated.
 """
 
 from collections.abc import Mapping, Sequence

@@ -183,10 +183,8 @@ def select(
         Time after which a body whose travel to rest was measured counts as stopped [s]; 10 s if not
         given.
     progress : callable, optional
-        Called with the name of a law and the number of its runs, or the least residual so far; for
-        travels also with ``"compiling: ..."`` and the share that is done, if equations have to be
-        compiled. For records, False ends the search with the best so far; what was fitted is still
-        judged.
+        Called with the name of a law and the number of its runs, or the least residual so far. For
+        records, False ends the search with the best so far; what was fitted is still judged.
     executor : concurrent.futures.Executor, optional
         Fits laws at the same time, with the same result; processes, since threads gain nothing. A
         law's residual is then reported only when its search ends. Not for travels, whose laws are

@@ -36,7 +36,6 @@ from stickslip.selection.given_levels import refuted_by_travels
 from stickslip.selection.travel_candidates import try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
-from stickslip.solver import Progress
 
 __all__ = ["select_travels"]
 
@@ -82,8 +81,7 @@ def select_travels(
     t_end : float
         Time after which a body counts as stopped [s].
     progress : callable, optional
-        Called with the name of a law and the number of its runs so far; with ``"compiling: ..."``
-        and the share that is done, if equations have to be compiled.
+        Called with the name of a law and the number of its runs so far.
 
     Returns
     -------
@@ -118,7 +116,7 @@ def select_travels(
     check_any(named)
     scored = len({trial.setting for trial in trials}) > 1
     ordinary = _ordinary(laws)
-    compile_for(trials, named.values(), progress=_compiling(progress))
+    compile_for(trials, named.values())
     candidates: list[TravelCandidate] = []
     for name in sorted(named, key=lambda one: len(required_of(type(named[one])))):
         law, usual = named[name], name in ordinary
@@ -155,13 +153,6 @@ def select_travels(
         words=words,
         t_end=t_end,
     )
-
-
-def _compiling(progress: Watch | None) -> Progress | None:
-    """Return what hears of modules that are compiled, and tells it as the work of a law is told."""
-    if progress is None:
-        return None
-    return lambda done, total, what: progress(f"compiling: {what}", done / max(total, 1))
 
 
 def _named(laws: Laws | None) -> dict[str, FrictionLaw]:

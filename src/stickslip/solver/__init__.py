@@ -28,7 +28,6 @@ INSIDE = {
     "IncrementalRun": "incremental_run",
     "as_numbers": "ensembles",
     "gather": "drive_schedule",
-    "is_writable": "compile.module_cache",
     "notice": "compile.messages",
     "run_ensemble": "ensembles",
 }

@@ -1,16 +1,17 @@
-"""Runs a model in one of the two tiers: plain Python at once, or compiled by numba."""
+"""Runs a model in one of the two tiers: plain Python at once, or machine code."""
 
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.state_layout import EVENT_COLUMNS, REJECTED, ROW_COLUMNS, STEPS, Y
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
-from stickslip.solver.compile.compile_units import parts_of
+from stickslip.solver.compile.compile_units import units_of
+from stickslip.solver.compile.equations_code import code_of
 from stickslip.solver.compile.modules import is_loaded, load_compiled
 from stickslip.solver.drive_schedule import Inputs
 
@@ -19,7 +20,9 @@ __all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
 LOADING = 0.3
-"""Time to load machine code that an earlier process compiled [s]."""
+"""Time to load kernels that an earlier process compiled [s]."""
+EQUATIONS = 0.1
+"""Time to compile the equations of a model [s]."""
 PLAIN_STEP = 1e-4
 """Time of a step in plain Python [s]."""
 FIRST_ROWS = 64
@@ -34,21 +37,35 @@ class Work:
     """Equations of a mechanism with a law."""
     steps: int = 0
     """Steps that were taken or rejected."""
+    all_steps: ClassVar[int] = 0
+    """Those of all models."""
+
+    def add(self, steps: int) -> None:
+        """Count steps of a plain run.
+
+        Parameters
+        ----------
+        steps : int
+            Steps that were taken or rejected.
+        """
+        self.steps += steps
+        Work.all_steps += steps
 
     def is_enough(self) -> bool:
         """Whether machine code is here, or plain runs have taken as long as getting it would.
 
-        Few runs then never wait for a compiler, and many take at most twice as long as if they had
-        been compiled from the first.
+        Runs of this model have to pay for its equations, runs of all models for the kernels, which
+        they share. Few runs then never wait for a compiler, and many take at most twice as long as
+        if they had been compiled from the first.
         """
         if is_loaded(self.model):
             return True
-        spent = self.steps * PLAIN_STEP
-        if spent < LOADING:
-            return False
-        parts = parts_of(self.model, ensembles=False)
-        absent = [part.seconds() for part in parts if not part.is_ready() and not part.is_kept()]
-        return spent >= sum(absent)
+        absent = [u for u in units_of(self.model, ensembles=False) if not u.is_ready()]
+        if absent:
+            spent = Work.all_steps * PLAIN_STEP
+            if spent < LOADING or spent < sum(u.seconds() for u in absent if not u.is_kept()):
+                return False
+        return self.steps * PLAIN_STEP >= EQUATIONS or code_of(self.model).is_kept()
 
 
 @functools.lru_cache(maxsize=256)
@@ -101,7 +118,7 @@ def execute(
         Most steps.
     tier : Tier
         ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, or has
-        spent as long on plain runs of the model as getting it takes.
+        spent as long on plain runs as getting it takes.
 
     Returns
     -------
@@ -127,7 +144,7 @@ def execute(
         runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
     )
     if not runner.compiled:
-        work.steps += int(whole[STEPS] + whole[REJECTED])
+        work.add(int(whole[STEPS] + whole[REJECTED]))
     return Record(runner, log, events, w, [int(x) for x in whole])
 
 

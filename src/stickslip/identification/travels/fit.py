@@ -1,9 +1,8 @@
 """Fits a law to travels: distances to rest, or per cycle of a drive."""
 
-import logging
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
-from stickslip.errors import CompilationError, InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import count
 from stickslip.friction import BristleLaw, FrictionLaw
@@ -25,11 +24,9 @@ from stickslip.identification.travels.start_values import (
 from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
-from stickslip.solver import Progress, is_writable, prepare, warm_up
+from stickslip.solver import prepare
 
 __all__ = ["check_rest", "compile_for", "fit_travels", "fit_trials", "payable"]
-
-LOG = logging.getLogger("stickslip")
 
 TOLD = ("level", "slope")
 """Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
@@ -225,9 +222,7 @@ def _path(law: FrictionLaw, name: str) -> str:
     return full
 
 
-def compile_for(
-    trials: Sequence[Trial], laws: Iterable[FrictionLaw], *, progress: Progress | None = None
-) -> None:
+def compile_for(trials: Sequence[Trial], laws: Iterable[FrictionLaw]) -> None:
     """Compile the laws whose fit to trials takes so many slow runs that it is worth the wait.
 
     These are the laws with bristles, if there are several trials, and all laws if the trials are
@@ -239,18 +234,11 @@ def compile_for(
         Trials, whose mechanisms are compiled with the laws.
     laws : iterable of FrictionLaw
         Laws to fit.
-    progress : callable, optional
-        Called with the number of modules done and of all to compile, and the pair in work.
     """
     cycles = under_cycles(trials)
     slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]
-    if len(trials) < 2 or not slow:
+    if len(trials) < 2:
         return
-    pairs = [(trial.mechanism, law) for law in slow for trial in trials]
-    if len(slow) > 1 and is_writable():  # for a single law a process would win nothing
-        try:
-            warm_up(pairs, ensembles=False, progress=progress)
-        except CompilationError as error:
-            LOG.warning("%s; going on without processes", error)
-    for mechanism, law in pairs:
-        prepare(mechanism, law)
+    for law in slow:
+        for trial in trials:
+            prepare(trial.mechanism, law)

@@ -1,1 +1,1 @@
-"""Generated modules, compiled by Numba and kept on disk."""
+"""Machine code of kernels (by Numba) and of equations (by LLVM), kept on disk."""

@@ -1,8 +1,9 @@
-"""The text of generated modules: one model's equations, and the kernels for the compiled tier.
+"""The text of generated modules: one model's equations, and the kernels for numba.
 
 Both tiers have the same functions. In the plain one the kernels are the modules of
 `stickslip.kernels` as they stand, and vectors are lists. In the compiled one all of them are one
-module, which is compiled once for all equations and calls them by their address.
+module, which is compiled once for all equations and calls them by their address; the equations are
+translated from the text of the plain tier (`translation`).
 """
 
 import ast
@@ -27,7 +28,7 @@ from stickslip.kernels.equations import (
     LAW_SLOPES_OF,
 )
 
-__all__ = ["contacts_text", "equations_text", "kernels_text", "numbered", "plain_text"]
+__all__ = ["contacts_text", "kernels_text", "numbered", "plain_text"]
 
 FIRST = ("state_layout", "enums")
 """Modules of the kernels whose constants others build on."""
@@ -43,13 +44,6 @@ LAW_FUNCTIONS = {
 KEPT = "run"
 """The one kernel with a file of its own, beside the entries: those of ensembles build on it."""
 DEFINITION = re.compile(r"^def (\w+)", re.MULTILINE)
-ENTRIES = """
-enter_run = run
-enter_play = play
-enter_batch = batch
-enter_sense = sense
-enter_batch_sensed = batch_sensed
-"""
 ENTRIES = """
 @kept
 def enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events):
@@ -102,15 +96,6 @@ SIGNATURE = types.void(
 @cfunc(SIGNATURE, cache=True)
 def contacts(name, t, w, whole, at, to):
     answer(name, t, w, whole, at, to)
-"""
-EQUATIONS = """
-from numba import cfunc, njit, types
-
-jit = njit(nogil=True, error_model="numpy")
-SIGNATURE = types.void(
-    types.int64, types.int64, types.int64, types.float64, types.CPointer(types.float64),
-    types.int64, types.int64
-)
 """
 
 
@@ -204,12 +189,3 @@ def numbered(model: Model) -> dict[str, int]:
             if (match := numbers.fullmatch(name))
         }
     return {name: number for name, number in found.items() if f"def {name}(" in model.text}
-
-
-@functools.lru_cache(maxsize=256)
-def equations_text(model: Model) -> str:
-    """Return the text of the compiled equations of a model: one function that knows their names."""
-    lines = ["@cfunc(SIGNATURE, cache=True)", "def equations(name, mode, flags, t, w, at, to):"]
-    for name, i in numbered(model).items():
-        lines += [f"    if name == {i}:", f"        {name}(mode, flags, t, w, at, to)"]
-    return _joined(_head(True), EQUATIONS, _marked(model.text), "\n".join(lines))

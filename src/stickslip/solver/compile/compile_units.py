@@ -1,4 +1,4 @@
-"""What is compiled at once: the kernels, or the equations of a pair."""
+"""What numba compiles at once: the kernels, or what decides on several contacts."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,15 +6,13 @@ from types import ModuleType
 from typing import Any
 
 from stickslip.formulation import Model
-from stickslip.solver.compile.codegen import contacts_text, equations_text, kernels_text
+from stickslip.solver.compile.codegen import contacts_text, kernels_text
 from stickslip.solver.compile.module_cache import is_kept, keep, locked, module_of
 
-__all__ = ["CompileUnit", "parts_of"]
+__all__ = ["CompileUnit", "units_of"]
 
-EQUATIONS = "equations"
 CONTACTS = "contacts"
-"""Functions that are called by their address; they are compiled when their module is executed."""
-BY_ADDRESS = (EQUATIONS, CONTACTS)
+"""A function that is called by its address; it is compiled when its module is executed."""
 RUNS = ("enter_run", "enter_play")
 ENSEMBLES = ("enter_batch",)
 SENSES = ("enter_sense",)
@@ -29,7 +27,6 @@ TAKES = {
 }
 """Arguments of the entries: (V)ectors of reals, of (W)holes, and single re(f)als and whole (i)."""
 SECONDS = {
-    EQUATIONS: 1,
     CONTACTS: 10,
     RUNS[0]: 2,
     ENSEMBLES[0]: 3,
@@ -37,7 +34,7 @@ SECONDS = {
     SENSED_ENSEMBLES[0]: 9,
 }
 KERNELS = 10
-"""What compiling takes, for a message; kernels have a part that all their entries share."""
+"""What compiling takes [s], for a message; the entries of a unit share a part."""
 
 _ready: set[tuple[str, str]] = set()
 """Texts and entries whose machine code is in this process."""
@@ -48,16 +45,11 @@ class CompileUnit:
     """Machine code that is compiled at once and kept in files of its own."""
 
     title: str
-    """Mechanism and law for whose sake it is compiled."""
+    """What it is, for a message."""
     text: str
     """Text of its module."""
     entries: tuple[str, ...]
     """Functions that are called from outside."""
-
-    @property
-    def is_shared(self) -> bool:
-        """Whether it serves all equations."""
-        return self.entries != (EQUATIONS,)
 
     def is_ready(self) -> bool:
         """Whether it is in this process."""
@@ -69,8 +61,7 @@ class CompileUnit:
 
     def seconds(self) -> float:
         """Return about how long compiling takes."""
-        shared = KERNELS if self.is_shared else 0
-        return shared + sum(SECONDS.get(entry, 0) for entry in self.entries)
+        return KERNELS + sum(SECONDS.get(entry, 0) for entry in self.entries)
 
     def load(self) -> bool:
         """Load it, or compile it and keep it; return whether it was compiled."""
@@ -92,7 +83,7 @@ class CompileUnit:
 def _compile(module: ModuleType, entry: str) -> bool:
     """Load or compile one function; return whether it was compiled."""
     function: Any = getattr(module, entry)
-    if entry in BY_ADDRESS:
+    if entry == CONTACTS:
         return not function.cache_hits  # it was compiled when the module was executed
     signature = _signature(entry)
     function.compile(signature)
@@ -109,12 +100,12 @@ def _signature(entry: str) -> tuple[Any, ...]:
 def _files(module: ModuleType, entry: str) -> list[Path]:
     """Return the files that hold the machine code of a function."""
     function: Any = getattr(module, entry)
-    cache = function._cache if entry in BY_ADDRESS else function.stats  # numba has no other way
+    cache = function._cache if entry == CONTACTS else function.stats  # numba has no other way
     return list(Path(cache.cache_path).glob(f"{module.__name__}.{entry}-*.nb[ic]"))
 
 
-def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[CompileUnit]:
-    """Return what single runs of a model need, or ensembles, or both; the equations come last.
+def units_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[CompileUnit]:
+    """Return what single runs of a model need beside its equations, or ensembles, or both.
 
     Of a model with slopes, what sensitivities need.
 
@@ -129,14 +120,14 @@ def parts_of(model: Model, *, runs: bool = True, ensembles: bool) -> list[Compil
 
     Returns
     -------
-    list of Part
-        The kernels, then the model's equations.
+    list of CompileUnit
+        The kernels first. The same units serve all models with one contact, or with several.
     """
     if model.has_slopes:
         entries = (SENSES if runs else ()) + (SENSED_ENSEMBLES if ensembles else ())
     else:
         entries = (RUNS if runs else ()) + (ENSEMBLES if ensembles else ())
-    own = [CompileUnit(model.title, equations_text(model), (EQUATIONS,))]
+    units = [CompileUnit("the solver", kernels_text(), entries)]
     if model.contacts:
-        own.insert(0, CompileUnit(model.title, contacts_text(), (CONTACTS,)))
-    return [CompileUnit(model.title, kernels_text(), entries), *own]
+        units.append(CompileUnit("the decisions of several contacts", contacts_text(), (CONTACTS,)))
+    return units

@@ -1,7 +1,9 @@
-"""Keeps generated modules as files, and knows which of them have machine code beside them.
+"""Keeps generated modules and object code as files, and knows which modules have machine code.
 
 The text of a module says all that it does, so its hash names it. Modules are files in the user's
-cache directory, written atomically; a directory that cannot be written to is no obstacle.
+cache directory, written atomically; a directory that cannot be written to is no obstacle. Object
+code ("images") is a file that begins with a hash of itself, so that damage is noticed before any of
+it runs.
 
 Machine code is run, and numba's files of it are pickles, which run what they hold when they are
 read. They are therefore loaded only from folders and files that no other user but root can have
@@ -30,12 +32,16 @@ import platformdirs
 
 __all__ = [
     "cache_directory",
+    "has_image",
+    "image_of",
     "is_kept",
     "is_writable",
     "keep",
+    "keep_image",
     "locked",
     "module_of",
     "name_of",
+    "processor",
 ]
 
 MACHINE_CODE = "__pycache__"
@@ -44,6 +50,8 @@ HAS_MODES = os.name == "posix"
 """Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
+SEAL = 32
+"""Bytes of the hash before object code."""
 LONGEST_WAIT = 600.0
 """Waiting for another process that compiles a module [s]: kernels take some 30 s of processor time,
 so that one which takes longer is taken to hang."""
@@ -89,14 +97,14 @@ def _from_file(name: str, text: str, *, compiled: bool) -> ModuleType:
     try:
         path = _made_folder() / f"{name}.py"
         if not path.exists() or path.read_text("utf-8", "replace") != text:
-            _write(path, text)
+            _write(path, text.encode())
         if compiled:
             path = _with_machine_code(path)
     except OSError as error:
         if compiled:
             _warn(cache_directory(), error.strerror or str(error))
         path = _temporary_folder() / f"{name}.py"
-        _write(path, text)
+        _write(path, text.encode())
     return _executed(name, path, text, compiled=compiled)
 
 
@@ -275,12 +283,12 @@ def _numba_folder_judged(name: str) -> Iterator[None]:
         config.CACHE_DIR = given
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, content: bytes) -> None:
     """Write a file so that others see all of it or nothing."""
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
         Path(temporary).chmod(0o644)  # another user may run what this one compiled
         Path(temporary).replace(path)
     except BaseException:
@@ -326,14 +334,25 @@ def _stamp(folder: Path, text: str, entry: str) -> Path:
 
 
 @functools.cache
-def _processor() -> str:
-    """Return a short name of the kind of processor that numba compiles for."""
+def processor() -> tuple[str, str, str]:
+    """Return the kind of processor that is compiled for, as numba is told, too.
+
+    Returns
+    -------
+    triple, name, features : str
+        As LLVM calls them.
+    """
     from llvmlite import binding
 
     name = os.environ.get("NUMBA_CPU_NAME") or binding.get_host_cpu_name()
     own = "" if name == "generic" else binding.get_host_cpu_features().flatten()
-    kind = (binding.get_process_triple(), name, os.environ.get("NUMBA_CPU_FEATURES") or own)
-    return hashlib.sha256("\n".join(kind).encode()).hexdigest()[:12]
+    return binding.get_process_triple(), name, os.environ.get("NUMBA_CPU_FEATURES") or own
+
+
+@functools.cache
+def _processor() -> str:
+    """Return a short name of the kind of processor."""
+    return hashlib.sha256("\n".join(processor()).encode()).hexdigest()[:12]
 
 
 def is_kept(text: str, entry: str) -> bool:
@@ -382,4 +401,62 @@ def keep(text: str, entry: str, files: Iterable[Path]) -> None:
             mode = file.stat().st_mode
             if HAS_MODES and mode & OTHERS_WRITE:  # numba leaves them as the umask says
                 file.chmod(stat.S_IMODE(mode) & ~OTHERS_WRITE)
-        _write(_stamp(folder, text, entry), "\n".join(sorted(lines)))
+        _write(_stamp(folder, text, entry), "\n".join(sorted(lines)).encode())
+
+
+def _image(folder: Path, name: str) -> Path:
+    return folder / f"{name}.{_processor()}.image"
+
+
+def _seal(name: str, content: bytes) -> bytes:
+    """Return what vouches for object code under its name."""
+    return hashlib.sha256(name.encode() + content).digest()
+
+
+def has_image(name: str) -> bool:
+    """Whether there is a file of object code of this name, for this kind of processor."""
+    try:
+        return _image(_trusted(_resolved(cache_directory())), name).exists()
+    except OSError:
+        return False
+
+
+def image_of(name: str) -> bytes | None:
+    """Return the object code of a name, unless it is absent, damaged, or may be another's.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object code, which says all that it depends on but the processor.
+
+    Returns
+    -------
+    bytes or None
+        The object code.
+    """
+    try:
+        folder = _made_folder()
+        path = _image(folder, name)
+        if not path.exists() and not path.is_symlink():
+            return None
+        _refuse_foreign_files(folder, [path])
+        content = path.read_bytes()
+    except OSError as error:
+        _warn(cache_directory(), error.strerror or str(error))
+        return None
+    seal, content = content[:SEAL], content[SEAL:]
+    return content if seal == _seal(name, content) else None
+
+
+def keep_image(name: str, content: bytes) -> None:
+    """Keep object code in a file; a folder that cannot be written to is no obstacle.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object code.
+    content : bytes
+        The object code.
+    """
+    with contextlib.suppress(OSError):
+        _write(_image(_made_folder(), name), _seal(name, content) + content)

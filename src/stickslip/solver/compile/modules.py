@@ -10,14 +10,9 @@ from typing import Any, TypeAlias
 from stickslip.formulation import Model
 from stickslip.kernels import entries
 from stickslip.kernels.contacts.answers import answer
-from stickslip.solver.compile.codegen import (
-    contacts_text,
-    equations_text,
-    kernels_text,
-    numbered,
-    plain_text,
-)
-from stickslip.solver.compile.compile_units import CompileUnit, parts_of
+from stickslip.solver.compile.codegen import contacts_text, kernels_text, numbered, plain_text
+from stickslip.solver.compile.compile_units import CompileUnit, units_of
+from stickslip.solver.compile.equations_code import code_of
 from stickslip.solver.compile.messages import notice
 from stickslip.solver.compile.module_cache import cache_directory, module_of
 
@@ -30,10 +25,6 @@ __all__ = [
     "plain_equations",
     "waiting",
 ]
-
-SHORT = 2.0
-"""Compiling that takes less is not worth a message [s]."""
-
 
 Equation: TypeAlias = Callable[[int, int, float, Any, int, int], None]
 
@@ -90,8 +81,8 @@ def load(model: Model) -> Tier:
 def load_compiled(model: Model, *, ensembles: bool = False) -> Tier:
     """Return the compiled tier of a model, with what single runs or what ensembles need.
 
-    Only the first process that runs a model waits for its equations, and only the first of all for
-    the kernels.
+    The first process of all waits for the kernels, for half a minute; equations take hundredths of
+    a second.
 
     Parameters
     ----------
@@ -105,16 +96,17 @@ def load_compiled(model: Model, *, ensembles: bool = False) -> Tier:
     Tier
         The module of the kernels and the address of the equations.
     """
-    parts = parts_of(model, runs=not ensembles, ensembles=ensembles)
-    waiting(parts)
-    for part in parts:
-        part.load()
-    equations = module_of(equations_text(model), compiled=True)
+    units = units_of(model, runs=not ensembles, ensembles=ensembles)
+    waiting(units)
+    for unit in units:
+        unit.load()
+    equations = code_of(model)
+    equations.load()
     contacts = 0
     if model.contacts:
         contacts = int(module_of(contacts_text(), compiled=True).contacts.address)
     kernels = module_of(kernels_text(), compiled=True)
-    return Tier(kernels, int(equations.equations.address), contacts)
+    return Tier(kernels, equations.address, contacts)
 
 
 def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
@@ -132,23 +124,20 @@ def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
     bool
         Whether nothing needs to be loaded or compiled.
     """
-    return all(part.is_ready() for part in parts_of(model, runs=not ensembles, ensembles=ensembles))
+    units = units_of(model, runs=not ensembles, ensembles=ensembles)
+    return code_of(model).is_ready() and all(unit.is_ready() for unit in units)
 
 
-def waiting(parts: Sequence[CompileUnit], processes: int = 1) -> None:
-    """Tell who watches that these are compiled and how long it takes, if it is worth a word.
+def waiting(units: Sequence[CompileUnit]) -> None:
+    """Tell who watches which of these have to be compiled and how long it takes.
 
     Parameters
     ----------
-    parts : sequence of CompileUnit
+    units : sequence of CompileUnit
         What is about to be loaded.
-    processes : int, default 1
-        How many compile at a time, by which the estimate is divided.
     """
-    absent = [part for part in parts if not part.is_ready() and not part.is_kept()]
-    seconds = sum(part.seconds() for part in absent) / processes
-    if seconds < SHORT:
-        return
-    titles = list(dict.fromkeys(part.title for part in absent))
-    more = f" and {len(titles) - 1} more" if len(titles) > 1 else ""
-    notice(f"Compiling the equations of {titles[0]}{more} (about {seconds:.0f} s, once) ...")
+    absent = [unit for unit in units if not unit.is_ready() and not unit.is_kept()]
+    if absent:
+        titles = " and ".join(unit.title for unit in absent)
+        seconds = sum(unit.seconds() for unit in absent)
+        notice(f"Compiling {titles} (about {seconds:.0f} s, once) ...")

@@ -1,29 +1,29 @@
 """Compiles the equations of many pairs at once, before anything waits for them."""
 
-import os
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from stickslip.errors import InputError
+from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.compile.compile_pool import compile_all
-from stickslip.solver.compile.compile_units import CompileUnit, parts_of
+from stickslip.solver.compile.compile_units import CompileUnit, units_of
+from stickslip.solver.compile.equations_code import EquationsCode, code_of
 from stickslip.solver.compile.module_cache import cache_directory, is_writable
 from stickslip.solver.compile.modules import waiting
 
 __all__ = ["Progress", "WarmUp", "warm_up"]
 
 Progress = Callable[[int, int, str], object]
+Part: TypeAlias = CompileUnit | EquationsCode
 
 
 @dataclass(frozen=True, kw_only=True)
 class WarmUp:
-    """What a warm-up did: machine code is kept by module, the kernels or equations of a pair."""
+    """What a warm-up did: machine code is kept for the kernels, and for the equations of pairs."""
 
     kernels_compiled: int
     """Modules of kernels that were compiled: one serves all pairs, one more several contacts."""
@@ -43,14 +43,12 @@ def warm_up(
     pairs: Iterable[tuple[Mechanism, FrictionLaw]],
     *,
     ensembles: bool = True,
-    jobs: int | None = None,
     progress: Progress | None = None,
 ) -> WarmUp:
-    """Compile the equations of many mechanisms with their laws, in several processes.
+    """Compile the equations of many mechanisms with their laws, and what all of them share.
 
-    Afterwards this process and others load them in tenths of a second. What is in the cache is left
-    as it is, and if all is, no process is started. An interrupt ends the processes; what they had
-    finished stays in the cache.
+    Afterwards this process has them, and others load them in tenths of a second. What is in the
+    cache is left as it is. After an interrupt, what was finished stays in the cache.
 
     Parameters
     ----------
@@ -58,11 +56,8 @@ def warm_up(
         What will be run; only the structure counts, not the values of parameters.
     ensembles : bool
         Whether to compile what `stickslip.ensemble` needs, too: some seconds more, once.
-    jobs : int, optional
-        Number of processes; as many as there are cores if not given, and never more than there is
-        to compile.
     progress : callable, optional
-        Called with the number of modules done and of all to compile, and the pair in work, when one
+        Called with the number of parts done and of all to compile, and the part in work, when one
         begins and when it is done.
 
     Returns
@@ -75,7 +70,7 @@ def warm_up(
     InputError
         If something has to be compiled and the cache directory cannot be written to.
     CompilationError
-        If a process died or could not compile something.
+        If something could not be compiled, or the cache did not keep it.
 
     Examples
     --------
@@ -84,42 +79,20 @@ def warm_up(
     >>> done = warm_up([(block, Coulomb(kinetic_coefficient=0.25))])  # doctest: +SKIP
     """
     start = time.perf_counter()
-    parts = _parts(pairs, ensembles=ensembles)
-    processes = _checked(jobs)
+    models = [_formulated(pair) for pair in pairs]
+    units = list(dict.fromkeys(u for m in models for u in units_of(m, ensembles=ensembles)))
+    codes = list(dict.fromkeys(code_of(model) for model in models))
+    parts: list[Part] = [*units, *codes]
     absent = [part for part in parts if not part.is_kept()]
-    compiled = _compiled(absent, processes, progress) if absent else set()
-    counts = {
-        (shared, new): sum(p.is_shared == shared and (p in compiled) == new for p in parts)
-        for shared in (True, False)
-        for new in (True, False)
-    }
+    compiled = _compiled(absent, progress) if absent else set()
     return WarmUp(
-        kernels_compiled=counts[True, True],
-        kernels_found=counts[True, False],
-        equations_compiled=counts[False, True],
-        equations_found=counts[False, False],
+        kernels_compiled=len(compiled.intersection(units)),
+        kernels_found=len(set(units) - compiled),
+        equations_compiled=len(compiled.intersection(codes)),
+        equations_found=len(set(codes) - compiled),
         seconds=time.perf_counter() - start,
         folder=cache_directory(),
     )
-
-
-def _checked(jobs: int | None) -> int:
-    if jobs is None:
-        own: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
-        return len(own(0)) if own is not None else os.cpu_count() or 1
-    given: object = jobs
-    if not isinstance(given, int) or isinstance(given, bool) or given < 1:
-        raise InputError(f"jobs must be a whole number above 0, got {jobs!r}.")
-    return given
-
-
-def _parts(pairs: Iterable[tuple[Mechanism, FrictionLaw]], *, ensembles: bool) -> list[CompileUnit]:
-    """Return each part once, kernels first since they take longest."""
-    found: dict[str, CompileUnit] = {}
-    for pair in pairs:
-        for part in parts_of(_formulated(pair), ensembles=ensembles):
-            found.setdefault(part.text, part)
-    return sorted(found.values(), key=lambda part: not part.is_shared)
 
 
 def _formulated(pair: Any) -> Model:
@@ -130,9 +103,7 @@ def _formulated(pair: Any) -> Model:
     raise InputError(f"pairs must hold (mechanism, law), got {pair!r}.")
 
 
-def _compiled(
-    parts: Sequence[CompileUnit], jobs: int, progress: Progress | None
-) -> set[CompileUnit]:
+def _compiled(parts: Sequence[Part], progress: Progress | None) -> set[Part]:
     """Compile parts; return those that were really not there."""
     if not is_writable():
         raise InputError(
@@ -140,14 +111,18 @@ def _compiled(
             " STICKSLIP_CACHE to a writable folder."
         )
     if progress is None:
-        waiting(parts, min(jobs, len(parts)))
-    done: dict[CompileUnit, bool] = {}
+        waiting([part for part in parts if isinstance(part, CompileUnit)])
+    new = set[Part]()
+    for done, part in enumerate(parts):
+        _tell(progress, done, len(parts), part)
+        if part.load():
+            new.add(part)
+        if not part.is_kept():
+            raise CompilationError(f"the cache did not keep {part.title}, which was compiled.")
+        _tell(progress, done + 1, len(parts), part)
+    return new
 
-    def report(part: CompileUnit, outcome: bool | None) -> None:
-        if outcome is not None:
-            done[part] = outcome
-        if progress is not None:
-            progress(len(done), len(parts), part.title)
 
-    compile_all(parts, jobs, report)
-    return {part for part, new in done.items() if new}
+def _tell(progress: Progress | None, done: int, total: int, part: Part) -> None:
+    if progress is not None:
+        progress(done, total, part.title)

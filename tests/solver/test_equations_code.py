@@ -1,0 +1,233 @@
+"""Files of the equations' machine code: what is loaded of them, and what is not."""
+
+import ctypes
+import os
+import stat
+import subprocess
+import sys
+
+import pytest
+
+from stickslip.errors import CompilationError
+from stickslip.solver.compile import equations_code, module_cache
+from stickslip.solver.compile.equations_code import EquationsCode, _linked
+from stickslip.solver.compile.translation import translated
+
+TEXT = "def f(mode, flags, t, w, at, to):\n    w[to] = w[at] + math.exp(t)\n    return\n"
+CODE = EquationsCode("a test", TEXT, (("f", 0),))
+AT_ONCE = """
+import sys
+from stickslip.solver.compile.equations_code import EquationsCode
+sys.stdin.readline()
+for i in range(20):
+    text = f"def f(mode, flags, t, w, at, to):\\n    w[to] = t + {i}.0\\n    return\\n"
+    code = EquationsCode("a test", text, (("f", 0),))
+    assert code.load() in (True, False)
+    assert code.is_kept()
+print("done")
+"""
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has access lists, not mode bits")
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    """Give each test a cache of its own, and forget what is in memory."""
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(equations_code, "_loaded", {})
+    module_cache._warn.cache_clear()
+    yield tmp_path / "cache"
+    module_cache._warn.cache_clear()
+
+
+@pytest.fixture
+def file(cache):
+    """Return the file of the code, which was compiled and is forgotten."""
+    assert CODE.load()
+    (path,) = cache.iterdir()
+    equations_code._loaded.clear()
+    return path
+
+
+def value():
+    """Return what the loaded code makes of 2.0 at time 0."""
+    whole, real = ctypes.c_int64, ctypes.c_double
+    kind = ctypes.CFUNCTYPE(None, whole, whole, whole, real, ctypes.POINTER(real), whole, whole)
+    w = (real * 2)(2.0, 0.0)
+    kind(CODE.address)(0, 0, 0, 0.0, w, 0, 1)
+    return w[1]
+
+
+def never(*_):
+    raise AssertionError("it was asked for")
+
+
+def test_a_second_process_loads_what_the_first_has_compiled(file, monkeypatch):
+    monkeypatch.setattr(equations_code, "_compiled", never)
+    assert CODE.is_kept()
+    assert not CODE.is_ready()
+    assert not CODE.load()
+    assert value() == 3.0
+
+
+def test_what_is_loaded_stays_where_it_is(file):
+    CODE.load()
+    address = CODE.address
+    assert not CODE.load()
+    file.unlink()
+    assert CODE.load()  # and keeps it again
+    assert file.exists()
+    assert CODE.address == address
+
+
+DAMAGE = {
+    "nothing left": lambda content: b"",
+    "only the seal": lambda content: content[: module_cache.SEAL],
+    "cut short": lambda content: content[: len(content) // 2],
+    "one byte short": lambda content: content[:-1],
+    "one byte more": lambda content: content + b"\x00",
+    "one bit of the code": lambda content: (
+        content[:200] + bytes([content[200] ^ 1]) + content[201:]
+    ),
+    "one bit of the seal": lambda content: bytes([content[0] ^ 1]) + content[1:],
+    "zeros, as after a crash": lambda content: bytes(len(content)),
+    "something else": lambda content: b"#!/bin/sh\n" * 100,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypatch):
+    whole = file.read_bytes()
+    file.write_bytes(damage(whole))
+    linked, seen = equations_code._linked, []
+    monkeypatch.setattr(
+        equations_code, "_linked", lambda name, image: seen.append(image) or linked(name, image)
+    )
+    assert CODE.load()
+    assert seen == [whole[module_cache.SEAL :]]
+    assert file.read_bytes() == whole
+    assert value() == 3.0
+
+
+def test_the_code_of_other_equations_is_damage_too(file):
+    other = EquationsCode("another", TEXT.replace("w[at] +", "w[at] -"), CODE.numbers)
+    other.load()
+    (path,) = (path for path in file.parent.iterdir() if path != file)
+    whole = file.read_bytes()
+    file.write_bytes(path.read_bytes())
+    assert CODE.load()
+    assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize("image", [b"", b"no code", b"\x7fELF" + bytes(200)])
+def test_what_llvm_cannot_link_is_a_clear_error(image):
+    with pytest.raises(CompilationError, match="cannot be loaded"):
+        _linked("a test", image)
+
+
+def test_a_function_that_nothing_defines_is_a_clear_error():
+    text = "define void @equations() {\n  call void @stickslip_nowhere()\n  ret void\n}\n"
+    image = equations_code._compiled(text + "declare void @stickslip_nowhere()\n")
+    with pytest.raises(CompilationError, match="cannot be loaded"):
+        _linked("a test", image)
+
+
+def test_another_processor_or_another_maker_has_files_of_its_own(file, monkeypatch):
+    monkeypatch.setattr(module_cache, "_processor", lambda: "another")
+    assert not CODE.is_kept()
+    monkeypatch.undo()
+    monkeypatch.setenv("STICKSLIP_CACHE", str(file.parent))
+    assert CODE.is_kept()
+    monkeypatch.setattr(equations_code, "_maker", lambda: "a later version")
+    assert not CODE.is_kept()
+
+
+def test_numbers_are_part_of_the_name():
+    assert EquationsCode("a test", TEXT, (("f", 1),)).name != CODE.name
+    assert EquationsCode("another title", TEXT, (("f", 0),)) == CODE
+
+
+def test_a_cache_that_cannot_be_made_is_no_obstacle(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.warns(UserWarning, match="cannot be used"):
+        assert CODE.load()
+    assert not CODE.is_kept()
+    assert value() == 3.0
+
+
+@posix
+def test_a_folder_that_others_may_write_to_is_neither_read_nor_written(file, monkeypatch):
+    file.parent.chmod(0o777)
+    before = file.read_bytes(), file.stat().st_mtime_ns
+    assert not CODE.is_kept()
+    with pytest.warns(UserWarning, match=r"others may write .*chmod -R go-w"):
+        assert CODE.load()
+    assert (file.read_bytes(), file.stat().st_mtime_ns) == before
+    assert value() == 3.0
+
+
+@posix
+@pytest.mark.parametrize("forged", ["owner", "mode", "link"])
+def test_a_file_that_may_be_anothers_is_not_loaded(file, monkeypatch, tmp_path, forged):
+    file.parent.chmod(0o755)
+    if forged == "mode":
+        file.chmod(0o666)
+    elif forged == "link":
+        file.rename(tmp_path / "elsewhere")
+        file.symlink_to(tmp_path / "elsewhere")
+    else:
+        lstat = os.lstat
+
+        def owned(path, *arguments, **settings):
+            found = lstat(path, *arguments, **settings)
+            if str(path) != str(file):
+                return found
+            return os.stat_result((*found[:4], os.geteuid() + 1234, *found[5:10]))
+
+        monkeypatch.setattr(os, "lstat", owned)
+        monkeypatch.setattr("pathlib.Path.lstat", owned)
+    with pytest.warns(UserWarning, match="image"):
+        assert CODE.load()
+    assert value() == 3.0
+
+
+@posix
+def test_files_are_closed_to_the_writing_of_others_whatever_the_umask(cache):
+    old = os.umask(0o000)
+    try:
+        CODE.load()
+    finally:
+        os.umask(old)
+    (path,) = cache.iterdir()
+    assert stat.S_IMODE(cache.stat().st_mode) == 0o700
+    assert stat.S_IMODE(path.stat().st_mode) == 0o644
+
+
+def test_a_disk_that_is_full_leaves_nothing_behind_and_is_no_obstacle(cache, monkeypatch):
+    def refuse(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr("pathlib.Path.replace", refuse)
+    assert CODE.load()
+    assert not list(cache.iterdir())
+    assert value() == 3.0
+
+
+def test_two_processes_at_once_leave_one_whole_file_each(cache):
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", AT_ONCE],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )
+        for _ in range(2)
+    ]  # fmt: skip
+    outputs = [run.communicate("go\n", timeout=120) for run in runs]
+    assert outputs == [("done\n", "")] * 2
+    assert [run.returncode for run in runs] == [0, 0]
+    assert len(list(cache.iterdir())) == 20
+    assert all(path.suffix == ".image" for path in cache.iterdir())
+
+
+def test_the_same_equations_give_the_same_code_every_time(file):
+    image = equations_code._compiled(translated(TEXT, {"f": 0}))
+    assert file.read_bytes()[module_cache.SEAL :] == image
