@@ -355,7 +355,7 @@ BAD_TEXT = {
     "unknown type": ("[mechanism]\ntype = 'spring-blok'", "'spring-blok'. Did you mean 'spring-b"),
     "type of another kind": (
         "[mechanism]\ntype = [1]",
-        "Known: axis, capsule, pendulum, pendulum-cart, spring-block",
+        "Known: axis, block-chain, capsule, clutch-train",
     ),
     "mechanism as a value": ("mechanism = 5", "mechanism must be a table, got 5"),
     "negative": (

@@ -10,6 +10,10 @@ MECHANISM_MODULES = {
     "Pendulum": "pendulum",
     "PendulumCart": "pendulum_cart",
     "Capsule": "capsule",
+    "BlockChain": "block_chain",
+    "ClutchTrain": "clutch_train",
+    "DiscBrake": "disc_brake",
+    "TwoFeet": "two_feet",
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 
@@ -18,12 +22,14 @@ HOMES = {
     "BoundedMechanism": "base",
     "Contact": "base",
     "Guide": "base",
+    "Lining": "lining",
     "MECHANISMS": "registry",
     "MOTORS": "actuators",
     "MatrixMechanism": "matrix_mechanism",
     "Mechanism": "base",
     "Motor": "actuators",
     "Prescribed": "actuators",
+    "Rotor": "clutch_train",
     "Stop": "base",
     "Torque": "actuators",
     "mechanisms": "registry",

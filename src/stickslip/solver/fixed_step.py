@@ -15,7 +15,7 @@ from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.solver.base import Solver, column_units
+from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.block_diagram import Diagram, limits_of
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
@@ -195,6 +195,7 @@ def _trajectory(
         certificate=_certificate(diagram, rows),
         span=(0.0, float(rows[-1, 0])),
         evaluate=evaluate,
+        only_contact=name_of_only_contact(mechanism),
     )
 
 
