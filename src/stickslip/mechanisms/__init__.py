@@ -43,6 +43,7 @@ INSIDE = {
     "WHOLE": "drive_period",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "has_one_slip": "contacts",
     "normal_of": "contacts",
     "only_contact": "contacts",
     "repeats": "drive_period",

@@ -15,6 +15,7 @@ from stickslip.mechanisms.block_chain import BlockChain as BlockChain
 from stickslip.mechanisms.capsule import Capsule as Capsule
 from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
 from stickslip.mechanisms.clutch_train import Rotor as Rotor
+from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_names as slip_names

@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.formulation import formulate
-from stickslip.friction import BristleLaw, FrictionLaw, bristles_of
+from stickslip.friction import BristleLaw, FrictionLaw, bristle_names
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.simulation import simulate
@@ -19,10 +19,11 @@ __all__ = [
     "TIERS",
     "finite_near_rest",
     "generated",
+    "is_of_parts",
     "reach",
-    "rest_of",
     "same_in_both_tiers",
     "sensitivities_hold",
+    "slip_rates",
     "vector",
 ]
 
@@ -31,6 +32,8 @@ TIERS = "compiled and interpreted runs agree bit for bit"
 NEAR_REST = (0.0, -1e-4)
 """Slip velocities, in the direction of slip: at its end, and where a step overshoots it [m/s]."""
 LAWFUL = ("field", "jacobian", "time_slope", "contact", "guards", "guard_slopes", "power")
+OF_PARTS = ("masses", "forces", "force_slopes", "loads", "power")
+"""The same where there are several contacts, whose laws have equations of their own."""
 SHARE = 1e-5
 """Relative step of differences: what they leave out is its square, and rounding 1e-16 over it."""
 ALLOWED = 1e-3
@@ -56,10 +59,29 @@ def generated(mechanism: Mechanism, law: FrictionLaw) -> Equations:
     return Equations(model, gather(mechanism, law, model, 0.0))
 
 
-def rest_of(mechanism: Mechanism) -> str:
-    """Return the name of the slip velocity."""
-    slip = slip_of(mechanism)
-    return mechanism.rates[mechanism.coordinates.index(slip)]
+def slip_rates(mechanism: Mechanism) -> list[str]:
+    """Return the rates of the coordinates along which contacts slip."""
+    rates = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
+    slips = dict.fromkeys(name for one in mechanism.contacts() for name in one.slips)
+    return [rates[name] for name in slips if name in rates]
+
+
+def is_of_parts(mechanism: Mechanism, law: FrictionLaw) -> bool:
+    """Whether equations are those of several contacts, of which there are no sensitivities.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw
+        Friction of its contacts.
+
+    Returns
+    -------
+    bool
+        Also true of one contact whose slip has a factor, or whose load changes.
+    """
+    return bool(formulate(mechanism, law).contacts)
 
 
 def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) -> list[float]:
@@ -79,7 +101,8 @@ def vector(mechanism: Mechanism, law: FrictionLaw, values: Mapping[str, float]) 
     list of float (n,)
         Coordinates, rates, bristles.
     """
-    names = (*mechanism.coordinates, *mechanism.rates, *bristles_of(law))
+    contacts = tuple(contact.name for contact in mechanism.contacts())
+    names = (*mechanism.coordinates, *mechanism.rates, *bristle_names(contacts, law))
     return [float(values.get(name, 0.0)) for name in names]
 
 
@@ -103,12 +126,14 @@ def finite_near_rest(
         A finding in words.
     """
     equations = generated(mechanism, law)
+    names = OF_PARTS if is_of_parts(mechanism, law) else LAWFUL
     for start in starts:
         for sense in (1, -1):
             for speed in NEAR_REST:
-                y = vector(mechanism, law, {**start, rest_of(mechanism): sense * speed})
+                slow = dict.fromkeys(slip_rates(mechanism), sense * speed)
+                y = vector(mechanism, law, {**start, **slow})
                 flags = equations.flags(0.0, y)
-                for name in LAWFUL:
+                for name in names:
                     size = equations(name, sense, flags, 0.0, y)
                     if not np.all(np.isfinite(size)):
                         yield f"{name} is not finite at slip velocity {number(sense * speed)}"
