@@ -82,6 +82,11 @@ def _names(laws: str | None) -> list[str]:
 
 def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
     """Return the mechanism of a rig with the laws that `stickslip select` would try."""
+    if rig.contacts:
+        raise InputError(
+            f"warmup compiles one law, but {rig.heading} has laws of {', '.join(rig.contacts)}:"
+            " their equations are compiled when they are first needed."
+        )
     if laws is None:
         usual = [law for law in known_laws().values() if not law.on_request]
         own = list(rig.laws.values()) or [starting_law(law) for law in usual]

@@ -26,6 +26,7 @@ INSIDE = {
     "BareRun": "event_driven",
     "Equations": "evaluator",
     "IncrementalRun": "incremental_run",
+    "column_units": "base",
     "gather": "drive_schedule",
     "is_writable": "compile.module_cache",
     "notice": "compile.messages",

@@ -91,7 +91,11 @@ class FixedStep(Solver):
         told: Sequence[str] = (),
     ) -> Trajectory:
         if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
-            raise InputError("FixedStep solves one contact: run several with EventDriven().")
+            names = ", ".join(one.name for one in mechanism.contacts())
+            raise InputError(
+                f"FixedStep solves one contact, but {type(mechanism).__name__} has {names}: run it"
+                " with EventDriven()."
+            )
         refuse_stops(mechanism)
         refuse_limits(mechanism, limits_of(mechanism))
         diagram = Diagram.build(mechanism, law, t_end, y0)
