@@ -145,6 +145,8 @@ class Mechanism(Parametrised, ABC):
     """SI units of the coordinates."""
     moving_part: ClassVar[str] = "body"
     """What slips on the contact, as reports call it."""
+    contact_names: ClassVar[str] = ""
+    """Names of the contacts where there may be several, as listings show them."""
 
     @property
     @final

@@ -23,8 +23,7 @@ class BlockChain(Mechanism):
 
     The places `x1`, `x2` and so on are counted from where the blocks stand while no spring is
     stretched, and along with the belt: `x1` stays what it is while the first block rides on the
-    belt, and where the belt stands still, that is the ground. A further spring and a damper hold
-    each block against the ground. The contacts are `block-1`, `block-2` and so on. On a moving
+    belt. A further spring and a damper hold each block against the ground. The contacts are `block-1`, `block-2` and so on. On a moving
     belt this is the earthquake model of Burridge and Knopoff.
 
     Examples
@@ -39,6 +38,7 @@ class BlockChain(Mechanism):
 
     name: ClassVar[str] = "block-chain"
     moving_part: ClassVar[str] = "block"
+    contact_names: ClassVar[str] = "block-1, block-2, ..."
 
     blocks: Annotated[int, Quantity("n", low=1, structural=True)]
     """Number of blocks."""
@@ -50,8 +50,8 @@ class BlockChain(Mechanism):
     """Stiffness of the springs between each block and the ground."""
     damping: Annotated[float, Quantity("c", "N s/m", low=0)] = 0.0
     """Dampers beside the springs to the ground."""
-    speed: Annotated[float, Quantity("V", "m/s")] = 0.0
-    """Speed of the belt."""
+    speed: Annotated[float, Quantity("V", "m/s")] | None = None
+    """Speed of the belt; with None the blocks are on the ground, where they may rest for good."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
     """Normal force of each block, or 1 where levels are forces."""
 
@@ -90,7 +90,8 @@ class BlockChain(Mechanism):
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
         places = [q[x] for x in self.coordinates]
-        stretched = [place + self.speed * t for place in places]
+        moved = 0.0 if self.speed is None else self.speed * t
+        stretched = [place + moved for place in places]
         apart = [after - before for before, after in itertools.pairwise(places)]
         ground = sum((0.5 * self.stiffness * s * s for s in stretched), 0.0)
         return ground + sum((0.5 * self.coupling * s * s for s in apart), 0.0)
@@ -103,7 +104,8 @@ class BlockChain(Mechanism):
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
     ) -> Mapping[str, Scalar]:
-        return {x: -self.damping * (q_dot[x] + self.speed) for x in self.coordinates}
+        belt = 0.0 if self.speed is None else self.speed
+        return {x: -self.damping * (q_dot[x] + belt) for x in self.coordinates}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

@@ -65,6 +65,7 @@ class ClutchTrain(Mechanism):
 
     name: ClassVar[str] = "clutch-train"
     moving_part: ClassVar[str] = "rotor"
+    contact_names: ClassVar[str] = "clutch-1, clutch-2, ..., brake"
 
     rotors: tuple[Rotor, ...]
     """The rotors in their order, two or more."""

@@ -40,6 +40,7 @@ class DiscBrake(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("omega",)
     units: ClassVar[tuple[str, ...]] = ("rad",)
     moving_part: ClassVar[str] = "disc"
+    contact_names: ClassVar[str] = "pad-1, pad-2, ..."
 
     inertia: Annotated[float, Quantity("J", "kg m^2", above=0)]
     """Moment of inertia of the disc and what turns with it."""

@@ -49,6 +49,7 @@ class PendulumCart(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("v", "omega")
     units: ClassVar[tuple[str, ...]] = ("m", "rad")
     moving_part: ClassVar[str] = "cart"
+    contact_names: ClassVar[str] = "wheels, pivot (with pivot_load)"
 
     cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
     """Mass of the cart."""

@@ -42,6 +42,7 @@ class TwoFeet(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("v",)
     units: ClassVar[tuple[str, ...]] = ("m",)
     moving_part: ClassVar[str] = "body"
+    contact_names: ClassVar[str] = "front, rear"
 
     mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass of the body."""

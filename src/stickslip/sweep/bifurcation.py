@@ -309,7 +309,7 @@ class _Shared:
         if isinstance(mechanism, TowedBlock):
             # its spring is pulled from x = 0 again
             moved["x"] -= mechanism.speed * t
-        elif isinstance(mechanism, BlockChain):
+        elif isinstance(mechanism, BlockChain) and mechanism.speed is not None:
             # places on the belt: the springs are stretched by how far it went
             moved |= {x: end[x] + mechanism.speed * t for x in mechanism.coordinates}
         return moved
