@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from tests.contact_cases import belt, clutches, coulomb, decay
+from tests.support import SEVERAL
 
 from stickslip import (
     BlockChain,
@@ -25,33 +26,8 @@ from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms import Contact, Lining, Prescribed, Rotor, Torque
 from stickslip.results import Status
-from stickslip.testing import check_mechanism
 
 PLAIN = EventDriven(tier="python")
-EXAMPLES = {
-    "block-chain": BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1),
-    "block-chain, one": BlockChain(blocks=1, mass=1.0, coupling=4.0, stiffness=1.0, damping=0.1),
-    "clutch-train": ClutchTrain(
-        rotors=(Rotor(inertia=1.0, torque=Sine(amplitude=8.0, frequency=1.0)),
-                Rotor(inertia=0.5, damping=0.1)),
-        clutches=(Lining(radius=0.2, press=Pulse(level=20.0, duration=10.0, start=0.4)),),
-        brake=Lining(radius=0.1, load=10.0),
-    ),
-    "disc-brake": DiscBrake(
-        inertia=0.5, drive=Ramp(rate=1.0), stiffness=2.0, damping=0.1,
-        pads=(Lining(radius=0.1, load=10.0), Lining(radius=0.12, press=Sine(amplitude=9.0,
-                                                                            frequency=1.0))),
-    ),
-    "disc-brake, one": DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),)),
-    "two-feet": TwoFeet(
-        mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0,
-        drive=Sine(amplitude=9.0, frequency=1.0),
-    ),
-    "pendulum-cart": PendulumCart(
-        cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0,
-        pendulum=Torque(drive=Sine(amplitude=0.3, frequency=1.0)),
-    ),
-}  # fmt: skip
 
 
 def run_of(mechanism, laws, t_end, y0=None, **settings):
@@ -64,12 +40,6 @@ def run_of(mechanism, laws, t_end, y0=None, **settings):
 def renamed(laws, name):
     """Return laws in order under the names of a mechanism's contacts."""
     return {f"{name}-{i}": law for i, law in enumerate(laws.values(), 1)}
-
-
-@pytest.mark.parametrize("mechanism", EXAMPLES.values(), ids=EXAMPLES)
-def test_each_passes_the_suite_for_mechanisms(mechanism):
-    law = coulomb(0.3, 0.4)
-    check_mechanism(mechanism, law, compiled=False, draws=5, throw=True)
 
 
 def modelica_clutches():
@@ -254,7 +224,7 @@ def test_a_disc_turns_on_while_its_pads_are_off():
 
 
 def test_an_ensemble_varies_one_lining_and_one_law():
-    brake = EXAMPLES["disc-brake"]
+    brake = SEVERAL["disc-brake"]
     laws = {"pad-1": coulomb(0.4), "pad-2": coulomb(0.3)}
     varied = {
         "mechanism.pads.0.load": np.array([10.0, 20.0]),
@@ -295,7 +265,7 @@ def test_what_no_such_mechanism_can_be_is_refused(make, message):
 
 
 def test_a_run_with_one_contact_knows_the_name_of_its_contact():
-    run = run_of(EXAMPLES["disc-brake, one"], {"pad-1": coulomb(0.3)}, 1.0, {"omega": 5.0})
+    run = run_of(SEVERAL["disc-brake, one"], {"pad-1": coulomb(0.3)}, 1.0, {"omega": 5.0})
     assert run.contact("pad-1") is run
     with pytest.raises(UnknownNameError, match="pad-1"):
         run.contact("pad")

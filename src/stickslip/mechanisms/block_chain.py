@@ -23,8 +23,9 @@ class BlockChain(Mechanism):
 
     The places `x1`, `x2` and so on are counted from where the blocks stand while no spring is
     stretched, and along with the belt: `x1` stays what it is while the first block rides on the
-    belt. A further spring and a damper hold each block against the ground. The contacts are `block-1`, `block-2` and so on. On a moving
-    belt this is the earthquake model of Burridge and Knopoff.
+    belt. A further spring and a damper hold each block against the ground. The contacts are
+    `block-1`, `block-2` and so on. On a moving belt this is the model of earthquakes of Burridge
+    and Knopoff.
 
     Examples
     --------
