@@ -9,6 +9,7 @@ HOMES = {
     "LawEstimates": "estimates",
     "Line": "line",
     "Measurement": "measurement",
+    "KnownLaws": "rig",
     "Published": "rig",
     "QUANTITIES": "measurement",
     "Rig": "rig",
