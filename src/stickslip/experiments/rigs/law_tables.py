@@ -33,7 +33,20 @@ class FrictionTable(Table):
 
 
 def python_name(name: str, kind: str = "law") -> str:
-    """Return the attribute under which the own table of a law, or of a contact, is kept."""
+    """Return the attribute under which the own table of a law, or of a contact, is kept.
+
+    Parameters
+    ----------
+    name : str
+        Name of the law or the contact.
+    kind : {"law", "contact"}
+        Which of both it is.
+
+    Returns
+    -------
+    str
+        A name that Python allows.
+    """
     return f"{kind}_{name.replace('-', '_')}"
 
 

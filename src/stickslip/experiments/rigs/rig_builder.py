@@ -60,6 +60,11 @@ def read_rig(
     -------
     Rig
         The rig.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or used.
     """
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()

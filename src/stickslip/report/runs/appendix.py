@@ -93,7 +93,20 @@ def certificate_section(about: RunReport) -> Section:
 
 
 def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
-    """Return the section of a run, with located events or in fixed steps."""
+    """Return how far to trust a computation, in words.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    exact : bool
+        Whether its events were located, as those of fixed steps are not.
+
+    Returns
+    -------
+    Section
+        The section of the page.
+    """
     if not exact:
         heading = "Fixed steps have no certificate"
     elif run.certificate.certified:
