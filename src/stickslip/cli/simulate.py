@@ -48,7 +48,7 @@ MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -",
 FIRST_EVENTS, LAST_EVENTS = 12, 4
 """Events of which the terminal shows the first and the last."""
 MOST_STATES = 12
-"""Final states of several contacts that the terminal shows."""
+"""Final states, and contacts, that the terminal shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -444,12 +444,16 @@ def _show(ran: Ran, settings: Settings) -> None:
     )
     final += f", and {left} further states; --json lists all" if left > 0 else ""
     console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
-    for name, work in run.certificate.work.items():
+    work_by_contact = list(run.certificate.work.items())
+    for name, work in work_by_contact[:MOST_STATES]:
         held = sum(end - begin for begin, end in run.contact(name).stick_spans())
         console.print(
             f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
             markup=False,
         )
+    if len(work_by_contact) > MOST_STATES:
+        more = len(work_by_contact) - MOST_STATES
+        console.print(f"{more} further contacts; --json lists all", markup=False)
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
     if settings.fixed_step is None:

@@ -90,6 +90,7 @@ INSIDE = {
     "Half": "runs.spring_force",
     "Loop": "laws.hysteresis",
     "MAP_SIZES": "laws.friction_map",
+    "MOST_PANELS": "runs.contacts",
     "MapPoints": "selection.fit_data",
     "PROFILE_SIZES": "runs.profiles",
     "PULL_SIZES": "runs.spring_force",

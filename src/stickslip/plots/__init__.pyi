@@ -58,6 +58,7 @@ from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
 from stickslip.plots.laws.hysteresis import loop_sizes as loop_sizes
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
+from stickslip.plots.runs.contacts import MOST_PANELS as MOST_PANELS
 from stickslip.plots.runs.contacts import STATE_SIZES as STATE_SIZES
 from stickslip.plots.runs.contacts import contact_sizes as contact_sizes
 from stickslip.plots.runs.contacts import draw_contacts as draw_contacts

@@ -4,7 +4,6 @@ from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
@@ -14,7 +13,7 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = ["STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
+__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
 
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
@@ -146,12 +145,23 @@ def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: fl
 
 
 def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
-    """Draw the mode of each contact over time: slip backward, stick, slip forward, open."""
-    modes = np.array([seen[f"mode:{name}"] for name in seen.contacts])
-    colours = ListedColormap([C2, MUTED, C1, SURFACE])
+    """Draw a row for each contact: when it slips, sticks, or is open."""
     edges = np.append(seen.t, seen.t[-1])
     rows = np.arange(len(seen.contacts) + 1)
-    axes.pcolormesh(edges, rows, modes, cmap=colours, vmin=-1.5, vmax=2.5, rasterized=True)
+    colours = {-1: C2, 0: MUTED, 1: C1}
+    modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])
+    for row, own in enumerate(modes):
+        begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+        ends = np.append(begins[1:], own.size)
+        for mode, colour in colours.items():
+            spans = [
+                (float(edges[i]), float(edges[k] - edges[i]))
+                for i, k in zip(begins, ends, strict=True)
+                if own[i] == mode
+            ]
+            axes.broken_barh(spans, (row, 1.0), facecolor=colour, linewidth=0.0)
+    axes.set_xlim(float(edges[0]), float(edges[-1]))
+    axes.set_ylim(0.0, float(rows[-1]))
     axes.set_yticks(rows[:-1] + 0.5, seen.contacts, fontsize="x-small")
     axes.invert_yaxis()
     axes.set_xlabel("time, s")

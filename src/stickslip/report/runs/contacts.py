@@ -8,7 +8,14 @@ from typing import final
 from stickslip.experiments import Rig
 from stickslip.formatting import capital, count, joined, number, quantity
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.plots import STATE_SIZES, contact_sizes, draw_contacts, draw_states, inline_svg
+from stickslip.plots import (
+    MOST_PANELS,
+    STATE_SIZES,
+    contact_sizes,
+    draw_contacts,
+    draw_states,
+    inline_svg,
+)
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
 from stickslip.report.core.documents import Opening, Origin, Page, Section, made_sections
@@ -82,7 +89,15 @@ def contacts_page(about: ContactsReport) -> str:
     >>> "could not be made" in page
     False
     """
-    makers = (_opening, _motion, _contacts, _events, _laws, _certificate, _reproduce)
+    makers = (
+        opening_section,
+        motion_section,
+        contacts_section,
+        events_section,
+        laws_section,
+        certificate_section,
+        reproduce_section,
+    )
     return render(
         Page(
             title=f"{about.rig.heading}: {about.kinds} friction",
@@ -94,7 +109,7 @@ def contacts_page(about: ContactsReport) -> str:
     )
 
 
-def _opening(about: ContactsReport) -> Section:
+def opening_section(about: ContactsReport) -> Section:
     run = about.run
     events = run.events
     if not run.status.complete:
@@ -123,16 +138,16 @@ def _number(about: ContactsReport) -> str:
     return count(len(about.views), "contact")
 
 
-def _motion(about: ContactsReport) -> Section:
+def motion_section(about: ContactsReport) -> Section:
     alt = "Coordinates against time"
     figure = Figure(
         svg=inline_svg(draw_states(about.run), alt=alt, prefix="motion", **STATE_SIZES),
-        caption="**Coordinates** against time; dots are events.",
+        caption="**Coordinates** against time; where there are few, dots are events.",
     )
     return Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
 
 
-def _contacts(about: ContactsReport) -> Section:
+def contacts_section(about: ContactsReport) -> Section:
     """Return friction at each contact, and how much each holds and takes."""
     run = about.run
     sizes = contact_sizes(run)
@@ -140,15 +155,18 @@ def _contacts(about: ContactsReport) -> Section:
         svg=inline_svg(
             draw_contacts(run), alt="Friction at each contact", prefix="contacts", **sizes
         ),
-        caption="**Friction at each contact** against time, or whether it sticks. Yellow: it"
-        " sticks; dots are events.",
+        caption=(
+            "**Friction at each contact** against time. Yellow: it sticks; dots are events."
+            if len(about.views) <= MOST_PANELS
+            else "**What each contact does** against time."
+        ),
     )
     first, last = run.span
     rows = []
     for name, own in about.views.items():
         held = sum(end - begin for begin, end in own.stick_spans())
         work = run.certificate.work.get(name, run.certificate.work_friction)
-        share = f"{number(100.0 * held / (last - first), 3)} %"
+        share = f"{number(100.0 * held / (last - first), 3)} %" if last > first else "none"
         rows.append(Row(cells=(name, f"{len(own.events):,}", share, number(work, 4))))
     columns = (
         Column(head="contact"),
@@ -160,7 +178,7 @@ def _contacts(about: ContactsReport) -> Section:
     return Section(id="contacts", nav="Contacts", heading="The contacts", blocks=(figure, table))
 
 
-def _events(about: ContactsReport) -> Section:
+def events_section(about: ContactsReport) -> Section:
     """Return what happened how often at each contact, first and last."""
     rows = []
     for name, own in about.views.items():
@@ -181,7 +199,7 @@ def _events(about: ContactsReport) -> Section:
     return Section(id="events", nav="Events", heading="Events", blocks=blocks)
 
 
-def _laws(about: ContactsReport) -> Section:
+def laws_section(about: ContactsReport) -> Section:
     """Return the formula of each kind of law, and the parameters by contact."""
     laws = about.laws
     kinds = {type(law): law for law in laws.values()}
@@ -209,11 +227,11 @@ def _laws(about: ContactsReport) -> Section:
     return Section(id="law", nav="The laws", heading="The laws", blocks=tuple(blocks))
 
 
-def _certificate(about: ContactsReport) -> Section:
+def certificate_section(about: ContactsReport) -> Section:
     return certificate_of(about.run)
 
 
-def _reproduce(about: ContactsReport) -> Section:
+def reproduce_section(about: ContactsReport) -> Section:
     laws = {type(law): law for law in about.laws.values()}
     origin = Origin(
         title=about.rig.heading,
