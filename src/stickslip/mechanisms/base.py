@@ -138,7 +138,7 @@ class Mechanism(Parametrised, ABC):
     name: ClassVar[str]
     """Key in the registry and ``type`` in rig files."""
     coordinates: ClassVar[tuple[str, ...]]
-    """State names of the moving coordinates."""
+    """State names of the moving coordinates; where their number depends on a field, a property."""
     rates: ClassVar[tuple[str, ...]]
     """State names of their time derivatives."""
     units: ClassVar[tuple[str, ...]]
