@@ -279,8 +279,9 @@ class Rig:
         >>> from stickslip import Coulomb, TwoFeet
         >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
         >>> body = TwoFeet(mass=1.0, front=0.1, rear=0.1)
-        >>> Rig(mechanism=body, contacts={"front": known, "rear": None}).law_by_contact()
-        {'front': Coulomb(kinetic_coefficient=0.2, static_coefficient=0.2), 'rear': None}
+        >>> laws = Rig(mechanism=body, contacts={"front": known, "rear": None}).law_by_contact()
+        >>> laws["front"].kinetic_coefficient, laws["rear"]
+        (0.2, None)
         """
         if not self.contacts:
             raise InputError(f"{self.heading} has no laws by contact: see Rig.laws.")
