@@ -12,11 +12,23 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from stickslip import Axis, Capsule, Pendulum, PendulumCart, SpringBlock, TowedBlock, TwoMassAxis
-from stickslip.drives import PiecewiseLinear, Pulse, Sine, SineSwing, Square, ThreePhase
+from stickslip import (
+    Axis,
+    BlockChain,
+    Capsule,
+    ClutchTrain,
+    DiscBrake,
+    Pendulum,
+    PendulumCart,
+    SpringBlock,
+    TowedBlock,
+    TwoFeet,
+    TwoMassAxis,
+)
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw, towards
-from stickslip.mechanisms import Mechanism, Prescribed, Torque
+from stickslip.mechanisms import Lining, Mechanism, Prescribed, Rotor, Torque
 from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
@@ -203,6 +215,43 @@ capsules = st.builds(
     damping=st.just(0.0) | nearly(0, 2),
     incline=inclines,
 )
+block_chains = st.builds(
+    BlockChain,
+    blocks=st.integers(1, 4),
+    mass=decade(-1, 1),
+    coupling=decade(0, 2),
+    stiffness=st.just(0.0) | decade(0, 2),
+    damping=st.just(0.0) | nearly(0, 2),
+    speed=st.none() | nearly(-0.5, 0.5),
+)
+linings = st.builds(
+    Lining, radius=decade(-1, 0), load=st.just(0.0) | decade(0, 2), press=st.none() | drives
+)
+rotors = st.builds(Rotor, inertia=decade(-1, 1), torque=st.none() | drives)
+clutch_trains = st.integers(2, 4).flatmap(
+    lambda n: st.builds(
+        ClutchTrain,
+        rotors=st.lists(rotors, min_size=n, max_size=n),
+        clutches=st.lists(linings, min_size=n - 1, max_size=n - 1),
+        brake=st.none() | linings,
+    )
+)
+disc_brakes = st.builds(
+    DiscBrake,
+    inertia=decade(-1, 1),
+    pads=st.lists(linings, min_size=1, max_size=3),
+    stiffness=st.just(0.0) | decade(0, 2),
+    drive=st.none() | drives,
+)
+two_feet = st.builds(
+    TwoFeet,
+    mass=decade(-1, 1),
+    front=decade(-1, 0),
+    rear=decade(-1, 0),
+    height=nearly(0, 0.1),
+    stiffness=st.just(0.0) | decade(0, 2),
+    drive=st.none() | drives,
+)
 SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
     "towed-block": towed_blocks,
@@ -215,6 +264,10 @@ RIGS: Mapping[str, st.SearchStrategy[Any]] = {
     "pendulum": pendulums,
     "pendulum-cart": pendulum_carts,
     "capsule": capsules,
+    "block-chain": block_chains,
+    "clutch-train": clutch_trains,
+    "disc-brake": disc_brakes,
+    "two-feet": two_feet,
 }
 """Random mechanisms by registry name."""
 
@@ -239,7 +292,7 @@ EXAMPLES: Mapping[str, Mechanism] = {
         stiffness=40.0, damping=0.2,
     ),
 }  # fmt: skip
-"""One of each mechanism by registry name."""
+"""One of each mechanism with one contact by registry name."""
 SHOWN: Mapping[str, Mechanism] = {
     **EXAMPLES,
     "two-mass-axis, motor rubs": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="motor"),
@@ -268,6 +321,33 @@ SHOWN: Mapping[str, Mechanism] = {
     ),
 }  # fmt: skip
 """One of each mechanism, and others where a mechanism has several ways of being driven."""
+
+
+SEVERAL: Mapping[str, Mechanism] = {
+    "block-chain": BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1),
+    "block-chain, one": BlockChain(blocks=1, mass=1.0, coupling=4.0, stiffness=1.0, damping=0.1),
+    "clutch-train": ClutchTrain(
+        rotors=(Rotor(inertia=1.0, torque=Sine(amplitude=8.0, frequency=1.0)),
+                Rotor(inertia=0.5, damping=0.1)),
+        clutches=(Lining(radius=0.2, press=Pulse(level=20.0, duration=10.0, start=0.4)),),
+        brake=Lining(radius=0.1, load=10.0),
+    ),
+    "disc-brake": DiscBrake(
+        inertia=0.5, drive=Ramp(rate=1.0), stiffness=2.0, damping=0.1,
+        pads=(Lining(radius=0.1, load=10.0), Lining(radius=0.12, press=Sine(amplitude=9.0,
+                                                                            frequency=1.0))),
+    ),
+    "disc-brake, one": DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, load=10.0),)),
+    "two-feet": TwoFeet(
+        mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0,
+        drive=Sine(amplitude=9.0, frequency=1.0),
+    ),
+    "pendulum-cart": PendulumCart(
+        cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0,
+        pendulum=Torque(drive=Sine(amplitude=0.3, frequency=1.0)),
+    ),
+}  # fmt: skip
+"""Mechanisms with several contacts, or with one that slips by a factor."""
 
 
 class Generated:

@@ -177,6 +177,10 @@ def rig_file() -> Iterator[str]:
         for kind, reference in sorted(kinds.items()):
             own = tables[reference.rpartition("/")[2]]
             yield from (f'### `type = "{kind}"`', "", own["description"], "", *rig_table(own))
+    parts = dict.fromkeys(part_names([tables[name] for name in sorted(used)], drives))
+    yield from ("## Parts of mechanisms", "")
+    for name in parts:
+        yield from (f"### `{name}`", "", tables[name]["description"], "", *rig_table(tables[name]))
     for name in ("Friction", *(LAWS[key].__name__ for key in LAWS)):
         key = next((key for key in LAWS if LAWS[key].__name__ == name), "")
         heading = f"### `[friction.{key}]`" if key else "## `[friction]`"
@@ -193,6 +197,18 @@ def drive_mapping(node: Any) -> Iterator[tuple[str, str]]:
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
     for child in inner:
         yield from drive_mapping(child)
+
+
+def part_names(node: Any, drives: dict[str, str]) -> Iterator[str]:
+    """Names of the tables of parts, such as rotors: what tables refer to and is no choice."""
+    if isinstance(node, dict) and "discriminator" not in node:
+        if "$ref" in node and node["$ref"] not in drives.values():
+            yield node["$ref"].rpartition("/")[2]
+        for child in node.values():
+            yield from part_names(child, drives)
+    elif isinstance(node, list):
+        for child in node:
+            yield from part_names(child, drives)
 
 
 def rig_table(schema: dict[str, Any]) -> Iterator[str]:

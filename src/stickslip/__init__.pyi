@@ -20,13 +20,17 @@ from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
 from stickslip.identification import sample_posterior as sample_posterior
 from stickslip.mechanisms import Axis as Axis
+from stickslip.mechanisms import BlockChain as BlockChain
 from stickslip.mechanisms import Capsule as Capsule
+from stickslip.mechanisms import ClutchTrain as ClutchTrain
+from stickslip.mechanisms import DiscBrake as DiscBrake
 from stickslip.mechanisms import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms import Mechanism as Mechanism
 from stickslip.mechanisms import Pendulum as Pendulum
 from stickslip.mechanisms import PendulumCart as PendulumCart
 from stickslip.mechanisms import SpringBlock as SpringBlock
 from stickslip.mechanisms import TowedBlock as TowedBlock
+from stickslip.mechanisms import TwoFeet as TwoFeet
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
@@ -45,12 +49,15 @@ MOVED: dict[str, str]
 
 __all__ = [
     "Axis",
+    "BlockChain",
     "Capsule",
+    "ClutchTrain",
     "Coulomb",
     "CoulombViscous",
     "CoulombViscousStatic",
     "Dahl",
     "DirectionDependent",
+    "DiscBrake",
     "EventDriven",
     "FixedStep",
     "FrictionLaw",
@@ -67,6 +74,7 @@ __all__ = [
     "SpringBlock",
     "Stribeck",
     "TowedBlock",
+    "TwoFeet",
     "TwoMassAxis",
     "Viscous",
     "__version__",

@@ -13,7 +13,7 @@ from stickslip.friction import (
     assigned,
     bristle_names,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
@@ -277,7 +277,41 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
         )
     if isinstance(law, PrintedForm):
         return law
+    if names == ("",) and isinstance(law, Mapping) and set(law) != {""}:
+        raise InputError(
+            f"{type(mechanism).__name__} has one contact, which has no name: give its law alone,"
+            f" got {law!r}."
+        )
     return assigned(names, law)
+
+
+def own_law(mechanism: object, law: object) -> FrictionLaw:
+    """Return the law of a mechanism that has one contact, for what takes no others.
+
+    Parameters
+    ----------
+    mechanism : object
+        What was given as mechanism.
+    law : object
+        What was given as law; a mapping with the contact's own name will do.
+
+    Returns
+    -------
+    FrictionLaw
+        The law.
+
+    Raises
+    ------
+    InputError
+        If one of them is of another kind or needs fixed steps, or there are several contacts,
+        which are named.
+    """
+    found = check_pair(mechanism, law)
+    assert isinstance(mechanism, Mechanism)  # as was checked
+    slip_of(mechanism)
+    if not isinstance(found, FrictionLaw):
+        raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
+    return found
 
 
 def _told(

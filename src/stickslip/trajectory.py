@@ -161,6 +161,8 @@ class Trajectory(InPanels):
         Callable[["NDArray[np.float64]", Sequence[str]], "NDArray[np.float64]"] | None
     ) = field(default=None, repr=False)
     """Gives the sensitivities (n, states, paths) at an array of times, where the solver can."""
+    only_contact: str = ""
+    """Name of the contact where there is one; empty if it has no name, or there are several."""
 
     @cached_property
     def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:
@@ -254,7 +256,8 @@ class Trajectory(InPanels):
         """Return the run as one of several contacts sees it.
 
         Its columns ``"friction"``, ``"normal_force"`` and ``"mode"`` and its events are those of
-        the contact, so that it can be used as a run with one contact. The states are the same.
+        the contact, so that it can be used as a run with one contact. The states are the same. A
+        run with one contact is its own view.
 
         Parameters
         ----------
@@ -271,8 +274,11 @@ class Trajectory(InPanels):
         UnknownNameError
             If there is no contact of that name.
         """
+        if name == self.only_contact and not self.contacts:
+            return self
         if name not in self.contacts:
-            raise UnknownNameError("contact", name, self.contacts)
+            known = self.contacts or [one for one in (self.only_contact,) if one]
+            raise UnknownNameError("contact", name, known)
         own = {f"{kind}:{name}": kind for kind in ("friction", "normal_force", "mode")}
         kept = [column for column in self.names if ":" not in column or column in own]
         kept += [z for z in self.states if ":" in z]
@@ -288,6 +294,7 @@ class Trajectory(InPanels):
             units={own.get(column, column): unit for column, unit in self.units.items()},
             events=tuple(event for event in self.events if event.contact == name),
             evaluate=seen,
+            only_contact=name,
         )
 
     def stick_spans(self) -> list[tuple[float, float]]:

@@ -8,7 +8,7 @@ import re
 
 import pytest
 from latex2mathml.converter import convert
-from tests.support import SHOWN, example_of
+from tests.support import SEVERAL, SHOWN, example_of
 
 from stickslip.errors import ParameterError
 from stickslip.friction import LAWS, PRINTED_FORMS, SOURCES, laws
@@ -133,7 +133,7 @@ def test_every_printed_form_says_what_is_wrong_and_how_to_mend_it(form):
     assert form.corrected in LAWS.values()
 
 
-@pytest.mark.parametrize("mechanism", MECHANISMS.values(), ids=called)
+@pytest.mark.parametrize("mechanism", {**SHOWN, **SEVERAL}.values(), ids=lambda one: one.name)
 def test_a_mechanism_has_one_rate_and_one_unit_for_each_coordinate(mechanism):
     assert len(mechanism.coordinates) == len(mechanism.rates) == len(mechanism.units)
     names = (*mechanism.coordinates, *mechanism.rates)

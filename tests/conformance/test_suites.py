@@ -1,8 +1,9 @@
 """The suites that other packages run on their laws and mechanisms hold for ours."""
 
 import pytest
-from tests.support import SHOWN, example_of
+from tests.support import SEVERAL, SHOWN, example_of
 
+from stickslip import Coulomb
 from stickslip.friction import LAWS
 from stickslip.testing import check_friction, check_mechanism
 
@@ -17,6 +18,14 @@ def test_every_law_passes_the_suite_for_laws(kind):
 def test_every_mechanism_passes_the_suite_for_mechanisms(name):
     report = check_mechanism(SHOWN[name], t_end=0.8, compiled=False)
     assert report.ok, report
+
+
+@pytest.mark.parametrize("name", SEVERAL)
+def test_mechanisms_with_several_contacts_pass_the_suite_too(name):
+    law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
+    report = check_mechanism(SEVERAL[name], law, compiled=False, draws=5)
+    assert report.ok, report
+    assert "contacts name coordinates" in report.checks
 
 
 @pytest.mark.slow

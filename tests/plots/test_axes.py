@@ -316,7 +316,7 @@ def test_a_run_without_x_and_v_is_plotted_by_its_own_names():
     labels = [axes.get_ylabel() for axes in plots.plot_run(run, Figure())]
     assert labels[:2] == ["displacement, rad", "velocity, rad/s"]
     ax = plots.plot_runs({"clock": run}, Figure(), column="friction")
-    assert ax.get_ylabel() == "friction, mN"
+    assert ax.get_ylabel() == "friction, mN m"
     with pytest.raises(InputError, match="at least one run"):
         plots.plot_runs({})
 

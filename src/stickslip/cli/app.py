@@ -449,7 +449,7 @@ def models(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """List the friction laws, or show one in full.
+    """List friction laws and mechanisms, or show a law in full.
 
     A single law is shown with its formula, parameters and sources.
     """

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,11 +18,12 @@ from stickslip.experiments import (
     load_rig,
     read_number,
 )
-from stickslip.friction import PRINTED_FORMS, FrictionLaw, law_type
+from stickslip.friction import PRINTED_FORMS, FrictionLaw, Laws, assigned, law_type
 from stickslip.identification import starting_law
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.routes import AnyRoute, Law
 
-__all__ = ["ChosenLaw", "LawAsked", "law_to_fit", "rig_and_law"]
+__all__ = ["ChosenLaw", "LawAsked", "law_to_fit", "rig_and_friction", "rig_and_law"]
 
 USUAL = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
@@ -97,10 +98,70 @@ def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
     return rig.laws.get(name) or name
 
 
+def rig_and_friction(
+    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
+) -> tuple[Rig, ChosenLaw | Laws]:
+    """Return the rig and its friction: the laws of its contacts, or one law as `rig_and_law` does.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides of the rig file, each as ``PATH=VALUE``.
+    asked : LawAsked
+        Name of the law of all contacts, or names by contact as in ``front=coulomb,rear=dahl``; of
+        one contact, or a law that all share, name or file.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+
+    Returns
+    -------
+    tuple of Rig and ChosenLaw or Laws
+        The rig, and the law with its estimates, or laws by contact.
+
+    Raises
+    ------
+    InputError
+        If a law cannot be used, or an override has no effect.
+    """
+    given = overrides(changes)
+    if asked.law is None or not FILE.fullmatch(asked.law):
+        rig = load_rig(path, overrides=given, allow_import=allow_import)
+        if rig.contacts:
+            return rig, _by_contact(rig, asked, given)
+        if asked.law is not None and "=" in asked.law:
+            raise InputError(
+                f"--law {asked.law} names laws by contact, but {rig.path} has no tables of"
+                " contacts: give one name."
+            )
+    return _rig_and_law(path, changes, asked, allow_import=allow_import)
+
+
+def _by_contact(rig: Rig, asked: LawAsked, given: Collection[str]) -> Laws:
+    """Return the laws of a rig whose contacts have tables of their own."""
+    text = asked.law
+    if asked.load is not None:
+        raise InputError("--law-load applies only to a law from a file, such as --law law.toml.")
+    names: str | dict[str, str] | None = text
+    if text is not None and "=" in text:
+        pairs = [part.partition("=") for part in text.split(",")]
+        names = {contact.strip(): law.strip() for contact, _, law in pairs}
+    found = rig.law_by_contact(names)
+    for contact, law in found.items():
+        prefix = f"{FRICTION}{contact}."
+        own = [path for path in given if path.startswith(prefix)]
+        if law is not None:
+            _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
+    laws = assigned(tuple(found), found)
+    assert isinstance(laws, Laws)  # of several contacts
+    return laws
+
+
 def rig_and_law(
     path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
 ) -> tuple[Rig, ChosenLaw]:
-    """Return the rig and its law: one of its own, an ordinary one, or that of another file.
+    """Return the rig, whose mechanism must have one contact, and its law.
 
     Where the law is from another file, overrides of friction are of that file.
 
@@ -119,12 +180,19 @@ def rig_and_law(
     -------
     tuple of Rig and ChosenLaw
         The rig, and the law with its estimates.
-
-    Raises
-    ------
-    InputError
-        If the law or its file cannot be used, or an override has no effect.
     """
+    return _rig_and_law(path, changes, asked, allow_import=allow_import, check=slip_of)
+
+
+def _rig_and_law(
+    path: Path | None,
+    changes: Sequence[str],
+    asked: LawAsked,
+    *,
+    allow_import: bool,
+    check: Callable[[Mechanism], object] = str,
+) -> tuple[Rig, ChosenLaw]:
+    """Return the rig and its law; where that is from another file, so are overrides of friction."""
     given = overrides(changes)
     file = None if asked.law is None else FILE.fullmatch(asked.law)
     if file is None and asked.law is not None and asked.law.lower().endswith(OTHER_FILES):
@@ -140,12 +208,20 @@ def rig_and_law(
                 " levels are forces: leave it out."
             )
         rig = load_rig(path, overrides=given, allow_import=allow_import)
+        check(rig.mechanism)
         chosen = _own(rig, asked.law)
         _check_used(given, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
     rig = load_rig(path, overrides=others, allow_import=allow_import)
+    check(rig.mechanism)
+    names = [contact.name for contact in rig.mechanism.contacts()]
+    if len(names) > 1:
+        raise InputError(
+            f"--law {asked.law} is the law of one contact, but {rig.mechanism.name} has"
+            f" {', '.join(names)}: write the values into tables such as [friction.{names[0]}]."
+        )
     _check_named(Path(file["path"]))
     source = load_rig(file["path"], allow_import=allow_import)
     load = _load(asked.load)
@@ -176,8 +252,11 @@ def _check_named(file: Path) -> None:
         )
 
 
-def _check_used(given: Collection[str], law: FrictionLaw) -> None:
-    """Refuse overrides of friction that the law of the run does not have."""
+def _check_used(given: Collection[str], law: FrictionLaw, contact: str = "") -> None:
+    """Refuse overrides of friction that the law of the run, or of a contact, does not have."""
+    prefix = f"{FRICTION}{contact}." if contact else FRICTION
+    choice = f"{contact}=" if contact else ""
+    run = f"the contact {contact!r}" if contact else "the run"
     known = [one.name for one in dataclasses.fields(law)]
     for path in given:
         if not path.startswith(FRICTION):
@@ -185,13 +264,14 @@ def _check_used(given: Collection[str], law: FrictionLaw) -> None:
         table, dot, _ = path.removeprefix(FRICTION).partition(".")
         if dot and table != law.name:
             raise InputError(
-                f"--set {path} sets a parameter of {table}, but the run uses {law.name}: add --law"
-                f" {table}, or leave it out."
+                f"--set {prefix}{path.removeprefix(FRICTION)} sets a parameter of {table}, but"
+                f" {run} uses {law.name}: add --law {choice}{table}, or leave it out."
             )
         if not dot and table not in known:
             raise InputError(
-                f"--set {path} names no parameter of {law.name}, the law of this run, which has"
-                f" {', '.join(known)}. Name another law with --law, or leave it out."
+                f"--set {prefix}{table} names no parameter of {law.name}, the law of"
+                f" {run if contact else 'this run'}, which has {', '.join(known)}. Name another law"
+                " with --law, or leave it out."
             )
 
 

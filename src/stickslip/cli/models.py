@@ -20,6 +20,7 @@ from stickslip.friction import (
     law_type,
     laws,
 )
+from stickslip.mechanisms import mechanisms
 from stickslip.quantities import Quantity, fields_of
 from stickslip.report import formula_text, published_dict
 from stickslip.report import plain as plain_text
@@ -31,12 +32,12 @@ INDENT = "    "
 
 
 def run(name: str | None, *, published: bool, as_json: bool) -> None:
-    """List laws, or show one.
+    """List laws and mechanisms, or show a law.
 
     Parameters
     ----------
     name : str or None
-        Law to show in full; all laws are listed if None.
+        Law to show in full; all laws, and mechanisms with their contacts, are listed if None.
     published : bool
         Whether the printed equations of the source paper are listed instead.
     as_json : bool
@@ -52,7 +53,9 @@ def run(name: str | None, *, published: bool, as_json: bool) -> None:
 
 def _all(*, as_json: bool) -> None:
     if as_json:
-        print_json(document("models", {"laws": [_law(law) for law in laws().values()]}))
+        contacts = {name: kind.contact_names or "one" for name, kind in mechanisms().items()}
+        found = {"laws": [_law(law) for law in laws().values()], "mechanisms": contacts}
+        print_json(document("models", found))
         return
     rows = [
         [
@@ -64,6 +67,9 @@ def _all(*, as_json: bool) -> None:
         for name, law in laws().items()
     ]
     show_table("", ["law", "title", "kind", "parameters"], rows)
+    stdout().print()
+    names = [[name, kind.contact_names or "one"] for name, kind in mechanisms().items()]
+    show_table("", ["mechanism", "contacts"], names)
     stdout().print(
         "\nDetails of a law: stickslip models NAME. As printed: stickslip models --published"
     )

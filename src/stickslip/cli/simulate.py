@@ -22,14 +22,14 @@ from stickslip.cli.console import (
     write_file,
     write_folder,
 )
-from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
+from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_friction
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import fixed, number, printable, residue
-from stickslip.friction import FrictionLaw, bristles_of
-from stickslip.mechanisms import Mechanism, cycle_or_none, slip_names
+from stickslip.friction import FrictionLaw, Laws, bristle_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
@@ -44,9 +44,11 @@ __all__ = ["Settings", "check_table", "run", "start_of", "table_bytes"]
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
-MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -"}
+MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
 """Events of which the terminal shows the first and the last."""
+MOST_STATES = 12
+"""Final states, and contacts, that the terminal shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,14 +81,26 @@ class Ran:
 
     rig: Rig
     """The rig that was simulated."""
-    chosen: ChosenLaw
-    """The law, with its estimates."""
+    chosen: ChosenLaw | Laws
+    """The law, with its estimates; laws by contact where contacts have their own."""
     run: Trajectory
     """The trajectory."""
     band: Band | None
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
+
+    @property
+    def friction(self) -> FrictionLaw | Laws:
+        """The law, or the laws by contact."""
+        return self.chosen if isinstance(self.chosen, Laws) else self.chosen.law
+
+    @property
+    def title(self) -> str:
+        """The law in words, or those of the contacts."""
+        if not isinstance(self.chosen, Laws):
+            return self.chosen.law.title
+        return ", ".join(dict.fromkeys(law.title for _, law in self.chosen.members))
 
 
 def run(
@@ -135,9 +149,13 @@ def run(
         page = settings.report / PAGE
         option = "--report-to FOLDER"
         refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
-    rig, chosen = rig_and_law(path, changes, settings.law, allow_import=allow_import)
-    ran = _ran(rig, chosen, settings)
-    seen = criteria_of(ran.run, rig.mechanism)
+    rig, chosen = rig_and_friction(path, changes, settings.law, allow_import=allow_import)
+    slips = has_one_slip(rig.mechanism)
+    if slips and not isinstance(chosen, Laws):
+        ran = _ran(rig, chosen, settings)
+        criteria = criteria_of(ran.run, rig.mechanism)
+    else:
+        ran, criteria = _ran_by_contact(rig, chosen, settings, enforce=enforce), None
     if output is not None:
         write_file(output, table_bytes(_table(ran, settings.samples), output))
     if not as_json:
@@ -151,12 +169,16 @@ def run(
         write = partial(_write_page, settings.report)
         page_code = draw_page(settings.report, drawn, write, kept=kept, quiet=as_json)
     if as_json:
-        content = _content(ran, settings) | {"criteria": asdict(seen)}
+        content = _content(ran, settings)
+        content |= {} if criteria is None else {"criteria": asdict(criteria)}
         if settings.report is not None:
             content["report"] = None if page_code else str(settings.report / PAGE)
         print_json(document("simulate", content))
     refuse(ran.run, certified=settings.fixed_step is None)
-    if enforce and not (seen.velocity_never_negative and seen.displacement_never_decreases):
+    advances = criteria is None or (
+        criteria.velocity_never_negative and criteria.displacement_never_decreases
+    )
+    if enforce and not advances:
         note("A criterion of the paper fails: the body moves backwards.")
         raise typer.Exit(CRITERIA_FAILED)
     leave_unless_drawn(page_code)
@@ -217,6 +239,33 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     )
 
 
+def _ran_by_contact(
+    rig: Rig, chosen: ChosenLaw | Laws, settings: Settings, *, enforce: bool
+) -> Ran:
+    """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
+    names = ", ".join(one.name for one in rig.mechanism.contacts())
+    for option, given in (
+        ("--ensemble", settings.ensemble is not None),
+        ("--fixed-step", settings.fixed_step is not None),
+        ("--enforce", enforce),
+    ):
+        if given:
+            raise InputError(
+                f"{option} takes a mechanism with one contact that slips along a coordinate, but"
+                f" {rig.mechanism.name} has {names}: leave it out."
+            )
+    friction = chosen if isinstance(chosen, Laws) else chosen.law
+    run = simulate(
+        rig.mechanism,
+        friction,
+        t_end=rig.t_end if settings.t_end is None else settings.t_end,
+        y0=start_of(rig, friction),
+        throw=settings.report is None,
+    )
+    remarks = () if isinstance(chosen, Laws) else chosen.remarks
+    return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=remarks)
+
+
 def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
     """Return what the headline and the tiles of a run say of its motion, by what it is called."""
     if cycles := _cycles(mechanism, run):
@@ -247,8 +296,19 @@ def _table(ran: Ran, samples: int) -> "pd.DataFrame":
 
 def _page(ran: Ran, settings: Settings) -> str:
     """Return the page of a run."""
-    from stickslip.report import RunReport, run_page, versions
+    from stickslip.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
+    if isinstance(ran.chosen, Laws) or not has_one_slip(ran.rig.mechanism):
+        return contacts_page(
+            ContactsReport(
+                rig=ran.rig,
+                friction=ran.friction,
+                run=ran.run,
+                commands=(command_line(),),
+                versions=versions(),
+                digests={"the rig": ran.rig.digest},
+            )
+        )
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}
     digests |= {} if source is None else {"the law": source.digest}
@@ -269,26 +329,26 @@ def _page(ran: Ran, settings: Settings) -> str:
     )
 
 
-def start_of(rig: Rig, law: FrictionLaw) -> Mapping[str, float]:
-    """Return how the first trial begins; bristles that the law does not have are left out.
+def start_of(rig: Rig, law: FrictionLaw | Laws) -> Mapping[str, float]:
+    """Return how the first trial, or else the rig, begins; bristles that no law has are left out.
 
     Parameters
     ----------
     rig : Rig
         The rig, perhaps with trials.
-    law : FrictionLaw
-        The friction law.
+    law : FrictionLaw or Laws
+        The friction law, or the laws by contact.
 
     Returns
     -------
     mapping of str to float
         Initial values of states [SI] by name; the others are 0.
     """
-    if rig.measurement is None:
-        return {}
-    bristles = bristles_of(law)
+    initial = dict(rig.initial)
+    if rig.measurement is not None:
+        initial |= rig.measurement.records()[0].initial
+    bristles = bristle_names(tuple(one.name for one in rig.mechanism.contacts()), law)
     known = (*rig.mechanism.coordinates, *rig.mechanism.rates, *bristles)
-    initial = rig.measurement.records()[0].initial
     return {name: value for name, value in initial.items() if name in known}
 
 
@@ -337,7 +397,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     content: dict[str, Any] = {
         "rig": ran.rig.heading,
         "digest": ran.rig.digest,
-        **ran.chosen.to_dict(),
+        **_friction_content(ran),
         "status": run.status.name,
         "meaning": run.status.value,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -350,7 +410,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     }
     if ran.remarks:
         content["remarks"] = list(map(plain, ran.remarks))
-    cycles = _cycles(ran.rig.mechanism, run)
+    cycles = _cycles(ran.rig.mechanism, run) if has_one_slip(ran.rig.mechanism) else ()
     if cycles:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
@@ -358,18 +418,42 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     return content
 
 
+def _friction_content(ran: Ran) -> dict[str, Any]:
+    """Return the name of the law, or those of the contacts, null where nothing rubs."""
+    if not isinstance(ran.chosen, Laws):
+        return ran.chosen.to_dict()
+    own = dict(ran.chosen.members)
+    names = [one.name for one in ran.rig.mechanism.contacts()]
+    return {"laws": {name: own[name].name if name in own else None for name in names}}
+
+
 def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
     console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
-    console.print(f", {ran.chosen.law.title} friction", markup=False)
+    console.print(f", {ran.title} friction", markup=False)
     console.print(run.status.value, markup=False)
     if run.events:
-        show_table("", ["t, s", "event", "from", "to"], _event_rows(run.events))
+        contact = ["contact"] if run.contacts else []
+        show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
     ends = run.at(run.span)
+    shown = run.names[: 2 * len(ran.rig.mechanism.coordinates)] if run.contacts else run.names[:2]
+    left = len(shown) - MOST_STATES
     final = ", ".join(
-        f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}" for name in run.names[:2]
+        f"{name} = {number(ends[name][1] + 0.0, 6)} {run.units[name]}"
+        for name in shown[:MOST_STATES]
     )
+    final += f", and {left} further states; --json lists all" if left > 0 else ""
     console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
+    work_by_contact = list(run.certificate.work.items())
+    for name, work in work_by_contact[:MOST_STATES]:
+        held = sum(end - begin for begin, end in run.contact(name).stick_spans())
+        console.print(
+            f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
+            markup=False,
+        )
+    if len(work_by_contact) > MOST_STATES:
+        more = len(work_by_contact) - MOST_STATES
+        console.print(f"{more} further contacts; --json lists all", markup=False)
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
     if settings.fixed_step is None:
@@ -387,13 +471,19 @@ def _show(ran: Ran, settings: Settings) -> None:
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     """Return the first events and the last, and how many are left out between them."""
     rows = [
-        [fixed(event.t, 6), event.reason, MODES[event.from_mode], MODES[event.to_mode]]
+        [
+            fixed(event.t, 6),
+            *([event.contact] if event.contact else []),
+            event.reason,
+            MODES[event.from_mode],
+            MODES[event.to_mode],
+        ]
         for event in events
     ]
     left = len(rows) - FIRST_EVENTS - LAST_EVENTS
     if left < 2:  # a row that says so would take the place of the only one it leaves out
         return rows
-    gap = ["", f"… {left:,} further events; --json lists all", "", ""]
+    gap = ["", f"… {left:,} further events; --json lists all", *[""] * (len(rows[0]) - 2)]
     return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
 
 

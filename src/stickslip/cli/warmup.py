@@ -79,6 +79,11 @@ def _names(laws: str | None) -> list[str]:
 
 def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
     """Return the mechanism of a rig with the laws that `stickslip select` would try."""
+    if rig.contacts:
+        raise InputError(
+            f"warmup compiles one law, but {rig.heading} has laws of {', '.join(rig.contacts)}:"
+            " their equations are compiled when they are first needed."
+        )
     if laws is None:
         usual = [law for law in known_laws().values() if not law.on_request]
         own = list(rig.laws.values()) or [starting_law(law) for law in usual]
@@ -92,6 +97,12 @@ def _of_registry(names: Sequence[str], laws: str | None) -> list[tuple[Mechanism
     """Return mechanisms by name, without and with a drive, with laws; all if none are named."""
     known = known_mechanisms()
     kinds = [named(known, name, "mechanism") for name in names] or list(known.values())
+    for kind in kinds if names else ():
+        if not any(_variants(kind)):
+            raise InputError(
+                f"{kind.name} is made of parts, of which there are no usual ones: give a rig file"
+                " with --rig."
+            )
     chosen = [law_type(name) for name in _names(laws)] or list(known_laws().values())
     starts = [starting_law(law) for law in chosen]
     return [(rig, law) for kind in kinds for rig in _variants(kind) for law in starts]
@@ -105,12 +116,20 @@ def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
         for field in dataclasses.fields(kind)
         if field.name in quantities and field.default is dataclasses.MISSING
     }
+    required = [one.name for one in dataclasses.fields(kind) if _is_required(one)]
+    if set(required) - values.keys():  # parts, of which there are no ordinary ones
+        return
     yield kind(**values)
     for name, hint in typing.get_type_hints(kind).items():
         if hint is Motor:
             yield from (kind(**values, **{name: motor}) for motor in MOTORS)
         elif name == "drive":
             yield kind(**values, drive=PULSE)  # type: ignore[call-arg]  # not every one has it
+
+
+def _is_required(field: "dataclasses.Field[Any]") -> bool:
+    absent = dataclasses.MISSING
+    return field.default is absent and field.default_factory is absent
 
 
 def _content(pairs: Sequence[tuple[Mechanism, FrictionLaw]], done: WarmUp) -> dict[str, Any]:

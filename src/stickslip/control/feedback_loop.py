@@ -15,7 +15,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import END, check_pair, initial_state, refuse
+from stickslip.simulation import END, initial_state, own_law, refuse
 from stickslip.solver import EventDriven, IncrementalRun
 from stickslip.trajectory import Status, Trajectory
 
@@ -192,7 +192,8 @@ def closed_loop(
     (1.4, 0.0)
     """
     solver = EventDriven() if solver is None else solver
-    _check(mechanism, law, controller, solver, hold, limit)
+    law = own_law(mechanism, law)
+    _check(controller, solver, hold, limit)
     timing = Timing(period=period, delay=delay, limit=limit)
     last = END.check("closed_loop", "t_end", t_end)
     names = (*mechanism.coordinates, *mechanism.rates)
@@ -209,16 +210,11 @@ def closed_loop(
 
 
 def _check(
-    mechanism: object,
-    law: object,
     controller: object,
     solver: object,
     hold: str,
     limit: float | None,
 ) -> None:
-    check_pair(mechanism, law)
-    if not isinstance(law, FrictionLaw):
-        raise InputError(f"closed_loop runs with EventDriven only, which cannot solve {law!r}.")
     if not callable(controller):
         raise InputError(
             "controller must be callable with the time and the measured quantities, got"

@@ -6,6 +6,7 @@ HOMES = {
     "CarriedLaw": "carrying",
     "Checks": "checking.data_quality",
     "Finding": "checking.data_quality",
+    "KnownLaws": "rig",
     "LawEstimates": "estimates",
     "Line": "line",
     "Measurement": "measurement",

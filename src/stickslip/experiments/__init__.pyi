@@ -48,6 +48,7 @@ from stickslip.experiments.readers.reader_options import Reading as Reading
 from stickslip.experiments.readers.reader_options import column_of as column_of
 from stickslip.experiments.records import load_measurement as load_measurement
 from stickslip.experiments.records import read_data as read_data
+from stickslip.experiments.rig import KnownLaws as KnownLaws
 from stickslip.experiments.rig import Published as Published
 from stickslip.experiments.rig import Rig as Rig
 from stickslip.experiments.rigs.load import load_rig as load_rig
@@ -65,6 +66,7 @@ __all__ = [
     "CarriedLaw",
     "Checks",
     "Finding",
+    "KnownLaws",
     "LawEstimates",
     "Line",
     "Measurement",

@@ -1,7 +1,7 @@
 """A rig: what moves, which friction values are known, and what was measured."""
 
 import html
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
@@ -17,7 +17,10 @@ from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
-__all__ = ["Published", "Rig", "check_record", "state_units"]
+__all__ = ["KnownLaws", "Published", "Rig", "check_record", "state_units"]
+
+USUAL = "coulomb"
+"""The law that is taken where the values of several are known, and none is named."""
 
 
 @final
@@ -58,6 +61,75 @@ class Published:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class KnownLaws:
+    """The laws whose values a file gives, for one contact or for all.
+
+    Parameters
+    ----------
+    laws : mapping of str to FrictionLaw
+        By name: the laws all of whose parameters are known.
+    named : tuple of str
+        Laws that have a table of their own in the file.
+    given : mapping of str to mapping of str to float
+        By law, the parameters that the file gives, those of laws of which it lacks some included.
+    assumed : mapping of str to tuple of str
+        By law, the fields whose values are assumed and not measured.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)}).chosen("pad").name
+    'coulomb'
+    """
+
+    laws: Mapping[str, FrictionLaw] = field(default_factory=dict)
+    named: tuple[str, ...] = ()
+    given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
+        """Return the law of a contact: that of a name, the only one, or the usual one of several.
+
+        Parameters
+        ----------
+        contact : str
+            Name of the contact, for the error.
+        name : str, optional
+            Name of the law. If not given: the only one with a table of its own, the only one all of
+            whose values are known, or ``coulomb``.
+
+        Returns
+        -------
+        FrictionLaw
+            The law.
+
+        Raises
+        ------
+        InputError
+            If there is none, or one of several has to be named.
+        """
+        for known in (self.named, tuple(self.laws)):
+            if name is None and len(known) == 1:
+                name = known[0]
+        if name is None and USUAL in self.laws:
+            name = USUAL
+        if name is None and self.laws:
+            raise InputError(
+                f"the contact {contact!r} has values for several laws, {', '.join(self.laws)}:"
+                f" choose one, such as {contact}={next(iter(self.laws))}."
+            )
+        if name is None or name not in self.laws:
+            what = "any law" if name is None else f"the law {name!r}"
+            raise InputError(
+                f"the contact {contact!r} has no values of {what}: give them under"
+                f' [friction.{contact}], or write {contact} = "none" under [friction] if nothing'
+                " rubs there."
+            )
+        return self.laws[name]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Rig:
     """A mechanism, the friction values known for it, and its measurement.
 
@@ -75,6 +147,9 @@ class Rig:
         By law, the parameters that the file gives, those of laws of which it lacks some included.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
+    contacts : mapping of str to KnownLaws or None
+        Where several contacts have tables of their own: the same for each of them, None where
+        nothing rubs. `laws` is then empty.
     vary : tuple of str
         Parameters of the mechanism that the file marks to be fitted too, by path or last name.
     parameter_uncertainties : mapping of str to float
@@ -91,6 +166,8 @@ class Rig:
         `RecordSettings.hold`, to which `stickslip fit` and `select` hand it.
     t_end : float
         Last time of runs [s].
+    initial : mapping of str to float
+        Values of states from which runs begin [SI], by name; trials have their own.
     estimates : LawEstimates, optional
         How well one of the laws is known, if it was fitted.
     published : tuple of Published
@@ -120,6 +197,7 @@ class Rig:
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    contacts: Mapping[str, KnownLaws | None] = field(default_factory=dict)
     vary: tuple[str, ...] = ()
     parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
     measurement: Measurement | None = None
@@ -127,6 +205,7 @@ class Rig:
     reading: Reading = field(default_factory=Reading)
     hold: Literal["zero", "first"] = "zero"
     t_end: float = 10.0
+    initial: Mapping[str, float] = field(default_factory=dict)
     estimates: LawEstimates | None = None
     published: tuple[Published, ...] = ()
     digest: str = ""
@@ -153,9 +232,10 @@ class Rig:
             if self.estimates.law not in self.laws:
                 raise UnknownNameError("law in Rig.estimates", self.estimates.law, self.laws)
             self.estimates.checked(self.laws[self.estimates.law])
-        for name in self.assumed:
-            if name not in self.laws:
-                raise UnknownNameError("law in Rig.assumed", name, self.laws)
+        contacts = [contact.name for contact in self.mechanism.contacts()]
+        _check_names("contact in Rig.contacts", self.contacts, contacts)
+        _check_names("state in Rig.initial", self.initial, state_units(self.mechanism))
+        _check_names("law in Rig.assumed", self.assumed, self.laws)
         paths = tuple(canonical(self.mechanism, name) for name in self.vary)
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
@@ -169,6 +249,50 @@ class Rig:
             check_record(self.mechanism, record, label)
             where = record.provenance or label  # its line, in a table of trials
             scale_of(self.mechanism, record, self.t_end, where)
+
+    def law_by_contact(
+        self, names: str | Mapping[str, str] | None = None
+    ) -> dict[str, FrictionLaw | None]:
+        """Return the law of each of several contacts, as `simulate` takes them.
+
+        Parameters
+        ----------
+        names : str or mapping of str to str, optional
+            Name of the law of all contacts, or names by contact. Where none is given: the only law
+            that has a table of its own, the only one all of whose values are known, or
+            ``coulomb``.
+
+        Returns
+        -------
+        dict of str to FrictionLaw or None
+            Laws by contact, None where nothing rubs.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no contact of a name.
+        InputError
+            If a contact has no such law, or no contact has a table of its own.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, TwoFeet
+        >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
+        >>> body = TwoFeet(mass=1.0, front=0.1, rear=0.1)
+        >>> laws = Rig(mechanism=body, contacts={"front": known, "rear": None}).law_by_contact()
+        >>> laws["front"].kinetic_coefficient, laws["rear"]
+        (0.2, None)
+        """
+        if not self.contacts:
+            raise InputError(f"{self.heading} has no laws by contact: see Rig.laws.")
+        asked = names if isinstance(names, Mapping) else dict.fromkeys(self.contacts, names)
+        for contact in asked:
+            if contact not in self.contacts:
+                raise UnknownNameError("contact", contact, self.contacts)
+        return {
+            contact: None if known is None else known.chosen(contact, asked.get(contact))
+            for contact, known in self.contacts.items()
+        }
 
     def with_uncertainties(self, measurement: Measurement) -> Measurement:
         """Return a measurement of this rig with the uncertainties of its mechanism beside its own.
@@ -188,6 +312,15 @@ class Rig:
             },
         )
 
+    def _known(self) -> str:
+        """Return the names of the laws, by contact where contacts have their own."""
+        if not self.contacts:
+            return ", ".join(self.laws) or "none"
+        return "; ".join(
+            f"{contact}: {'none' if known is None else ', '.join(known.laws) or 'none'}"
+            for contact, known in self.contacts.items()
+        )
+
     def _lines(self) -> tuple[str, ...]:
         """Return what moves, which laws are known and what was measured, a line each."""
         records = () if self.measurement is None else self.measurement.records()
@@ -196,7 +329,7 @@ class Rig:
         return (
             f"Rig {self.title!r}",
             f"mechanism: {self.mechanism}",
-            f"laws: {', '.join(self.laws) or 'none'}",
+            f"laws: {self._known()}",
             f"records: {measured}",
         )
 
@@ -206,6 +339,12 @@ class Rig:
 
     def _repr_html_(self) -> str:
         return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
+
+
+def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> None:
+    for name in given:
+        if name not in known:
+            raise UnknownNameError(kind, name, known)
 
 
 def _is_called(law: object, name: str) -> bool:
@@ -227,6 +366,9 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
         if issubclass(law, BristleLaw)
         for bristle in law.bristles
     }
+    contacts = mechanism.contacts()
+    if len(contacts) > 1:
+        units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}
     units |= dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return units | {
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)

@@ -150,6 +150,16 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
                 " names of their own."
             )
     reacting = [one.name for one in contacts if one.normal is not None]
+    idle = [
+        one.name
+        for one in mechanism.contacts()
+        if one.normal is not None and one.name not in reacting
+    ]
+    if len(reacting) != len(normals) and idle:
+        raise InputError(
+            f"{owner}: {', '.join(idle)} has no law but carries load: give it a law with levels of"
+            " 0, such as Coulomb(kinetic_coefficient=0.0), where nothing rubs."
+        )
     if len(reacting) != len(normals):
         raise InputError(
             f"{owner}: the loads of {', '.join(reacting)} are not determined by the"

@@ -10,7 +10,7 @@ from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
 from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
 from stickslip.experiments import Measurement, Rig, all_paths
 from stickslip.friction import FrictionLaw, RateState
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
 
@@ -307,6 +307,7 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
         raise InputError(
             f"{verb} takes a mechanism such as Axis(inertia=1.0), got {called(mechanism)}."
         )
+    slip_of(mechanism)  # of several contacts nothing is identified yet, and they are named
     if isinstance(measurement, Measurement):
         return
     cure = "read a file with load_measurement, or make a Measurement of arrays"

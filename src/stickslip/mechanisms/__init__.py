@@ -10,6 +10,10 @@ MECHANISM_MODULES = {
     "Pendulum": "pendulum",
     "PendulumCart": "pendulum_cart",
     "Capsule": "capsule",
+    "BlockChain": "block_chain",
+    "ClutchTrain": "clutch_train",
+    "DiscBrake": "disc_brake",
+    "TwoFeet": "two_feet",
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 
@@ -18,12 +22,14 @@ HOMES = {
     "BoundedMechanism": "base",
     "Contact": "base",
     "Guide": "base",
+    "Lining": "lining",
     "MECHANISMS": "registry",
     "MOTORS": "actuators",
     "MatrixMechanism": "matrix_mechanism",
     "Mechanism": "base",
     "Motor": "actuators",
     "Prescribed": "actuators",
+    "Rotor": "clutch_train",
     "Stop": "base",
     "Torque": "actuators",
     "mechanisms": "registry",
@@ -37,6 +43,7 @@ INSIDE = {
     "WHOLE": "drive_period",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
+    "has_one_slip": "contacts",
     "normal_of": "contacts",
     "only_contact": "contacts",
     "repeats": "drive_period",

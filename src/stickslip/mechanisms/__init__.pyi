@@ -11,16 +11,22 @@ from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
+from stickslip.mechanisms.block_chain import BlockChain as BlockChain
 from stickslip.mechanisms.capsule import Capsule as Capsule
+from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
+from stickslip.mechanisms.clutch_train import Rotor as Rotor
+from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
+from stickslip.mechanisms.disc_brake import DiscBrake as DiscBrake
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of
 from stickslip.mechanisms.drive_period import cycle_or_none as cycle_or_none
 from stickslip.mechanisms.drive_period import repeats as repeats
+from stickslip.mechanisms.lining import Lining as Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms.pendulum import Pendulum as Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
@@ -28,16 +34,21 @@ from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
+from stickslip.mechanisms.two_feet import TwoFeet as TwoFeet
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
 
 MECHANISM_MODULES: dict[str, str]
 
 __all__ = [
     "Axis",
+    "BlockChain",
     "BoundedMechanism",
     "Capsule",
+    "ClutchTrain",
     "Contact",
+    "DiscBrake",
     "Guide",
+    "Lining",
     "MECHANISMS",
     "MOTORS",
     "MatrixMechanism",
@@ -46,10 +57,12 @@ __all__ = [
     "Pendulum",
     "PendulumCart",
     "Prescribed",
+    "Rotor",
     "SpringBlock",
     "Stop",
     "Torque",
     "TowedBlock",
+    "TwoFeet",
     "TwoMassAxis",
     "mechanisms",
     "slip_names",

@@ -1,5 +1,6 @@
 """What a mechanism is: energies, forces, and the contacts at which it rubs."""
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,6 +31,9 @@ Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.
 """Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
 
 
+_KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Contact:
     """A frictional contact: the coordinate that slips, and the normal force.
@@ -46,13 +50,27 @@ class Contact:
         The normal force [N] where it is prescribed instead. A mechanism whose loads change tells
         them in `loads`.
     name : str
-        Tells contacts apart where there are several; kebab-case.
+        Tells contacts apart where there are several; kebab-case, since it stands in columns
+        (``friction:elbow``) and in paths (``friction.elbow.kinetic_coefficient``).
+
+    Raises
+    ------
+    ParameterError
+        If the name is not in kebab case.
     """
 
     slip: str | Mapping[str, Scalar]
     normal: str | Mapping[str, Scalar] | None = None
     load: Scalar | None = None
     name: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the name."""
+        if self.name and not _KEBAB.fullmatch(self.name):
+            raise ParameterError(
+                f"Contact.name must be in kebab case, lower-case letters, digits and hyphens after"
+                f" a letter, such as 'left-pad', got {self.name!r}."
+            )
 
     @property
     def slips(self) -> tuple[str, ...]:
@@ -120,13 +138,15 @@ class Mechanism(Parametrised, ABC):
     name: ClassVar[str]
     """Key in the registry and ``type`` in rig files."""
     coordinates: ClassVar[tuple[str, ...]]
-    """State names of the moving coordinates."""
+    """State names of the moving coordinates; where their number depends on a field, a property."""
     rates: ClassVar[tuple[str, ...]]
     """State names of their time derivatives."""
     units: ClassVar[tuple[str, ...]]
     """SI units of the coordinates."""
     moving_part: ClassVar[str] = "body"
     """What slips on the contact, as reports call it."""
+    contact_names: ClassVar[str] = ""
+    """Names of the contacts where there may be several, as listings show them."""
 
     @property
     @final

@@ -3,7 +3,14 @@
 from stickslip.errors import InputError
 from stickslip.mechanisms.base import Contact, Mechanism
 
-__all__ = ["normal_of", "only_contact", "slip_names", "slip_of", "static_normal_force"]
+__all__ = [
+    "has_one_slip",
+    "normal_of",
+    "only_contact",
+    "slip_names",
+    "slip_of",
+    "static_normal_force",
+]
 
 
 def only_contact(mechanism: Mechanism) -> Contact:
@@ -22,6 +29,21 @@ def only_contact(mechanism: Mechanism) -> Contact:
             " simulated, alone or in ensembles, but this takes a mechanism with one."
         )
     return contacts[0]
+
+
+def has_one_slip(mechanism: Mechanism) -> bool:
+    """Return whether there is one contact, which slips along a coordinate.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum, TwoFeet
+    >>> has_one_slip(Pendulum(mass=1.0, length=0.5))
+    True
+    >>> has_one_slip(TwoFeet(mass=1.0, front=0.1, rear=0.1))
+    False
+    """
+    contacts = mechanism.contacts()
+    return len(contacts) == 1 and isinstance(contacts[0].slip, str)
 
 
 def slip_of(mechanism: Mechanism) -> str:

@@ -25,7 +25,8 @@ class PendulumCart(Mechanism):
     the ground and above the pivot. On an incline positive x is uphill. The swing is prescribed, or
     a torque turns the pendulum; the normal force is that of the whole motion. A spring and a damper
     at the pivot act between rod and cart: beside a prescribed swing they change what the motor has
-    to give, and not the motion. A run ends where the cart lifts off or tips over its wheels, and
+    to give, and not the motion. With a `pivot_load` the pivot rubs too: the contacts are then
+    `wheels` and `pivot`. A run ends where the cart lifts off or tips over its wheels, and
     where its equations lose their meaning (Painleve).
 
     Examples
@@ -48,6 +49,7 @@ class PendulumCart(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("v", "omega")
     units: ClassVar[tuple[str, ...]] = ("m", "rad")
     moving_part: ClassVar[str] = "cart"
+    contact_names: ClassVar[str] = "wheels, pivot (with pivot_load)"
 
     cart_mass: Annotated[float, Quantity("M", "kg", above=0)]
     """Mass of the cart."""
@@ -63,6 +65,9 @@ class PendulumCart(Mechanism):
     """Angle at which that spring is free of torque."""
     pivot_damping: Annotated[float, Quantity("c_theta", "N m s/rad", low=0)] = 0.0
     """Damper at the pivot, between rod and cart."""
+    pivot_load: Annotated[float, Quantity("N_p", low=0)] | None = None
+    """Load of the friction law of the pivot, 1 where its levels are torques; with None or 0, the
+    pivot does not rub."""
     gravity: Annotated[float, Quantity("g", "m/s^2", above=0)] = 9.81
     """Acceleration of free fall."""
     incline: Incline = 0.0
@@ -76,8 +81,10 @@ class PendulumCart(Mechanism):
 
     @override
     def __post_init__(self) -> None:
-        """Check the parameters and the motor."""
+        """Check the parameters and the motor; a pivot without load is no contact."""
         super().__post_init__()
+        if self.pivot_load == 0.0:
+            object.__setattr__(self, "pivot_load", None)
         check_motor("PendulumCart.pendulum", self.pendulum)
 
     @override
@@ -120,7 +127,12 @@ class PendulumCart(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", normal="y"),)
+        if self.pivot_load is None:
+            return (Contact(slip="x", normal="y"),)
+        return (
+            Contact(slip="x", normal="y", name="wheels"),
+            Contact(slip="theta", load=self.pivot_load, name="pivot"),
+        )
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -22,7 +22,7 @@ from stickslip.optimisation.problem import FINER, GOALS, GoalName, Problem, Scor
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named
-from stickslip.simulation import no_law, simulate
+from stickslip.simulation import own_law, simulate
 
 __all__ = ["optimise_profile"]
 
@@ -135,7 +135,8 @@ def optimise_profile(
     (True, True)
     """
     plan = _plan(mechanism, limits, evaluations, seed)
-    _check(law, progress)
+    law = own_law(mechanism, law)
+    _check(progress)
     problem = Problem(
         mechanism=plan.mechanism,
         scenarios=scenarios_of(plan.mechanism, law, interval, scenarios, quantile, points),
@@ -243,9 +244,7 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
     )
 
 
-def _check(law: object, progress: object) -> None:
-    if not isinstance(law, FrictionLaw):
-        raise no_law(law)
+def _check(progress: object) -> None:
     if progress is not None and not callable(progress):
         raise InputError(
             "progress must be callable with the search, the number of motions evaluated and their"

@@ -58,6 +58,11 @@ from stickslip.plots.laws.hysteresis import draw_loops as draw_loops
 from stickslip.plots.laws.hysteresis import loop_sizes as loop_sizes
 from stickslip.plots.runs.closed_loop import draw_closed_loop as draw_closed_loop
 from stickslip.plots.runs.closed_loop import plot_closed_loop as plot_closed_loop
+from stickslip.plots.runs.contacts import MOST_PANELS as MOST_PANELS
+from stickslip.plots.runs.contacts import STATE_SIZES as STATE_SIZES
+from stickslip.plots.runs.contacts import contact_sizes as contact_sizes
+from stickslip.plots.runs.contacts import draw_contacts as draw_contacts
+from stickslip.plots.runs.contacts import draw_states as draw_states
 from stickslip.plots.runs.ensembles import plot_band as plot_band
 from stickslip.plots.runs.ensembles import plot_ensemble as plot_ensemble
 from stickslip.plots.runs.excitations import EXCITATION_SIZES as EXCITATION_SIZES

@@ -45,10 +45,12 @@ HOMES = {
 }
 
 INSIDE = {
+    "ContactsReport": "runs",
     "Origin": "core.documents",
     "RunReport": "runs",
     "SectionMaker": "core.documents",
     "colophon": "core.versions",
+    "contacts_page": "runs",
     "documents": "core",
     "feature_sections": "features.sections",
     "formula_text": "core.formulas",

@@ -52,7 +52,9 @@ from stickslip.report.features.sections import feature_sections as feature_secti
 from stickslip.report.plans import plan_page as plan_page
 from stickslip.report.rate_state.sections import rate_state_sections as rate_state_sections
 from stickslip.report.records.sections import record_sections as record_sections
+from stickslip.report.runs import ContactsReport as ContactsReport
 from stickslip.report.runs import RunReport as RunReport
+from stickslip.report.runs import contacts_page as contacts_page
 from stickslip.report.runs import run_page as run_page
 from stickslip.report.travels.sections import travel_sections as travel_sections
 

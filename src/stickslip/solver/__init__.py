@@ -27,6 +27,7 @@ INSIDE = {
     "Equations": "evaluator",
     "IncrementalRun": "incremental_run",
     "as_numbers": "ensembles",
+    "column_units": "base",
     "gather": "drive_schedule",
     "notice": "compile.messages",
     "run_ensemble": "ensembles",

@@ -1,5 +1,6 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.solver.base import Solver as Solver
+from stickslip.solver.base import column_units as column_units
 from stickslip.solver.compile.messages import notice as notice
 from stickslip.solver.compile.precompile import Progress as Progress
 from stickslip.solver.compile.precompile import WarmUp as WarmUp

@@ -9,7 +9,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Solver", "column_units"]
+__all__ = ["Solver", "column_units", "name_of_only_contact"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +51,8 @@ class Solver(Parametrised, ABC):
 def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]:
     """Return the unit of each column of a trajectory.
 
+    Friction of a contact that slips along an angle is a torque, and its bristles are angles.
+
     Parameters
     ----------
     mechanism : Mechanism
@@ -68,6 +70,21 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
     efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
-    kinds = {"friction": "N", "normal_force": "N", "mode": "1"}
-    own = {name: kinds.get(name.partition(":")[0], "m") for name in columns}
+    turning = {
+        one.name: isinstance(one.slip, str) and units.get(one.slip) == "rad"
+        for one in mechanism.contacts()
+    }
+    several = len(turning) > 1
+    own = {}
+    for column in columns:
+        kind, _, contact = column.partition(":")
+        turns = turning.get(contact, False) if several else any(turning.values())
+        kinds = {"friction": "N m" if turns else "N", "normal_force": "N", "mode": "1"}
+        own[column] = kinds.get(kind, "rad" if turns else "m")
     return units | own | efforts
+
+
+def name_of_only_contact(mechanism: Mechanism) -> str:
+    """Return the name of the contact where there is one; empty if there are several."""
+    contacts = mechanism.contacts()
+    return contacts[0].name if len(contacts) == 1 else ""

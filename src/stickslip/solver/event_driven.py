@@ -16,7 +16,7 @@ from stickslip.kernels.reducers import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.solver.base import Solver, column_units
+from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.certify import certify
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.drive_schedule import Inputs, gather
@@ -279,6 +279,7 @@ def trajectory_of(
         evaluate=playback,
         states=model.states,
         differentiate=Sensing(mechanism, law, inputs, record, t_end, tuple(told)),
+        only_contact=name_of_only_contact(mechanism),
     )
 
 

@@ -15,7 +15,7 @@ from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
-from stickslip.solver.base import Solver, column_units
+from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.block_diagram import Diagram, limits_of
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
@@ -91,7 +91,11 @@ class FixedStep(Solver):
         told: Sequence[str] = (),
     ) -> Trajectory:
         if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
-            raise InputError("FixedStep solves one contact: run several with EventDriven().")
+            names = ", ".join(one.name for one in mechanism.contacts())
+            raise InputError(
+                f"FixedStep solves one contact, but {type(mechanism).__name__} has {names}: run it"
+                " with EventDriven()."
+            )
         refuse_stops(mechanism)
         refuse_limits(mechanism, limits_of(mechanism))
         diagram = Diagram.build(mechanism, law, t_end, y0)
@@ -195,6 +199,7 @@ def _trajectory(
         certificate=_certificate(diagram, rows),
         span=(0.0, float(rows[-1, 0])),
         evaluate=evaluate,
+        only_contact=name_of_only_contact(mechanism),
     )
 
 

@@ -14,7 +14,7 @@ from stickslip.experiments import LawEstimates
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, slip_names
-from stickslip.simulation import ensemble
+from stickslip.simulation import ensemble, own_law
 from stickslip.solver import EventDriven, Samples
 from stickslip.trajectory import completed
 
@@ -177,6 +177,7 @@ def band_of(
     """
     if count < 2:
         raise InputError(f"band_of: count must be at least 2, got {count}.")
+    law = own_law(mechanism, law)
     draws = estimates.draw(law, count, seed=seed)
     slip, rate = slip_names(mechanism)
     unit = mechanism.units[mechanism.coordinates.index(slip)]

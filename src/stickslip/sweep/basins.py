@@ -13,7 +13,7 @@ from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.simulation import check_pair, ensemble
+from stickslip.simulation import ensemble, own_law
 from stickslip.solver import EventDriven, Output, Samples
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -168,7 +168,7 @@ def basins(
     >>> found.index.shape, [attractor.period for attractor in found.attractors]
     ((4, 3), [1])
     """
-    check_pair(mechanism, law)
+    law = own_law(mechanism, law)
     axes = _axes(mechanism, law, starts, keep, settle)
     if period is None:
         whole_run("basins", mechanism, keep + settle)

@@ -12,12 +12,12 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, TowedBlock, cycle_of
+from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
+from stickslip.mechanisms import BlockChain, Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate
-from stickslip.solver import EventDriven, Final, Output, Samples
+from stickslip.solver import EventDriven, Final, Output, Samples, column_units
 from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
@@ -118,7 +118,7 @@ class Bifurcation(OnAxes):
 
 def bifurcation(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     path: str,
     values: ArrayLike,
     *,
@@ -139,10 +139,11 @@ def bifurcation(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        What holds it back.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back, as in `simulate`.
     path : str
-        What varies, as in `ensemble`.
+        What varies, as in `ensemble`; with laws by contact, ``friction.elbow.static_coefficient``
+        and its like.
     values : array_like (n,)
         Its values, in the order in which the motion is followed.
     state : str
@@ -191,16 +192,18 @@ def bifurcation(
     >>> found.period[:, 0]
     array([1, 1])
     """
-    check_pair(mechanism, law)
+    found = check_pair(mechanism, law)
+    if isinstance(found, PrintedForm):
+        raise InputError(f"bifurcation runs with EventDriven only, which cannot solve {law!r}.")
     counted("bifurcation", "keep", keep, 2)
     counted("bifurcation", "settle", settle, 0)
-    full, array = axis_of(mechanism, law, path, values)
+    full, array = axis_of(mechanism, found, path, values)
     if full.startswith("initial."):
         raise InputError(f"bifurcation: {full} is not a parameter; give `starts`, or use basins.")
     begun = tuple(dict(start) for start in starts)
     if not begun:
         raise InputError("bifurcation: starts must contain at least one mapping, got none.")
-    shared = _Shared(mechanism, law, full, state, keep, compiled(solver))
+    shared = _Shared(mechanism, found, full, state, keep, compiled(solver))
     method = _method(shared, sample, settle, t_end, period)
     tally = Tally(len(array) * len(begun), progress)
     samples = np.full((len(array), len(begun), keep), np.nan)
@@ -246,7 +249,7 @@ def _judged(
     periods = np.array([[period_of(orbit, scale) for orbit in row] for row in samples], np.int64)
     rates = {r: f"{u}/s" for r, u in zip(mechanism.rates, mechanism.units, strict=True)}
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True)) | rates
-    units |= {"friction": "N", "normal_force": "N"}
+    units |= column_units(mechanism, _columns(mechanism))
     return Bifurcation(
         path=shared.path,
         path_unit=unit_of(mechanism, shared.law, shared.path),
@@ -260,18 +263,24 @@ def _judged(
     )
 
 
+def _columns(mechanism: Mechanism) -> list[str]:
+    """Return the columns of friction and load that runs have, of one contact and of several."""
+    ends = ["", *(f":{one.name}" for one in mechanism.contacts())]
+    return [f"{kind}{end}" for kind in ("friction", "normal_force") for end in ends]
+
+
 @dataclass(frozen=True)
 class _Shared:
     """What all runs have in common."""
 
     mechanism: Mechanism
-    law: FrictionLaw
+    law: FrictionLaw | Laws
     path: str
     state: str
     keep: int
     solver: EventDriven
 
-    def at(self, value: float) -> tuple[Mechanism, FrictionLaw]:
+    def at(self, value: float) -> tuple[Mechanism, FrictionLaw | Laws]:
         """Return mechanism and law with a value of what varies."""
         change = {self.path: value}
         if self.path.startswith("friction."):
@@ -300,6 +309,9 @@ class _Shared:
         if isinstance(mechanism, TowedBlock):
             # its spring is pulled from x = 0 again
             moved["x"] -= mechanism.speed * t
+        elif isinstance(mechanism, BlockChain) and mechanism.speed is not None:
+            # places on the belt: the springs are stretched by how far it went
+            moved |= {x: end[x] + mechanism.speed * t for x in mechanism.coordinates}
         return moved
 
 

@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.simulation import check_pair, ensemble
+from stickslip.simulation import ensemble, own_law
 from stickslip.solver import EventDriven, Mean, Output
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -208,7 +208,7 @@ def average_velocity(
     >>> found.velocity.round(6)
     array([0.046037, 0.032335])
     """
-    check_pair(mechanism, law)
+    law = own_law(mechanism, law)
     _check(parameters, cycles, settle)
     if period is None:
         whole_run("average_velocity", mechanism, settle + cycles)

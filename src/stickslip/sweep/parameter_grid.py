@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver import EventDriven, as_numbers
@@ -38,15 +38,15 @@ MOST_CYCLES = 1_000_000
 """Cycles of a run; more are a slip of the pen."""
 
 
-def states_of(mechanism: Mechanism, law: FrictionLaw) -> tuple[str, ...]:
+def states_of(mechanism: Mechanism, law: FrictionLaw | Laws) -> tuple[str, ...]:
     """Return the names of all states, bristles last.
 
     Parameters
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        Friction of its contact.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
 
     Returns
     -------
@@ -59,11 +59,12 @@ def states_of(mechanism: Mechanism, law: FrictionLaw) -> tuple[str, ...]:
     >>> states_of(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0))
     ('x', 'v')
     """
-    return (*mechanism.coordinates, *mechanism.rates, *bristles_of(law))
+    contacts = tuple(one.name for one in mechanism.contacts())
+    return (*mechanism.coordinates, *mechanism.rates, *bristle_names(contacts, law))
 
 
 def axis_of(
-    mechanism: Mechanism, law: FrictionLaw, path: str, values: ArrayLike
+    mechanism: Mechanism, law: FrictionLaw | Laws, path: str, values: ArrayLike
 ) -> tuple[str, Array]:
     """Return the full path and the numbers of what varies.
 
@@ -71,8 +72,8 @@ def axis_of(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        Friction of its contact.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
     path : str
         Full path of a parameter or an initial state, or its last name where only one has it.
     values : array_like (n,)
@@ -106,15 +107,15 @@ def axis_of(
     return full, array
 
 
-def unit_of(mechanism: Mechanism, law: FrictionLaw, path: str) -> str:
+def unit_of(mechanism: Mechanism, law: FrictionLaw | Laws, path: str) -> str:
     """Return the SI unit of a full path.
 
     Parameters
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        Friction of its contact.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
     path : str
         Full path of a parameter or an initial state.
 

@@ -86,8 +86,12 @@ def _is_drive(hint: Any) -> bool:
     return Drive in (hint, *typing.get_args(hint))
 
 
-FUZZED = [kind for kind in MECHANISMS.values() if Motor not in _fields(kind).values()]
-"""Those without motors; of carts with a pendulum the one of the users' mechanisms is drawn."""
+FUZZED = [
+    kind
+    for kind in MECHANISMS.values()
+    if Motor not in _fields(kind).values() and not kind.contact_names
+]
+"""Those with one contact and without motors; of carts with a pendulum that of users is drawn."""
 
 
 def draw_structure(rng: Random) -> Structure:

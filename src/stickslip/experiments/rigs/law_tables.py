@@ -6,10 +6,11 @@ import inspect
 import typing
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from pydantic import Field, create_model
+from pydantic import BeforeValidator, Field, create_model
 
+from stickslip.errors import InputError
 from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.rigs.rig_models import Number, Table
 from stickslip.friction import LAWS, FrictionLaw, laws
@@ -20,13 +21,33 @@ __all__ = ["FrictionTable", "force_parameters", "friction_table", "python_name"]
 _PER_LOAD = {"1/m": "N/m", "s/m": "N s/m"}
 
 
+NONE = "none"
+"""What stands in place of a contact's table where nothing rubs."""
+
+
 class FrictionTable(Table):
     """Values that all laws share, and tables of single laws."""
 
+    of_one: ClassVar[type[Table]] = Table
+    """Where contacts have tables of their own, the type of these."""
 
-def python_name(law: str) -> str:
-    """Return the attribute under which a law's own table is kept."""
-    return "law_" + law.replace("-", "_")
+
+def python_name(name: str, kind: str = "law") -> str:
+    """Return the attribute under which the own table of a law, or of a contact, is kept.
+
+    Parameters
+    ----------
+    name : str
+        Name of the law or the contact.
+    kind : {"law", "contact"}
+        Which of both it is.
+
+    Returns
+    -------
+    str
+        A name that Python allows.
+    """
+    return f"{kind}_{name.replace('-', '_')}"
 
 
 @functools.cache
@@ -110,9 +131,31 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 
 
 @functools.cache
-def friction_table(more: tuple[type[FrictionLaw], ...] = ()) -> type[FrictionTable]:
-    """Return the model of ``[friction]`` for all laws that are installed, and more."""
+def friction_table(
+    more: tuple[type[FrictionLaw], ...] = (), contacts: tuple[str, ...] = ()
+) -> type[FrictionTable]:
+    """Return the model of ``[friction]`` for all laws that are installed, and more.
+
+    Parameters
+    ----------
+    more : tuple of type of FrictionLaw
+        Types of laws that are in no registry.
+    contacts : tuple of str
+        Contacts that may have tables of their own, in which the same keys stand.
+
+    Returns
+    -------
+    type of FrictionTable
+        A pydantic model of the table.
+
+    Raises
+    ------
+    InputError
+        If a contact has the name of a law, or of a law's parameter.
+    """
     kinds = {**laws(), **{law.name: law for law in more}}
+    if contacts:
+        return _by_contact(friction_table(more), contacts)
     fields: dict[str, Any] = {}
     misplaced = {}
     for name, owners in _owners(kinds.values()).items():
@@ -132,4 +175,27 @@ def friction_table(more: tuple[type[FrictionLaw], ...] = ()) -> type[FrictionTab
     model = create_model("Friction", __base__=FrictionTable, **fields)
     model.__doc__ = FrictionTable.__doc__
     model.misplaced = misplaced
+    return model
+
+
+def _table_or_none(value: object) -> object:
+    return None if value == NONE else value
+
+
+def _by_contact(of_one: type[FrictionTable], contacts: tuple[str, ...]) -> type[FrictionTable]:
+    """Return the table of one contact with a table of the same kind for each of several."""
+    taken = {field.alias or name for name, field in of_one.model_fields.items()}
+    fields: dict[str, Any] = {}
+    for name in contacts:
+        if name in (*taken, *of_one.misplaced):
+            raise InputError(
+                f"the contact {name!r} has the name of a law or of a law's parameter, which"
+                " [friction] of a rig file could not tell apart: give the contact another name."
+            )
+        own: Any = of_one
+        own = Annotated[own | None, BeforeValidator(_table_or_none)]
+        fields[python_name(name, "contact")] = (own, Field(default=None, alias=name))
+    model = create_model("FrictionByContact", __base__=of_one, **fields)
+    model.__doc__ = FrictionTable.__doc__
+    model.misplaced, model.of_one = of_one.misplaced, of_one
     return model

@@ -2,30 +2,18 @@
 
 import dataclasses
 from collections.abc import Collection, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.experiments.rigs.law_tables import force_parameters, python_name
+from stickslip.experiments.rig import KnownLaws
+from stickslip.experiments.rigs.law_tables import FrictionTable, force_parameters, python_name
 from stickslip.experiments.rigs.rig_models import Given, Table
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import fields_of
 
-__all__ = ["Known", "known_laws", "overridden_fields"]
-
-
-class Known(NamedTuple):
-    """Laws with all parameters by name, and what else a file says of laws."""
-
-    laws: Mapping[str, FrictionLaw]
-    """Complete laws by registry name."""
-    assumed: Mapping[str, tuple[str, ...]]
-    """Fields that were marked as assumed."""
-    named: tuple[str, ...]
-    """Laws with a table of their own."""
-    given: Mapping[str, Mapping[str, float]]
-    """Values that are given, also of laws of which others are missing."""
+__all__ = ["by_contact", "known_laws", "overridden_fields"]
 
 
 def known_laws(
@@ -33,7 +21,8 @@ def known_laws(
     file: str,
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
-) -> Known:
+    at: str = "friction",
+) -> KnownLaws:
     """Return the laws for which the table gives every required parameter.
 
     A value in a law's own table comes before a shared one, but not before an override of that.
@@ -48,10 +37,12 @@ def known_laws(
         Paths that overrides set.
     kinds : mapping of str to type of FrictionLaw
         Types of laws by registry name.
+    at : str
+        Where the table stands, for messages.
 
     Returns
     -------
-    Known
+    KnownLaws
         Complete laws, with their assumed fields.
 
     Raises
@@ -72,18 +63,93 @@ def known_laws(
             changed = overridden_fields(law, overridden, of_law=False)
             changed -= overridden_fields(law, overridden, shared=False)
             kept = {key: value for key, value in values.items() if key in changed}
-            values |= _own(own, law, file, overridden) | kept
+            values |= _own(own, law, file, overridden, at) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
-            raise ParameterError(_missing(law, missing[0], file))
+            raise ParameterError(_missing(law, missing[0], file, at))
         if missing or (own is None and law.on_request and not _is_meant(law, kinds, values)):
             continue
-        found[name] = _build(law, values, file, overridden)
+        found[name] = _build(law, values, file, overridden, at)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
-    return Known(found, assumed, tuple(named), {k: v for k, v in given.items() if v})
+    return KnownLaws(
+        laws=found,
+        named=tuple(named),
+        given={name: values for name, values in given.items() if values},
+        assumed=assumed,
+    )
+
+
+def by_contact(
+    friction: FrictionTable,
+    contacts: Collection[str],
+    file: str,
+    overridden: Collection[str],
+    kinds: Mapping[str, type[FrictionLaw]],
+) -> dict[str, KnownLaws | None]:
+    """Return the laws of each of several contacts; nothing if no contact has a table of its own.
+
+    What stands directly in the table ``[friction]`` is shared: it comes before what stands in the
+    table of a contact only where an override sets it.
+
+    Parameters
+    ----------
+    friction : FrictionTable
+        The table ``[friction]``.
+    contacts : collection of str
+        Names of the contacts.
+    file : str
+        Name of the file, for messages.
+    overridden : collection of str
+        Paths that overrides set.
+    kinds : mapping of str to type of FrictionLaw
+        Types of laws by registry name.
+
+    Returns
+    -------
+    dict of str to KnownLaws or None
+        Laws by contact, None where the file says that nothing rubs.
+
+    Raises
+    ------
+    InputError
+        If a law that all contacts would share has a table beside those of contacts.
+    """
+    given = friction.given()
+    keys = {python_name(name, "contact"): name for name in contacts}
+    if not keys.keys() & given.keys():
+        return {}
+    tables = {python_name(name): name for name in kinds}
+    both = [tables[key] for key in given if key in tables]
+    if both:
+        raise InputError(
+            f"{file}: [friction.{both[0]}] stands beside tables of contacts: give the law to each"
+            f" contact, as in [friction.{next(iter(contacts))}.{both[0]}]."
+        )
+    shared = {key: value for key, value in given.items() if key not in keys}
+    found: dict[str, KnownLaws | None] = {}
+    for key, name in keys.items():
+        own: Table | None = getattr(friction, key)
+        if own is None and key in given:
+            found[name] = None
+            continue
+        at = f"friction.{name}"
+        paths = {path for path in overridden if path.startswith("friction.")}
+        of_contact = {
+            f"friction{path.removeprefix(at)}" for path in paths if path.startswith(at + ".")
+        }
+        of_all = {path for path in paths if path.removeprefix("friction.") in shared}
+        kept = {} if own is None else own.given()
+        values = {
+            k: value
+            for k, value in shared.items()
+            if k not in kept or (f"friction.{k}" in of_all and f"friction.{k}" not in of_contact)
+        }
+        whole = (friction.of_one() if own is None else own).model_copy(update=values)
+        found[name] = known_laws(whole, file, of_contact | of_all, kinds, at)
+    return found
 
 
 def overridden_fields(
@@ -143,7 +209,7 @@ def _required(law: type[FrictionLaw]) -> list[str]:
 
 
 def _own(
-    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str]
+    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], at: str
 ) -> dict[str, Any]:
     """Return the values of a law's own table, those given as forces over their load."""
     values = own.given()
@@ -159,39 +225,47 @@ def _own(
             continue
         if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
             raise InputError(
-                f"{file}: {normalised} and friction.{law.name}.forces.{key} both give the same"
-                " parameter: leave one out."
+                f"{file}: {at}.{law.name}.{field} and {at}.{law.name}.forces.{key} both give the"
+                " same parameter: leave one out."
             )
         scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
         values[field] = Given(force.value / scale, force.marked)
     return values
 
 
-def _missing(law: type[FrictionLaw], key: str, file: str) -> str:
+def _missing(law: type[FrictionLaw], key: str, file: str, at: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
     forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
-    other = f", or {forces[0]} under [friction.{law.name}.forces]" if forces else ""
+    other = f", or {forces[0]} under [{at}.{law.name}.forces]" if forces else ""
     return (
-        f"{file}: friction.{law.name}.{key}{symbol} is missing. Add {key} under"
-        f" [friction.{law.name}] or [friction]{other}."
+        f"{file}: {at}.{law.name}.{key}{symbol} is missing. Add {key} under"
+        f" [{at}.{law.name}] or [{at}]{other}."
     )
 
 
 def _build(
-    law: type[FrictionLaw], values: Mapping[str, Any], file: str, overridden: Collection[str]
+    law: type[FrictionLaw],
+    values: Mapping[str, Any],
+    file: str,
+    overridden: Collection[str],
+    at: str,
 ) -> FrictionLaw:
     given = {key: _plain(value) for key, value in values.items()}
-    _check_order(law, given, file, overridden)
+    _check_order(law, given, file, overridden, at)
     try:
         return law(**given)
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith("friction.")]
         where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: friction.{law.name}: {error}") from None
+        raise ParameterError(f"{where}: {at}.{law.name}: {error}") from None
 
 
 def _check_order(
-    law: type[FrictionLaw], values: Mapping[str, float], file: str, overridden: Collection[str]
+    law: type[FrictionLaw],
+    values: Mapping[str, float],
+    file: str,
+    overridden: Collection[str],
+    at: str,
 ) -> None:
     """Name both parameters where an override has put one above or below another of the file."""
     known = fields_of(law)
@@ -210,8 +284,9 @@ def _check_order(
         key, other, relation = (
             (upper, lower, "below") if upper in changed else (lower, upper, "above")
         )
+        path = at + changed[key].removeprefix("friction")
         raise ParameterError(
-            f"override of {file}: {changed[key]} ({known[key].symbol}) = {number(values[key], 6)}"
+            f"override of {file}: {path} ({known[key].symbol}) = {number(values[key], 6)}"
             f" is {relation} {other} ({known[other].symbol}) = {number(values[other], 6)} of the"
             f" file: override both, so that {upper} is at least {lower}."
         )

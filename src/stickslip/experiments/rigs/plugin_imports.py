@@ -83,9 +83,12 @@ def imported(
     mechanism = found.pop("mechanism.type", None)
     own = {}
     for key, kind in found.items():
-        table = key.split(".")[1]
+        *above, table, _ = key.split(".")
         _check_name(kind, table, f"{place(key, file, overridden)}: {key}")
-        del raw["friction"][table]["type"]
+        holder = raw
+        for step in above:
+            holder = holder[step]
+        del holder[table]["type"]
         own[table] = kind
     return Imported(None if mechanism is None else (wanted["mechanism.type"], mechanism), own)
 
@@ -96,6 +99,12 @@ def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     tables = {"mechanism": mechanism}
     if isinstance(friction, dict):
         tables |= {f"friction.{name}": table for name, table in friction.items()}
+        tables |= {  # the laws of one of several contacts
+            f"friction.{contact}.{name}": table
+            for contact, inner in friction.items()
+            if isinstance(inner, dict)
+            for name, table in inner.items()
+        }
     for name, table in tables.items():
         path = table.get("type") if isinstance(table, dict) else None
         if isinstance(path, str) and ":" in path:

@@ -19,9 +19,9 @@ from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading, column_of
 from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.records import read_data
-from stickslip.experiments.rig import Published, Rig, check_record, state_units
-from stickslip.experiments.rigs.laws import Known, known_laws, overridden_fields
-from stickslip.experiments.rigs.plugin_imports import imported
+from stickslip.experiments.rig import KnownLaws, Published, Rig, check_record, state_units
+from stickslip.experiments.rigs.laws import by_contact, known_laws, overridden_fields
+from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
 from stickslip.experiments.rigs.schema import (
     EstimatesTable,
@@ -60,6 +60,11 @@ def read_rig(
     -------
     Rig
         The rig.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or used.
     """
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
@@ -69,12 +74,20 @@ def read_rig(
     apply(raw, overrides)
     beside = None if path is None else Path(path).parent
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
+    contacts = _contacts(raw, own, file, overrides)
     try:
-        table = rig_table(own.mechanism, tuple(own.laws.values())).model_validate(raw)
+        kind = rig_table(own.mechanism, tuple(own.laws.values()), contacts)
+        table = kind.model_validate(raw)
     except ValidationError as error:
         raise complaint(error, raw, file, overrides) from None
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
-    known = known_laws(table.friction, file, overrides, {**laws(), **own.laws})
+    kinds = {**laws(), **own.laws}
+    of_contacts = by_contact(table.friction, contacts, file, overrides, kinds)
+    known = KnownLaws()
+    if not of_contacts:
+        known = known_laws(table.friction, file, overrides, kinds)
     reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
     return Rig(
         title=table.title or Path(file).stem,
@@ -85,6 +98,7 @@ def read_rig(
         named=known.named,
         given=known.given,
         assumed=known.assumed,
+        contacts=of_contacts,
         vary=_varied(table.mechanism),
         parameter_uncertainties=_doubts(table.mechanism),
         measurement=_measured(table, mechanism, reading, file),
@@ -92,11 +106,32 @@ def read_rig(
         reading=reading,
         hold=table.data.hold,
         t_end=table.run.t_end,
-        estimates=_estimates(table.estimates, known, file, overrides),
+        initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
+        estimates=_estimates(table.estimates, known, of_contacts, file, overrides),
         published=tuple(Published(**row.given()) for row in table.published),
         digest=with_files(_digest(data, overrides), _paths(table, file)),
         path=file,
     )
+
+
+def _contacts(
+    raw: Mapping[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
+) -> tuple[str, ...]:
+    """Return the names of the contacts where there are several: what `[friction]` may have.
+
+    How many there are may depend on numbers of the mechanism, which is therefore built first.
+    """
+    try:
+        table = rig_table(own.mechanism).model_validate(
+            {key: value for key, value in raw.items() if key == "mechanism"}
+        )
+    except ValidationError as error:
+        friction = raw.get("friction")
+        if "mechanism" not in raw or not isinstance(friction, dict):
+            return ()
+        raise complaint(error, raw, file, overrides) from None
+    contacts = _mechanism(table, file, overrides).contacts()
+    return tuple(one.name for one in contacts) if len(contacts) > 1 else ()
 
 
 def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:
@@ -140,7 +175,9 @@ def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> An
         if isinstance(value, Table):
             values[name] = _build(value, path, file, overridden)
         elif isinstance(value, list):
-            values[name] = _drive(value, path, file, overridden)
+            made = [_build(one, path, file, overridden) for one in value]
+            drive = all(isinstance(one, Drive) for one in made)
+            values[name] = _sum(made) if drive else tuple(made)
         else:
             values[name] = value.value if isinstance(value, Given) else value
     assert table.target is not None
@@ -152,9 +189,8 @@ def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> An
         raise ParameterError(f"{where}: {key}: {error}") from None
 
 
-def _drive(tables: list[Table], key: str, file: str, overridden: Collection[str]) -> Drive:
+def _sum(drives: list[Drive]) -> Drive:
     """Return the sum of several drives, or the only one as it is."""
-    drives = [_build(table, key, file, overridden) for table in tables]
     return drives[0] if len(drives) == 1 else Sum(parts=tuple(drives))
 
 
@@ -172,12 +208,21 @@ def _measured(
 
 
 def _estimates(
-    table: EstimatesTable | None, known: Known, file: str, overridden: Collection[str]
+    table: EstimatesTable | None,
+    known: KnownLaws,
+    of_contacts: Collection[str],
+    file: str,
+    overridden: Collection[str],
 ) -> LawEstimates | None:
     """Return how well a law is known; of what was overridden nothing is."""
     if table is None:
         return None
     given = table.given()
+    if of_contacts:
+        raise InputError(
+            f"{file}: [estimates] belong to the law of one contact, but"
+            f" {' and '.join(of_contacts)} have laws of their own: leave them out."
+        )
     if table.law not in known.laws:
         raise UnknownNameError(f"law in {file}: estimates.law:", table.law, known.laws)
     for name, ends in table.intervals.items():

@@ -216,7 +216,12 @@ class _Numbers:
 
 @functools.cache  # Registries do not change while a program runs.
 def table_of(
-    cls: type, kind: str, mark: str = "", moved: str = "", measured: bool = False
+    cls: type,
+    kind: str,
+    mark: str = "",
+    moved: str = "",
+    measured: bool = False,
+    alone: bool = False,
 ) -> type[Table]:
     """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
 
@@ -236,13 +241,15 @@ def table_of(
         Unit of the coordinate that it moves, ``"m"`` or ``"rad"``; both will do if empty.
     measured : bool
         Whether its numbers may have an uncertainty.
+    alone : bool
+        Whether nothing else could stand there, so that ``type`` need not be given.
 
     Returns
     -------
     type of Table
         A pydantic model of the table.
     """
-    fields: dict[str, Any] = {"type": (Literal[kind], ...)}
+    fields: dict[str, Any] = {"type": (Literal[kind], kind if alone else ...)}
     for field in dataclasses.fields(cls):
         default = ... if field.default is dataclasses.MISSING else field.default
         fields[field.name] = (_hint(cls, field.name, mark, moved, measured), default)
@@ -272,6 +279,9 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
     hint = typing.get_type_hints(cls, include_extras=True)[name]
     if hint == tuple[float, ...]:
         return Annotated[Any, _Numbers()]
+    if typing.get_origin(hint) is tuple and issubclass(typing.get_args(hint)[0], Parametrised):
+        table: Any = _alone(typing.get_args(hint)[0])
+        return Annotated[list[table], Field(min_length=1)]
     is_union = typing.get_origin(hint) in (Union, types.UnionType)
     parts: list[type] = [
         part
@@ -286,6 +296,8 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
             return choice({kind: table_of(one, kind, moved=inner) for kind, one in members})
+    if len(parts) == 1:
+        return _alone(parts[0])
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
@@ -297,12 +309,19 @@ MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}
 
 def _inner_unit(cls: type) -> str:
     """Return the unit of the coordinate that a motor moves: the last of several."""
-    units = cls.units if issubclass(cls, Mechanism) else ()
-    return units[-1] if len(units) > 1 and units[-1] in {"m", "rad"} else ""
+    units: object = cls.units if issubclass(cls, Mechanism) else ()
+    if not isinstance(units, tuple):  # a property: how many there are depends on the object
+        return ""
+    return str(units[-1]) if len(units) > 1 and units[-1] in {"m", "rad"} else ""
 
 
 def _listed(value: object) -> object:
     return [value] if isinstance(value, dict) else value
+
+
+def _alone(part: type) -> type[Table]:
+    """Return the table of a part where no other kind could stand."""
+    return table_of(part, _kebab(part), alone=True)
 
 
 def _kebab(cls: type) -> str:

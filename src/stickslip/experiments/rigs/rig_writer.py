@@ -3,9 +3,9 @@
 import dataclasses
 from collections.abc import Mapping
 
-from stickslip.drives import PROFILES
+from stickslip.drives import DRIVES, PROFILES, Drive, Sum
 from stickslip.experiments.estimates import LawEstimates
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import Friction, FrictionLaw, Laws, assigned, laws
 from stickslip.mechanisms import MOTORS, Mechanism, Motor, mechanisms
 from stickslip.quantities import Parametrised, fields_of
 
@@ -14,23 +14,24 @@ __all__ = ["rig_toml"]
 
 def rig_toml(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     *,
     title: str = "",
     t_end: float | None = None,
     estimates: LawEstimates | None = None,
 ) -> str:
-    """Return the text of a rig file with a mechanism, one law and how well it is known, in SI.
+    """Return the text of a rig file with a mechanism, its friction and how well it is known, in SI.
 
-    Numbers, texts, truth values, motors and profiles are written; a drive is left out, which in an
-    identified mechanism is the record itself. What is in no registry is named by its import path.
+    Numbers, texts, truth values, motors, profiles and parts with their drives are written; a drive
+    of the mechanism itself is left out, which in an identified one is the record. What is in no
+    registry is named by its import path.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism.
-    law : FrictionLaw
-        The friction law.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        The friction law; laws by the name of the contact, None where nothing rubs.
     title : str
         Title of the rig; none is written if empty.
     t_end : float, optional
@@ -64,13 +65,26 @@ def rig_toml(
 
     document: dict[str, object] = {"title": title} if title else {}
     document["mechanism"] = _table(mechanism, _type(mechanism, mechanisms()))
-    kind = "" if law.name in laws() else _type(law, laws())
-    document["friction"] = {law.name: _table(law, kind)}
+    found = assigned(tuple(one.name for one in mechanism.contacts()), law)
+    document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
     if t_end is not None:
         document["run"] = {"t_end": float(t_end)}
     if estimates is not None:
         document["estimates"] = _estimates(estimates)
     return tomlkit.dumps(document)
+
+
+def _law(law: FrictionLaw) -> dict[str, object]:
+    """Return the table of a law under its name."""
+    return {law.name: _table(law, "" if law.name in laws() else _type(law, laws()))}
+
+
+def _by_contact(mechanism: Mechanism, found: Laws) -> dict[str, object]:
+    """Return the tables of laws by contact, and what says that nothing rubs at one."""
+    own = dict(found.members)
+    names = [one.name for one in mechanism.contacts()]
+    idle: dict[str, object] = {name: "none" for name in names if name not in own}
+    return idle | {name: _law(own[name]) for name in names if name in own}
 
 
 def _table(root: Parametrised, kind: str) -> dict[str, object]:
@@ -88,7 +102,27 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
             table[field.name] = float(value)
         elif isinstance(value, tuple) and field.name in root.data_fields:
             table[field.name] = [float(x) for x in value]
+        elif isinstance(value, tuple):
+            table[field.name] = [_part(x) for x in value if isinstance(x, Parametrised)]
+        elif isinstance(value, Parametrised) and not isinstance(value, Drive):
+            table[field.name] = _part(value)
     return table
+
+
+def _part(part: Parametrised) -> dict[str, object]:
+    """Return the table of a part of a mechanism, its drives included."""
+    table = _table(part, "")
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        if isinstance(value, Drive):
+            drives = value.parts if isinstance(value, Sum) else (value,)
+            table[field.name] = [_table(one, kind) for one in drives for kind in _drive_kind(one)]
+    return table
+
+
+def _drive_kind(drive: Drive) -> list[str]:
+    """Return the ``type`` of a drive; none where it is in no registry and cannot be written."""
+    return [name for name, kind in DRIVES.items() if type(drive) is kind]
 
 
 def _estimates(known: LawEstimates) -> dict[str, object]:

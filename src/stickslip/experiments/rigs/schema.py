@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.experiments.measurement import QUANTITIES
-from stickslip.experiments.rigs.law_tables import FrictionTable, friction_table
+from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
@@ -38,6 +38,9 @@ class RunTable(Table):
 
     t_end: Annotated[Any, Number(Quantity("t_end", "s", above=0))] = 10.0
     """Last time of the runs [s]."""
+    initial: dict[str, Any] = Field(
+        default={}, description="state: value from which simulated runs begin; trials have theirs"
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -219,7 +222,9 @@ class RigTable(Table):
 
 @functools.cache
 def rig_table(
-    mechanism: tuple[str, type[Mechanism]] | None = None, laws: tuple[type[FrictionLaw], ...] = ()
+    mechanism: tuple[str, type[Mechanism]] | None = None,
+    laws: tuple[type[FrictionLaw], ...] = (),
+    contacts: tuple[str, ...] = (),
 ) -> type[RigTable]:
     """Return the model of a rig file with all mechanisms, drives and laws that are installed.
 
@@ -231,6 +236,8 @@ def rig_table(
         Import path and class of a mechanism that is in no registry.
     laws : tuple of type of FrictionLaw
         Types of laws that are in no registry.
+    contacts : tuple of str
+        Names of the contacts where there are several.
 
     Returns
     -------
@@ -241,7 +248,7 @@ def rig_table(
     options = choice(
         {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     )
-    friction = friction_table(laws)
+    friction = friction_table(laws, contacts)
     return create_model(
         "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())
     )
@@ -250,6 +257,9 @@ def rig_table(
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of rig files."""
     schema = rig_table().model_json_schema(by_alias=True)
+    # contacts depend on the mechanism: what is no key of [friction] may be the name of one
+    friction = schema["$defs"]["Friction"]
+    friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
     _drop_nulls(schema)
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return {**dialect, **schema, "title": "stickslip rig file"}

@@ -190,7 +190,6 @@ def _curves(
     for axes, (name, title) in zip(panels, titles.items(), strict=True):
         factor, unit = scale_of(seen[name], run.units[name])
         axes.plot(seen.t, factor * seen[name], color=C1, linewidth=1.6)
-        unit = "N m" if turning and name == "friction" else unit
         axes.set_ylabel(f"{name if narrow else title}, {unit}")
         axes.yaxis.set_label_coords(-48 / max(axes.get_window_extent().width * pixel, 1.0), 0.5)
         axes.locator_params(axis="y", nbins=4)

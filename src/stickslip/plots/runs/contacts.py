@@ -4,27 +4,29 @@ from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
 from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import Sizes, dense
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, C2, MUTED, SURFACE, shade
-from stickslip.trajectory import Trajectory
+from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
+from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = ["contact_sizes", "draw_contacts"]
+__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
 
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
+STATE_SIZES: Final = Sizes(wide=(880, 380), narrow=(358, 320))
+SERIES: Final = (C1, C2, C3, C4)
+"""Colours of coordinates; more than these are not told apart."""
 PANEL: Final = 130
 """Height of a panel [px]."""
 
 
 def contact_sizes(run: Trajectory) -> Sizes:
     """Return the sizes of the figure: a panel for each contact, or the raster."""
-    panels = len(run.contacts)
+    panels = len(run.contacts) or 1
     height = 60 + PANEL * panels if panels <= MOST_PANELS else min(160 + 12 * panels, 900)
     return Sizes(wide=(880, height), narrow=(358, height))
 
@@ -52,20 +54,85 @@ def draw_contacts(run: Trajectory, *, until: float | None = None) -> Draw:
         if len(run.contacts) > MOST_PANELS:
             _raster(figure.subplots(), seen, narrow)
             return
-        panels = figure.subplots(len(run.contacts), 1, sharex=True)
-        for axes, name in zip(panels, run.contacts, strict=True):
-            _friction(axes, run.contact(name), seen, name, last)
+        names = run.contacts or (run.only_contact,)
+        panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, name in zip(panels, names, strict=True):
+            _friction(axes, run.contact(name), seen.contact(name), name, last)
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
 
     return draw
 
 
+def draw_states(run: Trajectory, *, until: float | None = None) -> Draw:
+    """Return a drawing of all coordinates against time, those of one unit together.
+
+    Parameters
+    ----------
+    run : Trajectory
+        A run.
+    until : float, optional
+        Last time shown [s]; the end of the run if not given.
+
+    Returns
+    -------
+    callable
+        Draws it, with dots at the events.
+    """
+    last = run.span[1] if until is None else min(until, run.span[1])
+    seen = dense(run, last)
+    units: dict[str, list[str]] = {}
+    for name in run.states:
+        if run.units[name] in ("m", "rad") and ":" not in name:
+            units.setdefault(run.units[name], []).append(name)
+    times = sorted({event.t for event in run.events if event.t <= last})
+
+    def draw(figure: Figure, narrow: bool) -> None:
+        panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, names in zip(panels, units.values(), strict=True):
+            _coordinates(axes, run, seen, names, times, narrow=narrow)
+        figure.align_ylabels()
+        panels[-1].set_xlabel("time, s")
+
+    return draw
+
+
+def _coordinates(
+    axes: Axes,
+    run: Trajectory,
+    seen: Trajectory,
+    names: list[str],
+    times: list[float],
+    *,
+    narrow: bool,
+) -> None:
+    """Draw coordinates of one unit; those of a few are named, many are curves of one colour."""
+    factor, unit = scale_of(np.concatenate([seen[name] for name in names]), run.units[names[0]])
+    at = run.at(times)
+    few = len(names) <= len(SERIES)
+    for i, name in enumerate(names):
+        colour = SERIES[i] if few else MUTED
+        width = 1.8 if few else 0.9
+        axes.plot(seen.t, factor * seen[name], color=colour, linewidth=width, label=name)
+        if few:
+            axes.plot(times, factor * at[name], "o", color=colour, markersize=3.5, zorder=4)
+    what = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"
+    axes.set_ylabel(f"{what}, {unit}")
+    axes.margins(x=0, y=0.1)
+    axes.grid(axis="y")
+    if few and len(names) > 1:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            ncols=2 if narrow else len(names),
+            frameon=False,
+        )
+
+
 def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: float) -> None:
     """Draw the friction of one contact."""
-    column = f"friction:{name}"
-    factor, unit = scale_of(seen[column], seen.units[column])
-    axes.plot(seen.t, factor * seen[column], color=C1, linewidth=1.8)
+    factor, unit = scale_of(seen["friction"], seen.units["friction"])
+    axes.plot(seen.t, factor * seen["friction"], color=C1, linewidth=1.8)
     axes.set_ylabel(f"friction, {unit}")
     axes.set_title(name, loc="left", fontsize="medium")
     axes.margins(x=0, y=0.15)
@@ -78,21 +145,35 @@ def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: fl
 
 
 def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
-    """Draw the mode of each contact over time: slip backward, stick, slip forward, open."""
-    modes = np.array([seen[f"mode:{name}"] for name in seen.contacts])
-    colours = ListedColormap([C2, MUTED, C1, SURFACE])
+    """Draw a row for each contact: when it slips, sticks, or is open."""
     edges = np.append(seen.t, seen.t[-1])
     rows = np.arange(len(seen.contacts) + 1)
-    axes.pcolormesh(edges, rows, modes, cmap=colours, vmin=-1.5, vmax=2.5, rasterized=True)
+    colours = {-1: C2, 0: MUTED, 1: C1}
+    modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])
+    for row, own in enumerate(modes):
+        begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+        ends = np.append(begins[1:], own.size)
+        for mode, colour in colours.items():
+            spans = [
+                (float(edges[i]), float(edges[k] - edges[i]))
+                for i, k in zip(begins, ends, strict=True)
+                if own[i] == mode
+            ]
+            axes.broken_barh(spans, (row, 1.0), facecolor=colour, linewidth=0.0)
+    axes.set_xlim(float(edges[0]), float(edges[-1]))
+    axes.set_ylim(0.0, float(rows[-1]))
     axes.set_yticks(rows[:-1] + 0.5, seen.contacts, fontsize="x-small")
     axes.invert_yaxis()
     axes.set_xlabel("time, s")
-    for colour, label in ((C2, "slip backward"), (MUTED, "stick"), (C1, "slip forward")):
-        axes.plot([], [], "s", color=colour, label=label)
+    meanings = {"slip backward": C2, "stick": MUTED, "slip forward": C1}
+    if np.any(modes == UNLOADED):
+        meanings["open"] = SURFACE
+    for label, colour in meanings.items():
+        axes.plot([], [], "s", color=colour, markeredgecolor=MUTED, label=label)
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=3,
+        ncols=2 if narrow else len(meanings),
         frameon=False,
         fontsize="small" if narrow else "medium",
     )

@@ -15,8 +15,9 @@ from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
+from stickslip.trajectory import Trajectory
 
-__all__ = ["certificate_section", "law_section", "reproduce_section"]
+__all__ = ["certificate_of", "certificate_section", "law_section", "reproduce_section"]
 
 
 def law_section(about: RunReport) -> Section:
@@ -88,10 +89,27 @@ def _drawn(about: RunReport) -> list[Block]:
 
 def certificate_section(about: RunReport) -> Section:
     """Return how far to trust the computation, in words."""
-    exact = about.fixed_step is None
+    return certificate_of(about.run, exact=about.fixed_step is None)
+
+
+def certificate_of(run: Trajectory, *, exact: bool = True) -> Section:
+    """Return how far to trust a computation, in words.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    exact : bool
+        Whether its events were located, as those of fixed steps are not.
+
+    Returns
+    -------
+    Section
+        The section of the page.
+    """
     if not exact:
         heading = "Fixed steps have no certificate"
-    elif about.run.certificate.certified:
+    elif run.certificate.certified:
         heading = "The run is certified"
     else:
         heading = "The run is not certified"
@@ -99,7 +117,7 @@ def certificate_section(about: RunReport) -> Section:
         "The certificate shows that the equations were solved correctly: energies are integrated"
         " independently of the motion. It does not show that the law describes the contact."
     )
-    items = evidence(about.run, located=exact)
+    items = evidence(run, located=exact)
     blocks = (KeyValues(items=items), Caption(text=text))
     return Section(id="certificate", nav="Certificate", heading=heading, blocks=blocks)
 

@@ -1,0 +1,170 @@
+"""Rotors in a row with a clutch between each two."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError
+from stickslip.maths import Scalar
+from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
+from stickslip.quantities import Parametrised, Quantity
+
+__all__ = ["ClutchTrain", "Rotor"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Rotor(Parametrised):
+    """A body that turns.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Sine
+    >>> Rotor(inertia=0.2, torque=Sine(amplitude=10.0, frequency=5.0)).inertia
+    0.2
+    """
+
+    inertia: Annotated[float, Quantity("J", "kg m^2", above=0)]
+    """Moment of inertia."""
+    damping: Annotated[float, Quantity("c", "N m s/rad", low=0)] = 0.0
+    """Damper to the housing."""
+    torque: Drive | None = None
+    """Torque on it [N m]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ClutchTrain(Mechanism):
+    """Rotors in a row with a clutch between each two, and perhaps a brake on the first.
+
+    The angle `phi` is that of the first rotor, and `psi1`, `psi2` and so on are the angles by
+    which each further rotor is ahead of the one before: the third stands at
+    ``phi + psi1 + psi2``. The contacts are `clutch-1`, `clutch-2` and so on, and `brake`.
+
+    Examples
+    --------
+    A motor at 100 rad/s takes a load along once the clutch is pressed; both then turn at
+    ``100 * 0.2 / (0.2 + 0.3)``.
+
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.drives import Ramp
+    >>> from stickslip.mechanisms import Lining, Rotor
+    >>> train = ClutchTrain(
+    ...     rotors=(Rotor(inertia=0.2), Rotor(inertia=0.3)),
+    ...     clutches=(Lining(radius=0.1, press=Ramp(rate=500.0)),),
+    ... )
+    >>> start = {"omega": 100.0, "psi1_dot": -100.0}
+    >>> run = simulate(train, Coulomb(kinetic_coefficient=0.3), t_end=2.0, y0=start)
+    >>> round(float(run["omega"][-1]), 9)
+    40.0
+    """
+
+    name: ClassVar[str] = "clutch-train"
+    moving_part: ClassVar[str] = "rotor"
+    contact_names: ClassVar[str] = "clutch-1, clutch-2, ..., brake"
+
+    rotors: tuple[Rotor, ...]
+    """The rotors in their order, two or more."""
+    clutches: tuple[Lining, ...]
+    """The clutches between them, one fewer than rotors."""
+    brake: Lining | None = None
+    """Brake between the housing and the first rotor."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parts and their number."""
+        super().__post_init__()
+        rotors = checked_parts("ClutchTrain.rotors", Rotor, self.rotors, 2)
+        clutches = checked_parts("ClutchTrain.clutches", Lining, self.clutches, 1)
+        object.__setattr__(self, "rotors", rotors)
+        object.__setattr__(self, "clutches", clutches)
+        if len(clutches) != len(rotors) - 1:
+            raise ParameterError(
+                f"ClutchTrain has {len(rotors)} rotors, which {len(rotors) - 1} clutches join; got"
+                f" {len(clutches)} clutches."
+            )
+        if self.brake is not None:
+            checked_parts("ClutchTrain.brake", Lining, self.brake, 1)
+
+    @property
+    @override
+    def coordinates(self) -> tuple[str, ...]:  # type: ignore[override]  # of an instance
+        """Angle of the first rotor, then of each one from the one before."""
+        return ("phi", *(f"psi{i + 1}" for i in range(len(self.clutches))))
+
+    @property
+    @override
+    def rates(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Angular velocities of the same."""
+        return ("omega", *(f"psi{i + 1}_dot" for i in range(len(self.clutches))))
+
+    @property
+    @override
+    def units(self) -> tuple[str, ...]:  # type: ignore[override]
+        """SI units of the angles."""
+        return ("rad",) * len(self.rotors)
+
+    def _linings(self) -> dict[str, Lining]:
+        """Return clutches and brake by name."""
+        found = {f"clutch-{i + 1}": one for i, one in enumerate(self.clutches)}
+        return found if self.brake is None else {**found, "brake": self.brake}
+
+    def _speeds(self, q_dot: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return the angular velocity of each rotor."""
+        speed: Scalar = 0.0
+        found = []
+        for name in self.coordinates:
+            speed = speed + q_dot[name]
+            found.append(speed)
+        return found
+
+    @override
+    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
+        turning = zip(self.rotors, self._speeds(q_dot), strict=True)
+        return sum((0.5 * rotor.inertia * speed * speed for rotor, speed in turning), 0.0)
+
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        return 0.0
+
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        # a torque on one rotor turns all relative angles up to it
+        total: Scalar = 0.0
+        found = {}
+        parts = zip(self.coordinates, self.rotors, self._speeds(q_dot), strict=True)
+        for i, (name, rotor, speed) in reversed(list(enumerate(parts))):
+            total = total + drives.get(f"torque-{i + 1}", 0.0) - rotor.damping * speed
+            found[name] = total
+        return found
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        angles = dict(zip(self._linings(), (*self.coordinates[1:], "phi"), strict=False))
+        return tuple(one.contact(angles[name], name) for name, one in self._linings().items())
+
+    @override
+    def loads(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        return pressing_forces(self._linings(), drives)
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        torques = {f"torque-{i + 1}": one.torque for i, one in enumerate(self.rotors)}
+        turning = {name: drive for name, drive in torques.items() if drive is not None}
+        return {**turning, **pressing_drives(self._linings())}

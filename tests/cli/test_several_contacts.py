@@ -1,0 +1,176 @@
+"""Commands on rigs with several contacts."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from stickslip.cli import main
+
+FEET = """
+title = "Sledge on two feet"
+[mechanism]
+type = "two-feet"
+mass = "2 kg"
+front = "30 cm"
+rear = "20 cm"
+height = "15 cm"
+stiffness = "50 N/m"
+[friction.front]
+kinetic_coefficient = 0.6
+static_coefficient = 0.7
+[friction.rear]
+kinetic_coefficient = 0.2
+static_coefficient = 0.3
+[run]
+t_end = "3 s"
+initial = { x = "90 cm" }
+"""
+SHARED = FEET.partition("[friction.rear]")[0].replace("[friction.front]", "[friction]")
+PAD = """
+[mechanism]
+type = "disc-brake"
+inertia = "0.5 kg m^2"
+pads = [{ radius = "10 cm", load = "100 N" }]
+[friction.coulomb]
+kinetic_coefficient = 0.4
+[run]
+initial = { omega = 20 }
+"""
+
+
+@pytest.fixture
+def called(tmp_path, monkeypatch, capsys):
+    """Call a command in an empty folder with a rig; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(text, command, *arguments):
+        Path("rig.toml").write_text(text)
+        try:
+            code = main([command, *arguments])
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, " ".join(seen.err.split())
+
+    return call
+
+
+def test_a_run_is_shown_and_exported_by_contact(called):
+    code, out, err = called(FEET, "simulate", "rig.toml", "-o", "run.csv", "--samples", "7")
+    assert (code, err) == (0, "")
+    assert "rear" in out
+    assert "front: sticks for 1.115 s, 12.96 J taken by friction" in out
+    table = pd.read_csv("run.csv")
+    names = ["x", "v", "friction:front", "friction:rear"]
+    names += ["normal_force:front", "normal_force:rear", "mode:front", "mode:rear"]
+    assert list(table.columns) == ["t", *names]
+    assert len(table) == 7
+    assert table["x"].iloc[-1] == pytest.approx(-0.07443116883117, abs=1e-12)
+
+
+def test_json_has_laws_and_events_by_contact_and_no_criteria(called):
+    code, out, _ = called(FEET, "simulate", "rig.toml", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["laws"] == {"front": "coulomb", "rear": "coulomb"}
+    assert {event["contact"] for event in found["events"]} == {"front", "rear"}
+    assert found["certificate"]["work"].keys() == {"front", "rear"}
+    assert "criteria" not in found
+
+
+def test_an_override_changes_the_law_of_one_contact(called):
+    change = ("--set", "friction.rear.kinetic_coefficient=0.25")
+    code, out, _ = called(FEET, "simulate", "rig.toml", "--json", *change)
+    changed = json.loads(out)["certificate"]["work"]
+    text = FEET.replace("kinetic_coefficient = 0.2", "kinetic_coefficient = 0.25")
+    assert code == 0
+    same = json.loads(called(text, "simulate", "rig.toml", "--json")[1])["certificate"]["work"]
+    assert changed == same
+
+
+def test_a_shared_law_is_named_once(called):
+    code, out, _ = called(SHARED, "simulate", "rig.toml", "--json")
+    assert code == 0
+    assert json.loads(out)["law"] == "coulomb"
+
+
+def test_the_page_has_the_figures_and_tables_of_the_contacts(called):
+    code, _, _ = called(FEET, "simulate", "rig.toml", "--report-to", "page")
+    text = Path("page/index.html").read_text(encoding="utf-8")
+    assert code == 0
+    for words in ("6 events at 2 contacts", "Friction at each contact", "The run is certified"):
+        assert words in text
+    assert "could not be made" not in text
+
+
+def test_one_pad_at_a_radius_is_simulated_too(called):
+    code, out, _ = called(PAD, "simulate", "rig.toml", "--report-to", "page", "-o", "run.csv")
+    assert code == 0
+    assert "Came to rest" in out
+    assert "could not be made" not in Path("page/index.html").read_text(encoding="utf-8")
+    assert list(pd.read_csv("run.csv").columns[1:4]) == ["phi", "omega", "friction"]
+
+
+REFUSED = {
+    "animate": ("animate", "rig.toml", "-o", "run.gif"),
+    "sweep": ("sweep", "rig.toml", "--vary", "mechanism.mass=1:2:3", "-o", "map.csv"),
+    "plan": ("plan", "rig.toml", "-o", "plan.html"),
+    "profile": ("profile", "optimise", "rig.toml", "--angle", "1", "--rate", "1"),
+    "warmup": ("warmup", "--rig", "rig.toml"),
+    "ensemble": ("simulate", "rig.toml", "--ensemble", "5", "-o", "run.csv"),
+    "fixed step": ("simulate", "rig.toml", "--fixed-step", "0.01", "-o", "run.csv"),
+    "enforce": ("simulate", "rig.toml", "--enforce", "-o", "run.csv"),
+    "law of a file": ("simulate", "rig.toml", "--law", "rig.toml", "-o", "run.csv"),
+}
+
+
+@pytest.mark.parametrize("arguments", REFUSED.values(), ids=REFUSED)
+def test_what_takes_one_contact_names_those_there_are_and_writes_nothing(called, arguments):
+    code, out, err = called(FEET, *arguments)
+    assert (code, out) == (2, "")
+    assert "front, rear" in err
+    assert "Traceback" not in err
+    assert [path.name for path in Path().iterdir()] == ["rig.toml"]
+
+
+@pytest.mark.parametrize("command", ["fit", "select"])
+def test_records_of_several_contacts_are_not_fitted(called, command):
+    rows = "".join(f"{0.01 * i},{0.001 * i * i},{1 + 0.01 * i}\n" for i in range(60))
+    Path("run.csv").write_text("time,position,force\n" + rows)
+    code, _, err = called(FEET, command, "rig.toml", "--data", "run.csv")
+    assert code == 2
+    assert "front, rear" in err
+
+
+MISTAKES = {
+    "a misspelt contact": (("--set", "friction.frnt.kinetic_coefficient=3"), "'front'"),
+    "a parameter of another law": (
+        ("--set", "friction.front.viscous_coefficient=3"), "names no parameter of coulomb",
+    ),
+    "a law that has no values": (("--law", "dahl"), "'front' has no values of the law 'dahl'"),
+    "a law for no contact": (("--law", "fornt=coulomb"), "Did you mean 'front'"),
+    "a load": (("--law-load", "3 N"), "only to a law from a file"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "message"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_one_sentence(called, options, message):
+    code, _, err = called(FEET, "simulate", "rig.toml", *options)
+    assert code == 2
+    assert message in err
+    assert "Traceback" not in err
+
+
+def test_laws_by_contact_need_tables_of_contacts(called):
+    code, _, err = called(SHARED, "simulate", "rig.toml", "--law", "front=coulomb")
+    assert code == 2
+    assert "no tables of contacts" in err
+
+
+def test_models_lists_the_contacts_of_mechanisms(called):
+    out = called("", "models")[1]
+    assert "block-1, block-2, ..." in out
+    found = json.loads(called("", "models", "--json")[1])
+    assert found["mechanisms"]["two-feet"] == "front, rear"

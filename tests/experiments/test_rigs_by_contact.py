@@ -1,0 +1,272 @@
+"""Rig files of mechanisms with several contacts."""
+
+import math
+from pathlib import Path
+
+import pytest
+from tests.contact_cases import coulomb
+
+from stickslip import BlockChain, ClutchTrain, DiscBrake, EventDriven, LuGre, TwoFeet, load_rig
+from stickslip.drives import Pulse, Sine
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Rig, rig_schema, rig_toml
+from stickslip.mechanisms import Lining, Rotor
+from stickslip.simulation import simulate
+
+FEET = """
+[mechanism]
+type = "two-feet"
+mass = "2 kg"
+front = "30 cm"
+rear = 0.2
+height = 0.15
+stiffness = "50 N/m"
+
+[friction]
+static_coefficient = 0.7
+
+[friction.front]
+kinetic_coefficient = 0.6
+
+[friction.rear.coulomb]
+kinetic_coefficient = 0.2
+static_coefficient = 0.3
+
+[run]
+t_end = "3 s"
+initial = { x = "90 cm" }
+"""
+FRONT = "[friction.front]\nkinetic_coefficient = 0.6\n"
+CLUTCHES = """
+[mechanism]
+type = "clutch-train"
+rotors = [
+    { inertia = "1 kg m^2", torque = { type = "sine", amplitude = "10 N m", frequency = "5 Hz" } },
+    { inertia = 1.0 },
+]
+brake = { radius = "20 cm", load = "5 N" }
+
+[[mechanism.clutches]]
+radius = "1 m"
+press = [{ type = "pulse", level = "20 N", duration = 10, start = "400 ms" },
+         { type = "sine", amplitude = 1.0, frequency = 1.0 }]
+
+[friction]
+kinetic_coefficient = 0.5
+"""
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """Reads a rig file with the given text."""
+    monkeypatch.chdir(tmp_path)
+
+    def reader(text, overrides=None):
+        Path("rig.toml").write_text(text, encoding="utf-8")
+        return load_rig("rig.toml", overrides=overrides)
+
+    return reader
+
+
+def test_each_contact_has_a_table_beside_what_is_shared(read):
+    rig = read(FEET)
+    assert rig.law_by_contact() == {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+    assert rig.initial == {"x": 0.9}
+    assert not rig.laws
+    assert "front: coulomb; rear: coulomb" in repr(rig)
+
+
+def test_a_rig_moves_as_its_mechanism_and_laws_in_python(read):
+    rig = read(FEET)
+    solver = EventDriven(tier="python")
+    one = simulate(rig.mechanism, rig.law_by_contact(), t_end=1.0, y0=rig.initial, solver=solver)
+    body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
+    laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+    assert one["x"][-1] == simulate(body, laws, t_end=1.0, y0={"x": 0.9}, solver=solver)["x"][-1]
+
+
+def test_without_tables_of_contacts_all_of_them_share_a_law(read):
+    rig = read(CLUTCHES)
+    assert rig.laws["coulomb"].kinetic_coefficient == 0.5
+    assert not rig.contacts
+
+
+def test_parts_and_their_drives_are_tables(read):
+    press = Pulse(level=20.0, duration=10.0, start=0.4) + Sine(amplitude=1.0, frequency=1.0)
+    assert read(CLUTCHES).mechanism == ClutchTrain(
+        rotors=(
+            Rotor(inertia=1.0, torque=Sine(amplitude=10.0, frequency=5.0)),
+            Rotor(inertia=1.0),
+        ),
+        clutches=(Lining(radius=1.0, press=press),),
+        brake=Lining(radius=0.2, load=5.0),
+    )
+
+
+def test_overrides_reach_a_law_of_one_contact_and_a_number_of_one_part(read):
+    rig = read(FEET, {"friction.rear.coulomb.kinetic_coefficient": "0.25"})
+    assert rig.law_by_contact()["rear"] == coulomb(0.25, 0.3)
+    rig = read(FEET, {"friction.static_coefficient": 0.9})  # shared: it comes before all
+    assert rig.law_by_contact() == {"front": coulomb(0.6, 0.9), "rear": coulomb(0.2, 0.9)}
+    rig = read(CLUTCHES, {"mechanism.clutches.0.load": "3 N"})
+    assert rig.mechanism.clutches[0].load == 3.0
+
+
+def test_a_contact_at_which_nothing_rubs_says_so(read):
+    rig = read(FEET.replace(FRONT, 'front = "none"\n'))
+    assert rig.law_by_contact() == {"front": None, "rear": coulomb(0.2, 0.3)}
+
+
+def test_a_contact_without_a_table_has_the_shared_values(read):
+    shared = "[friction]\nkinetic_coefficient = 0.5\n"
+    rig = read(FEET.replace("[friction]\n", shared).replace(FRONT, ""))
+    assert rig.law_by_contact()["front"] == coulomb(0.5, 0.7)
+
+
+def test_laws_are_chosen_by_name_for_all_contacts_or_for_each(read):
+    lugre = (
+        "[friction.front.lugre]\nbristle_stiffness = 1e4\nbristle_damping = 5.0\n"
+        "stribeck_velocity = 0.01\n"
+    )
+    text = FEET.replace("[friction.rear.coulomb]", f"{lugre}\n[friction.rear.coulomb]")
+    rig = read(text)
+    assert isinstance(rig.law_by_contact()["front"], LuGre)  # the only one with a table
+    assert rig.law_by_contact({"front": "coulomb"})["front"] == coulomb(0.6, 0.7)
+    assert rig.law_by_contact("coulomb")["front"] == coulomb(0.6, 0.7)
+    with pytest.raises(InputError, match=r"'rear' has no values of the law 'lugre'.*none"):
+        rig.law_by_contact("lugre")
+    with pytest.raises(UnknownNameError, match="Did you mean 'rear'"):
+        rig.law_by_contact({"reer": "coulomb"})
+
+
+BAD = {
+    "a misspelt contact": ("friction.front]", "friction.fronnt]", "Did you mean 'front'"),
+    "a misspelt law": ("rear.coulomb", "rear.coulom", r"in \[friction.rear\].*'coulomb'"),
+    "a misspelt value": (
+        "kinetic_coefficient = 0.6", "kinetik_coefficient = 0.6",
+        r"in \[friction.front\].*'kinetic_coefficient'",
+    ),
+    "a law beside contacts": (
+        FRONT, "[friction.coulomb]\nkinetic_coefficient = 0.6\n",
+        r"\[friction.coulomb\] stands beside tables of contacts.*\[friction.front.coulomb\]",
+    ),
+    "a missing value": (
+        "kinetic_coefficient = 0.2\n", "",
+        r"friction.rear.coulomb.kinetic_coefficient \(mu_k\) is missing.*\[friction.rear\]",
+    ),
+    "levels in the wrong order": (
+        "kinetic_coefficient = 0.6", "kinetic_coefficient = 0.8",
+        "friction.front.coulomb: Coulomb.static_coefficient .* must be at least",
+    ),
+    "no table": ("[friction.front]\nkinetic_coefficient = 0.6", 'front = "no"', "must be a table"),
+    "a wrong unit": ('"2 kg"', '"2 m"', "mechanism.mass .* must be in kg"),
+    "no such state": ("x = ", "y = ", r"run.initial: 'y'"),
+    "a wrong unit of a state": ('"90 cm"', '"90 kg"', "run.initial: x .* must be in m"),
+    "too few parts": ("mass", "mas", "Did you mean 'mass'"),
+    "estimates": (
+        "[run]", '[estimates]\nlaw = "coulomb"\n\n[run]', "belong to the law of one contact",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "message"), BAD.values(), ids=BAD)
+def test_a_mistake_gives_one_message_with_place_and_cure(read, old, new, message):
+    assert old in FEET
+    with pytest.raises(InputError, match=message):
+        read(FEET.replace(old, new))
+
+
+def test_a_contact_without_any_law_is_named_when_it_is_asked_for(read):
+    rig = read(FEET.replace(FRONT, ""))
+    with pytest.raises(InputError, match="'front' has no values of any law"):
+        rig.law_by_contact()
+
+
+def test_overrides_of_contacts_are_named_where_they_are_wrong(read):
+    with pytest.raises(InputError, match=r"override of .*: friction.rear.coulomb.static_coeff"):
+        read(FEET, {"friction.rear.coulomb.static_coefficient": 0.1})
+    with pytest.raises(UnknownNameError, match=r"override of .*'reer'. Did you mean 'rear'"):
+        read(FEET, {"friction.reer.kinetic_coefficient": 0.1})
+
+
+@pytest.mark.parametrize("name", ["coulomb", "dahl"])
+def test_a_contact_that_is_named_like_a_law_is_refused(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    Path("own_feet.py").write_text(
+        "from stickslip.mechanisms import Contact, Mechanism\n"
+        "class Feet(Mechanism):\n"
+        "    name, coordinates, rates, units = 'feet', ('x', 'y'), ('v', 'w'), ('m', 'm')\n"
+        "    def kinetic_energy(self, q, q_dot): return q_dot['x'] ** 2 + q_dot['y'] ** 2\n"
+        "    def potential_energy(self, t, q): return 0.0\n"
+        "    def forces(self, t, q, q_dot, drives): return {}\n"
+        "    def drives(self): return {}\n"
+        "    def contacts(self):\n"
+        "        return (Contact(slip='x', load=1.0, name='a'),\n"
+        f"                Contact(slip='y', load=1.0, name='{name}'))\n"
+    )
+    Path("rig.toml").write_text('[mechanism]\ntype = "own_feet:Feet"\n[friction]\n')
+    try:
+        with pytest.raises(InputError, match=f"contact '{name}' has the name of a law"):
+            load_rig("rig.toml", allow_import=True)
+    finally:
+        import sys
+
+        sys.modules.pop("own_feet", None)
+        sys.path.remove(str(tmp_path.resolve()))
+
+
+ROUND = {
+    "two feet": (
+        TwoFeet(mass=2.0, front=0.3, rear=0.2), {"front": coulomb(0.6, 0.7), "rear": None},
+    ),
+    "two laws": (
+        TwoFeet(mass=2.0, front=0.3, rear=0.2),
+        {
+            "front": coulomb(0.6, 0.7),
+            "rear": LuGre(
+                kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01,
+                bristle_stiffness=1e4, bristle_damping=5.0,
+            ),
+        },
+    ),
+    "one contact": (
+        DiscBrake(inertia=1.0, pads=(Lining(radius=0.1, load=3.0),)), {"pad-1": coulomb(0.2)},
+    ),
+    "parts with drives": (
+        ClutchTrain(
+            rotors=(Rotor(inertia=1.0, torque=Sine(amplitude=math.pi, frequency=1.0)),
+                    Rotor(inertia=2.0)),
+            clutches=(Lining(radius=0.1, press=Pulse(level=1.0, duration=2.0)
+                             + Sine(amplitude=0.1, frequency=2.0)),),
+            brake=Lining(radius=0.3, load=1.0),
+        ),
+        {"clutch-1": coulomb(0.3), "brake": None},
+    ),
+    "a shared law": (BlockChain(blocks=3, mass=1.0, coupling=2.0, speed=0.1), coulomb(0.1, 0.2)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("mechanism", "laws"), ROUND.values(), ids=ROUND)
+def test_what_is_written_is_read_back(read, mechanism, laws):
+    rig = read(rig_toml(mechanism, laws, t_end=2.0))
+    assert rig.mechanism == mechanism
+    if rig.contacts:
+        assert rig.law_by_contact() == laws
+    else:
+        (law,) = rig.laws.values()
+        assert law == (next(iter(laws.values())) if isinstance(laws, dict) else laws)
+
+
+def test_the_schema_leaves_room_for_contacts_of_which_it_knows_no_names():
+    friction = rig_schema()["$defs"]["Friction"]
+    assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
+
+
+def test_rig_checks_names_of_contacts_and_states():
+    body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
+    with pytest.raises(UnknownNameError, match="'front'"):
+        Rig(mechanism=body, contacts={"fornt": None})
+    with pytest.raises(UnknownNameError, match="initial"):
+        Rig(mechanism=body, initial={"xx": 1.0})
+    with pytest.raises(InputError, match="no laws by contact"):
+        Rig(mechanism=body).law_by_contact()

@@ -1,0 +1,104 @@
+"""What takes one contact names those there are, whatever laws it is given."""
+
+import numpy as np
+import pytest
+from tests.contact_cases import coulomb
+
+from stickslip import (
+    BlockChain,
+    EventDriven,
+    FixedStep,
+    Measurement,
+    SpringBlock,
+    TwoFeet,
+    animate,
+    fit,
+    inverse_dynamics,
+    plan,
+    select,
+    simulate,
+)
+from stickslip.control import closed_loop, dynamics_at
+from stickslip.drives import Sine
+from stickslip.errors import InputError
+from stickslip.experiments import LawEstimates
+from stickslip.selection import criteria_of
+from stickslip.sweep import average_velocity, band_of, basins, bifurcation
+
+PLAIN = EventDriven(tier="python")
+BODY = TwoFeet(
+    mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0,
+    drive=Sine(amplitude=30.0, frequency=2.0),
+)  # fmt: skip
+LAWS = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+TIME = np.linspace(0.0, 1.0, 100)
+RECORD = Measurement(time=TIME, position=np.sin(5.0 * TIME), force=np.cos(5.0 * TIME))
+KNOWN = LawEstimates(law="coulomb", intervals={"kinetic_coefficient": (0.1, 0.3)})
+
+CALLS = {
+    "average_velocity": lambda m, law: average_velocity(m, law, {"amplitude": [10.0, 20.0]}),
+    "basins": lambda m, law: basins(m, law, {"x": [0.0, 1.0], "v": [0.0, 1.0]}),
+    "band_of": lambda m, law: band_of(
+        m, law, KNOWN, t_end=1.0, count=3, seed=0, times=np.linspace(0.0, 1.0, 3)
+    ),
+    "fit": lambda m, law: fit(m, law, RECORD),
+    "select": lambda m, law: select(m, law, RECORD),
+    "plan": plan,
+    "inverse_dynamics": lambda m, _: inverse_dynamics(m, RECORD),
+    "closed_loop": lambda m, law: closed_loop(
+        m, law, lambda t, seen: 0.0, period=0.01, t_end=0.1
+    ),
+    "dynamics_at": lambda m, _: dynamics_at(m),
+    "fixed steps": lambda m, law: simulate(m, law, t_end=0.1, solver=FixedStep(dt=1e-3)),
+    "criteria_of": lambda m, law: criteria_of(
+        simulate(m, law, t_end=0.1, solver=PLAIN), m
+    ),
+    "animate": lambda m, law: animate(simulate(m, law, t_end=0.1, solver=PLAIN), m, "run.gif"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("law", [LAWS, coulomb(0.3)], ids=["by contact", "shared"])
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_several_contacts_are_refused_by_name(call, law):
+    with pytest.raises(InputError, match="front, rear"):
+        call(BODY, law)
+
+
+@pytest.mark.parametrize("name", ["average_velocity", "basins", "band_of", "closed_loop"])
+def test_laws_by_contact_are_refused_where_the_contact_has_no_name(name):
+    block = SpringBlock(mass=1.0, drive=Sine(amplitude=3.0, frequency=2.0))
+    with pytest.raises(InputError, match="one contact, which has no name: give its law alone"):
+        CALLS[name](block, LAWS)
+
+
+def test_bifurcation_varies_the_law_of_one_contact():
+    chain = BlockChain(blocks=2, mass=1.0, coupling=1.2, stiffness=1.0, speed=0.1)
+    laws = {"block-1": coulomb(0.7, 1.0), "block-2": coulomb(0.7, 1.2)}
+    found = bifurcation(
+        chain, laws, "friction.block-2.static_coefficient", [1.2, 1.3],
+        state="x1", sample="stop", t_end=30.0, keep=2, follow=False, solver=PLAIN,
+    )  # fmt: skip
+    changed = laws | {"block-2": coulomb(0.7, 1.3)}
+    run = simulate(chain, changed, t_end=30.0, solver=PLAIN)
+    stops = [event.t for event in run.events if event.reason == "stop"][-2:]
+    np.testing.assert_array_equal(found.samples[1, 0], run.at(stops)["x1"])
+
+
+def test_a_motion_on_a_belt_is_followed_from_where_the_belt_has_come_to():
+    chain = BlockChain(blocks=1, mass=1.0, coupling=1.0, stiffness=1.0, speed=0.1)
+    law = coulomb(0.7, 1.0)
+    found = bifurcation(
+        chain, law, "kinetic_coefficient", [0.7, 0.7],
+        state="x1", sample="stop", t_end=20.0, keep=2, solver=PLAIN,
+    )  # fmt: skip
+    whole = simulate(chain, law, t_end=40.0, solver=PLAIN)
+    last = [event.t for event in whole.events if event.reason == "stop"][-1]
+    # places count along with the belt, which has moved 2 m when the second run begins
+    assert found.samples[1, 0, -1] == pytest.approx(whole.at(last)["x1"][0] + 2.0, abs=1e-12)
+
+
+def test_a_foot_that_carries_load_needs_a_law_even_if_nothing_rubs_there():
+    with pytest.raises(InputError, match=r"front has no law but carries load.*levels of 0"):
+        simulate(BODY, LAWS | {"front": None}, t_end=1.0, solver=PLAIN)
+    run = simulate(BODY, LAWS | {"front": coulomb(0.0)}, t_end=1.0, solver=PLAIN)
+    assert not np.any(run["friction:front"])

@@ -1,0 +1,271 @@
+"""Mechanisms of the package that have several contacts, against closed forms and references.
+
+The reference numbers are those of `tests/solver/test_contacts.py`.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from tests.contact_cases import belt, clutches, coulomb, decay
+from tests.support import SEVERAL
+
+from stickslip import (
+    BlockChain,
+    ClutchTrain,
+    DiscBrake,
+    EventDriven,
+    PendulumCart,
+    TowedBlock,
+    TwoFeet,
+    ensemble,
+    simulate,
+)
+from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.mechanisms import Contact, Lining, Prescribed, Rotor, Torque
+from stickslip.results import Status
+
+PLAIN = EventDriven(tier="python")
+
+
+def run_of(mechanism, laws, t_end, y0=None, **settings):
+    """Simulate in plain Python; every run must be certified."""
+    return simulate(
+        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="python", **settings)
+    )
+
+
+def renamed(laws, name):
+    """Return laws in order under the names of a mechanism's contacts."""
+    return {f"{name}-{i}": law for i, law in enumerate(laws.values(), 1)}
+
+
+def modelica_clutches():
+    """Return the example CoupledClutches of the Modelica library, and its start."""
+    rotors = [Rotor(inertia=1.0, torque=Sine(amplitude=10.0, frequency=5.0))]
+    presses = (
+        Sine(amplitude=20.0, frequency=0.2, phase=0.5 * math.pi),
+        Pulse(level=20.0, duration=10.0, start=0.4),
+        Pulse(level=20.0, duration=10.0, start=0.9),
+    )
+    train = ClutchTrain(
+        rotors=(*rotors, *[Rotor(inertia=1.0)] * 3),
+        clutches=[Lining(radius=1.0, press=press) for press in presses],
+    )
+    return train, coulomb(0.5, 0.55), {"omega": 10.0, "psi1_dot": -10.0}
+
+
+def test_coupled_clutches_lock_and_slip_as_in_closed_form():
+    train, law, start = modelica_clutches()
+    run = run_of(train, law, 1.5, start, tolerance=1e-12)
+    expected = [
+        (0.4, "clutch-2", "closes"),
+        (0.70962147469374666, "clutch-2", "stop"),
+        (0.79166235915481601, "clutch-1", "stop"),
+        (0.83110850613765324, "clutch-1", "break-away"),
+        (0.9, "clutch-3", "closes"),
+        (0.90685019279787972, "clutch-1", "stop"),
+        (1.0002958598946387, "clutch-1", "break-away"),
+        (1.1439674924731660, "clutch-3", "stop"),
+        (1.25, "clutch-1", "opens"),
+    ]
+    assert [(e.contact, e.reason) for e in run.events] == [(c, why) for _, c, why in expected]
+    np.testing.assert_allclose([e.t for e in run.events], [t for t, _, _ in expected], atol=1e-11)
+    speeds = np.cumsum([run[name][-1] for name in train.rates])
+    angles = np.cumsum([run[name][-1] for name in train.coordinates])
+    locked = 2.463187166649595445
+    np.testing.assert_allclose(speeds, [3.2470582724187950, locked, locked, locked], rtol=1e-10)
+    np.testing.assert_allclose(
+        angles,
+        [7.4861190991143100, 4.1071374163294776, 2.7104644362313807, 1.1737438776005176],
+        rtol=1e-10,
+    )
+
+
+def test_a_clutch_train_moves_as_the_same_train_that_is_written_by_hand():
+    train, law, start = modelica_clutches()
+    by_hand, laws, other = clutches()
+    one = run_of(train, law, 1.5, start)
+    two = run_of(by_hand, laws, 1.5, other)
+    assert one["omega"][-1] == pytest.approx(two["w"][-1], rel=1e-8)
+
+
+def test_a_brake_stops_the_first_rotor_and_what_is_clutched_to_it():
+    train = ClutchTrain(
+        rotors=[Rotor(inertia=0.2), Rotor(inertia=0.3)],
+        clutches=[Lining(radius=0.1, load=500.0)],
+        brake=Lining(radius=0.2, load=50.0),
+    )
+    laws = {"clutch-1": coulomb(0.4), "brake": coulomb(0.5)}
+    run = run_of(train, laws, 20.0, {"omega": 40.0})
+    # 5 N m slow 0.5 kg m^2 from 40 rad/s; the clutch carries 3 of its 20 N m and does not slip
+    assert run.status is Status.AT_REST
+    assert [e.t for e in run.events if e.contact == "brake"] == pytest.approx([4.0], rel=1e-13)
+    assert not np.any(run["psi1"])
+
+
+@pytest.mark.parametrize(("n", "events", "rest"), [(2, 34, 3.4006953165259)])
+def test_blocks_on_the_ground_come_to_rest(n, events, rest):
+    _, laws, start = decay(n)
+    chain = BlockChain(blocks=n, mass=1.0, coupling=100.0, stiffness=10.0)
+    run = run_of(chain, renamed(laws, "block"), 10.0, start)
+    assert len(run.events) == events
+    assert run.events[-1].t == pytest.approx(rest, abs=5e-13)
+
+
+def test_ten_blocks_on_a_belt():
+    _, laws = belt(10)
+    chain = BlockChain(blocks=10, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
+    run = run_of(chain, renamed(laws, "block"), 40.0)
+    assert len(run.events) == 84
+    assert run["x1"][-1] == pytest.approx(-3.427310976699, abs=1e-12)
+    assert run["v1"][-1] == pytest.approx(-0.216300001243, abs=1e-12)
+
+
+def test_one_block_on_a_belt_is_a_towed_block_seen_from_the_belt():
+    law = coulomb(0.7, 1.0)
+    chain = BlockChain(blocks=1, mass=1.0, coupling=5.0, stiffness=2.0, speed=0.1)
+    towed = TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, load=1.0)
+    one, other = (run_of(mechanism, law, 30.0) for mechanism in (chain, towed))
+    # the belt is at rest there: the spring's other end moves the other way
+    assert [e.t for e in one.events] == pytest.approx([e.t for e in other.events], abs=1e-12)
+    assert one["x1"][-1] == pytest.approx(-other["x"][-1], abs=1e-12)
+    assert one.contacts == ()
+    assert one.contact("block-1") is one
+
+
+def test_blocks_on_the_ground_rest_for_good_and_on_a_belt_that_stands_still_they_rest_too():
+    chain = BlockChain(blocks=3, mass=1.0, coupling=4.0, stiffness=1.0)
+    run = run_of(chain, coulomb(0.5), 5.0)
+    assert run.status is Status.AT_REST
+    assert not run.events
+    still = run_of(dataclasses.replace(chain, speed=0.0), coulomb(0.5), 5.0)
+    assert still.status is Status.END_TIME  # nothing says that the belt stays where it is
+    assert not still.events
+
+
+def test_thirty_blocks_have_thirty_contacts():
+    chain = BlockChain(blocks=30, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
+    assert chain.contacts()[-1].name == "block-30"
+    assert len(chain.coordinates) == len(chain.rates) == len(chain.units) == 30
+
+
+def test_a_cart_whose_wheels_and_pivot_rub():
+    cart = PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0)
+    laws = {"wheels": coulomb(0.05, 0.08), "pivot": coulomb(0.01, 0.015)}
+    run = run_of(cart, laws, 6.0, {"theta": math.pi + 1.5})
+    assert len(run.events) == 21
+    assert run["x"][-1] == pytest.approx(-0.0748188604520, abs=6e-12)
+    assert run["theta"][-1] == pytest.approx(math.pi - 0.1592091101027, abs=6e-12)
+    assert run.units["friction:pivot"] == "N m"
+    assert run.units["friction:wheels"] == "N"
+
+
+def test_a_cart_without_load_on_its_pivot_has_the_contact_that_it_always_had():
+    swing = Torque(drive=Sine(amplitude=0.5, frequency=1.0))
+    one, other = (
+        PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pendulum=swing, **more)
+        for more in ({}, {"pivot_load": 0.0})
+    )
+    assert one == other
+    assert one.contacts() == (Contact(slip="x", normal="y"),)
+
+
+def test_a_prescribed_swing_leaves_nothing_for_the_pivot_to_hold():
+    swing = Prescribed(profile=SineSwing(amplitude=0.2, frequency=1.0))
+    cart = PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pendulum=swing, pivot_load=1.0)
+    with pytest.raises(InputError, match="prescribed motions"):
+        run_of(cart, coulomb(0.1), 1.0)
+
+
+def test_two_feet_turn_where_the_closed_form_says():
+    body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
+    laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+    run = run_of(body, laws, 3.0, {"x": 0.9})
+    quarter = math.pi / 5.0
+    turns = [-0.64774285714286, 0.32668831168831, -0.07443116883117]
+    at = run.at([quarter, 2.0 * quarter, 3.0 * quarter])
+    np.testing.assert_allclose(at["x"], turns, atol=2e-13)
+    assert run.at(2.5)["normal_force:front"][0] == pytest.approx(8.96446753246753, abs=1e-11)
+
+
+def test_a_high_body_that_is_braked_hard_lifts_its_rear_foot():
+    body = TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.5)
+    run = simulate(body, coulomb(0.8), t_end=1.0, y0={"v": 1.0}, solver=PLAIN, throw=False)
+    assert run.status is Status.LIFT_OFF
+
+
+def test_pads_share_the_torque_that_holds_the_disc():
+    brake = DiscBrake(
+        inertia=0.5,
+        pads=(Lining(radius=0.10, load=100.0), Lining(radius=0.12, load=80.0)),
+        drive=Ramp(rate=1.5),
+    )
+    run = run_of(
+        brake, {"pad-1": coulomb(0.4, 0.5), "pad-2": coulomb(0.3, 0.4)}, 8.0, {"omega": 20.0}
+    )
+    stop, leave = 1.8110266003436, 5.8933333333333
+    assert [e.t for e in run.events] == pytest.approx([stop, stop, leave, leave], abs=1e-12)
+    held = run.at(4.0)
+    assert held["friction:pad-1"][0] == pytest.approx(33.936651583710, rel=1e-12)
+    assert held["friction:pad-2"][0] == pytest.approx(21.719457013575, rel=1e-12)
+    assert run["phi"][-1] == pytest.approx(29.998614147705, abs=1e-12)
+
+
+def test_a_disc_turns_on_while_its_pads_are_off():
+    press = PiecewiseLinear(times=(0.0, 1.0, 2.0), values=(100.0, 0.0, 0.0))
+    brake = DiscBrake(inertia=0.5, pads=(Lining(radius=0.1, press=press),))
+    run = run_of(brake, coulomb(0.5), 3.0, {"omega": 20.0})
+    assert [e.reason for e in run.events] == ["opens"]
+    # the impulse of 5 N m (1 - t) over a second is 2.5 N m s
+    assert run["omega"][-1] == pytest.approx(15.0, rel=1e-12)
+
+
+def test_an_ensemble_varies_one_lining_and_one_law():
+    brake = SEVERAL["disc-brake"]
+    laws = {"pad-1": coulomb(0.4), "pad-2": coulomb(0.3)}
+    varied = {
+        "mechanism.pads.0.load": np.array([10.0, 20.0]),
+        "friction.pad-2.kinetic_coefficient": np.array([0.1, 0.3]),
+    }
+    runs = ensemble(brake, laws, varied, t_end=0.5, y0={"omega": 5.0}, solver=PLAIN)
+    pads = (dataclasses.replace(brake.pads[0], load=20.0), brake.pads[1])
+    alone = run_of(dataclasses.replace(brake, pads=pads), laws, 0.5, {"omega": 5.0})
+    assert runs["omega"][1] == alone["omega"][-1]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: BlockChain(blocks=2.5, mass=1.0, coupling=1.0), "whole number"),
+        (lambda: BlockChain(blocks=0, mass=1.0, coupling=1.0), "at least 1"),
+        (lambda: DiscBrake(inertia=1.0, pads=()), "at least 1 of Lining"),
+        (lambda: DiscBrake(inertia=1.0, pads=(Rotor(inertia=1.0),)), "at least 1 of Lining"),
+        (lambda: ClutchTrain(rotors=(Rotor(inertia=1.0),), clutches=()), "at least 2 of Rotor"),
+        (
+            lambda: ClutchTrain(rotors=[Rotor(inertia=1.0)] * 2, clutches=[Lining(radius=1.0)] * 2),
+            "2 rotors, which 1 clutches join; got 2",
+        ),
+        (
+            lambda: ClutchTrain(
+                rotors=[Rotor(inertia=1.0)] * 2, clutches=[Lining(radius=1.0)], brake=0.1
+            ),
+            "ClutchTrain.brake",
+        ),
+        (lambda: Contact(slip="x", load=1.0, name="a.b"), "kebab case"),
+        (lambda: Contact(slip="x", load=1.0, name="Left Pad"), "kebab case"),
+        (lambda: Contact(slip="x", load=1.0, name="1"), "kebab case"),
+    ],
+)
+def test_what_no_such_mechanism_can_be_is_refused(make, message):
+    with pytest.raises(ParameterError, match=message):
+        make()
+
+
+def test_a_run_with_one_contact_knows_the_name_of_its_contact():
+    run = run_of(SEVERAL["disc-brake, one"], {"pad-1": coulomb(0.3)}, 1.0, {"omega": 5.0})
+    assert run.contact("pad-1") is run
+    with pytest.raises(UnknownNameError, match="pad-1"):
+        run.contact("pad")

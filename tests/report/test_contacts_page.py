@@ -1,0 +1,47 @@
+"""The page of a run with several contacts."""
+
+import pytest
+from tests.contact_cases import coulomb
+
+from stickslip import BlockChain, EventDriven, TwoFeet, simulate
+from stickslip.experiments import Rig
+from stickslip.friction import Laws
+from stickslip.report import ContactsReport, contacts_page
+
+PLAIN = EventDriven(tier="python")
+
+
+def page_of(mechanism, friction, t_end, y0):
+    run = simulate(mechanism, friction, t_end=t_end, y0=y0, solver=PLAIN)
+    rig = Rig(title="Rig", mechanism=mechanism)
+    return contacts_page(ContactsReport(rig=rig, friction=friction, run=run))
+
+
+@pytest.fixture(scope="module")
+def many():
+    """A page of more contacts than have panels of their own."""
+    chain = BlockChain(blocks=8, mass=1.0, coupling=4.0, stiffness=1.0)
+    return page_of(chain, coulomb(0.3), 3.0, {"v1": 2.0})
+
+
+def test_the_page_of_many_contacts_has_a_raster_and_every_section(many):
+    assert "could not be made" not in many
+    assert "What each contact does" in many
+    assert "All contacts share one law." in many
+    assert "block-8" in many
+
+
+def test_a_contact_at_which_nothing_rubs_is_named():
+    laws = Laws(members=(("block-1", coulomb(0.3)),))
+    chain = BlockChain(blocks=2, mass=1.0, coupling=4.0)
+    page = page_of(chain, laws, 1.0, {"v1": 2.0})
+    assert "Nothing rubs at block-2." in page
+    assert "could not be made" not in page
+
+
+def test_a_run_that_ends_early_says_so():
+    body = TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.5)
+    run = simulate(body, coulomb(0.8), t_end=1.0, y0={"v": 1.0}, solver=PLAIN, throw=False)
+    rig = Rig(title="Rig", mechanism=body)
+    page = contacts_page(ContactsReport(rig=rig, friction=coulomb(0.8), run=run))
+    assert "The run ends early" in page
