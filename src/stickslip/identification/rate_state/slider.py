@@ -262,9 +262,11 @@ def _rates_of(law: RateState, stiffness: float) -> Any:
     ageing = law.evolution == "ageing"
 
     def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:
-        w, s = min(float(y[0]), STEEPEST), float(y[1])
+        w, s = y.tolist()  # called a million times in a fit
+        if w > STEEPEST:
+            w = STEEPEST
         V = V_0 * exp(w)
-        renewal = exp(min(-s, STEEPEST)) * V_0 - V if ageing else -V * (w + s)
+        renewal = exp(STEEPEST if -s > STEEPEST else -s) * V_0 - V if ageing else -V * (w + s)
         s_dot = renewal / D_c
         return (k * (V_load - V) - b * s_dot) / a, s_dot
 
