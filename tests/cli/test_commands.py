@@ -487,7 +487,8 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
     """Verdict, law and page of one report appear in one step."""
     kill = "import os, stickslip.cli.select as s"
     kill += "; s.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
-    go = "from stickslip.cli import main; main(['select', 'rig.toml', '--laws', 'coulomb', '--force'])"
+    go = "from stickslip.cli import main"
+    go += "; main(['select', 'rig.toml', '--laws', 'coulomb', '--force'])"
     rig()  # another page than that of the paper's rig, which takes longer by the paper's audit
     python = [sys.executable, "-c"]
     subprocess.run([*python, go], cwd=tmp_path, capture_output=True, check=True)
