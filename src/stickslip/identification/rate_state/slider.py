@@ -263,10 +263,9 @@ def _rates_of(law: RateState, stiffness: float) -> Any:
 
     def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:
         w, s = y.tolist()  # called a million times in a fit
-        if w > STEEPEST:
-            w = STEEPEST
+        w = min(w, STEEPEST)
         V = V_0 * exp(w)
-        renewal = exp(STEEPEST if -s > STEEPEST else -s) * V_0 - V if ageing else -V * (w + s)
+        renewal = exp(min(-s, STEEPEST)) * V_0 - V if ageing else -V * (w + s)
         s_dot = renewal / D_c
         return (k * (V_load - V) - b * s_dot) / a, s_dot
 
