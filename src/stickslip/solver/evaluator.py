@@ -87,7 +87,26 @@ class Equations:
     def here(
         self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
     ) -> list[Any]:
-        """Return what a function gives at the state that flags were last asked for."""
+        """Return what a function gives at the state that flags were last asked for.
+
+        Parameters
+        ----------
+        name : str
+            Name of the function.
+        mode : int
+            Contact mode.
+        flags : int
+            Flags of the switches.
+        t : float
+            Time [s].
+        given : sequence of object
+            Values in place of the model's given drives.
+
+        Returns
+        -------
+        list of object
+            What the function writes.
+        """
         to, length = self.whole[SIZE], self.lengths[name]
         place = self.whole[GIVEN]
         self.w[place : place + len(given)] = given
