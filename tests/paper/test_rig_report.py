@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from tests.support import wide_only
 
 from stickslip import load_rig, select
 from stickslip.formatting import quantity, unbroken
@@ -41,6 +42,13 @@ def page_of(rig, verdict):
     remark, lead, extra = beside(rig, verdict)
     origin = Origin(title=rig.title, data=rig.subject)
     return render(verdict_page(verdict, origin, remark=remark, lead=lead, extra=extra))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def figures_are_drawn_for_wide_screens():
+    """Leave out the narrow drawings, which other tests have of the same sections."""
+    with wide_only():
+        yield
 
 
 def ids(page):

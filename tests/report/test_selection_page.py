@@ -1,5 +1,6 @@
 """The report of a selection holds for a tie, one law, a ranking, and where nothing fits."""
 
+import contextlib
 import dataclasses
 import re
 from functools import partial
@@ -7,6 +8,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import (
     Coulomb,
@@ -89,7 +91,8 @@ class Reader(HTMLParser):
         return re.sub(r"\s+", " ", "".join(self.texts))
 
 
-def page_of(verdict, **more):
+def page_of(verdict, *, whole=False, **more):
+    """Return a page; a `whole` one has its figures for narrow screens too."""
     origin = Origin(
         title="Spring and block",
         data="Three travels",
@@ -98,7 +101,8 @@ def page_of(verdict, **more):
         digest="sha256:0123abcd",
         commands=("stickslip select rig.toml",),
     )
-    return verdict_page(verdict, origin, **more)
+    with contextlib.nullcontext() if whole else wide_only():
+        return verdict_page(verdict, origin, **more)
 
 
 def read(page):
@@ -134,12 +138,17 @@ def tie():
 
 @pytest.fixture(scope="module")
 def tie_page(tie):
-    return read(page_of(tie))
+    return read(page_of(tie, whole=True))
 
 
 @pytest.fixture(scope="module")
 def alone():
     return select(RIG, [Coulomb], READING, t_end=1.5)
+
+
+@pytest.fixture(scope="module")
+def alone_page(alone):
+    return page_of(alone, whole=True)
 
 
 @pytest.fixture(scope="module")
@@ -220,12 +229,12 @@ def test_what_is_needed_to_reproduce_and_to_cite_is_there(tie_page):
         assert part in tie_page.text
 
 
-def test_the_page_is_the_same_each_time(alone):
-    assert render(page_of(alone)) == render(page_of(alone))
+def test_the_page_is_the_same_each_time(alone, alone_page):
+    assert render(page_of(alone, whole=True)) == render(alone_page)
 
 
-def test_one_law_alone_is_not_compared(alone):
-    reader = read(page_of(alone))
+def test_one_law_alone_is_not_compared(alone_page):
+    reader = read(alone_page)
     assert reader.headings["models"] == "Coulomb, fitted to 0.2 m"
     assert "next" not in reader.headings
     assert "of 1 models" not in reader.text
@@ -233,7 +242,7 @@ def test_one_law_alone_is_not_compared(alone):
 
 def test_a_ranking_shows_scores_and_each_trial(ranked):
     assert ranked.best.name == "coulomb-viscous"
-    reader = read(page_of(ranked))
+    reader = read(page_of(ranked, whole=True))
     assert re.match(r"Coulomb \+ viscous friction: held-out error", reader.headings["models"])
     assert "trials" in reader.headings
     assert "held-out error" in reader.text
@@ -243,15 +252,15 @@ def test_a_ranking_shows_scores_and_each_trial(ranked):
 
 def test_where_nothing_fits_each_law_says_why_it_was_dropped(failed):
     assert failed.best is None
-    reader = read(page_of(failed))
+    reader = read(page_of(failed, whole=True))
     assert "No candidate explains the measurement" in reader.text
     assert reader.headings["models"] == "No model reaches the measured travel"
     assert reader.text.count("dropped: no value of") == 2
     assert "run" not in reader.headings
 
 
-def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone):
-    reader = read(page_of(alone))
+def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone, alone_page):
+    reader = read(alone_page)
     found = re.fullmatch(
         r"With a fixed step of (1|2|5|10) ms without a stick rule, the velocity reverses"
         r" (\d+) times",
@@ -345,5 +354,5 @@ def test_an_interval_without_an_end_is_a_sentence():
     assert "no uncertainty stated" in reader.text
 
 
-def test_the_title_is_plain_text(alone):
-    assert markup.plain(page_of(alone).title) == "Friction model selection: Spring and block"
+def test_the_title_is_plain_text(alone_page):
+    assert markup.plain(alone_page.title) == "Friction model selection: Spring and block"

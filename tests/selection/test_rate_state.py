@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError, RenamedError
@@ -233,7 +234,8 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 def test_pages_have_every_section(verdicts, rock):
     for verdict in (verdicts["rate-and-state"], verdicts["constant-coefficient"], rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
-        made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
+        with wide_only():  # a page of its route is drawn whole in `tests/routes`
+            made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
         ids = [one.id for one in made]
         assert ids[:5] == ["verdict", "friction", "scores", "parameters", "residuals"]
         assert ids[-1] == "reproduce"

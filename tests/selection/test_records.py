@@ -484,7 +484,7 @@ def test_the_verdict_on_trials_that_share_one_law_says_so():
 
 
 def test_a_law_whose_search_was_cut_short_is_not_judged_and_says_so():
-    t = np.arange(0.0, 24.0, 1e-2)
+    t = np.arange(0.0, 12.0, 1e-2)
     force = 9.0 * np.sin(1.7 * t) + 6.0 * np.sin(4.1 * t)
     law = QuadraticDrag(kinetic_coefficient=2.0, viscous_coefficient=0.5, quadratic_coefficient=3.0)
     axis = Axis(inertia=2.0, drive=Sampled(times=t.tolist(), values=force.tolist()))

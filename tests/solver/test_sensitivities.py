@@ -107,7 +107,7 @@ def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_awa
 
 @pytest.mark.parametrize("name", quick(["dahl", "lugre"], "lugre"))
 def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name):
-    case = Case(RIGS["towed-block"], BRISTLE_LAWS[name], 0.2, (0.01, 0.1, 0.0))
+    case = Case(RIGS["towed-block"], BRISTLE_LAWS[name], 0.1, (0.01, 0.1, 0.0))
     errors = [
         mismatch(case, EventDriven(tier="python", stiff_tolerance=tol))
         for tol in (1e-6, 1e-8, 1e-10)

@@ -1,7 +1,7 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Self
 
 from stickslip.drives import Profile
@@ -47,6 +47,17 @@ class Lead(NamedTuple):
     """What the run's start adds to the profile's rate."""
 
 
+@dataclass
+class _State:
+    """The state that the equations stand at, and what follows from it whatever friction is."""
+
+    t: float
+    y: Sequence[float]
+    flags: int
+    open: list[float] | None = None
+    """Accelerations, normal force, needed friction and power without friction."""
+
+
 @dataclass(frozen=True)
 class Diagram:
     """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
@@ -61,6 +72,8 @@ class Diagram:
     """Index of the slip velocity in the state."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+    asked: list[_State] = field(default_factory=list, compare=False, repr=False)
+    """The last state: a step asks for several things at each."""
 
     @classmethod
     def build(
@@ -94,11 +107,25 @@ class Diagram:
         bristles = _bristles(law)
         return cls(equations, law, bristles, model.sizes.header[SLIP], _leads(mechanism, y0))
 
+    def _at(self, t: float, y: Sequence[float]) -> _State:
+        """Set the equations to a state, unless they stand there; lists are not written to after."""
+        if self.asked and self.asked[0].y is y and self.asked[0].t == t:
+            return self.asked[0]
+        self.equations.load_at(t)
+        self.asked[:] = [_State(t, y, self.equations.flags(t, y))]
+        return self.asked[0]
+
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
         """Return accelerations, normal force, needed friction and power for a friction force."""
-        self.equations.load_at(t)
-        flags = self.equations.flags(t, y)
-        return self.equations("diagram", 0, flags, t, y, given=[friction])
+        return self.equations.here("diagram", 0, self._at(t, y).flags, t, [friction])
+
+    def _open(self, t: float, y: Sequence[float]) -> tuple[float, float]:
+        """Return normal force and needed friction of a contact without friction."""
+        state = self._at(t, y)
+        if state.open is None:
+            state.open = self._free(t, y, 0.0)
+        *_, normal, needed, _ = state.open
+        return normal, needed
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         return y[self.slip], tuple(y[self.equations.sizes.states :][: len(self.bristles)])
@@ -143,7 +170,7 @@ class Diagram:
         (float, float)
             Friction force and normal force [N].
         """
-        *_, normal, needed, _ = self._free(t, y, 0.0)
+        normal, needed = self._open(t, y)
         if held:
             return needed, normal
         v, z = self._split(y)
@@ -169,7 +196,7 @@ class Diagram:
         bool
             Whether the needed friction is within the break-away level.
         """
-        *_, normal, needed, _ = self._free(t, y, 0.0)
+        normal, needed = self._open(t, y)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
             return self.law.force(0.0, z, normal, needed) == needed
@@ -242,8 +269,7 @@ class Diagram:
         float
             Kinetic and potential energy [J].
         """
-        self.equations.load_at(t)
-        (energy,) = self.equations("energy", 0, self.equations.flags(t, y), t, y)
+        (energy,) = self.equations.here("energy", 0, self._at(t, y).flags, t)
         return float(energy)
 
     def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:

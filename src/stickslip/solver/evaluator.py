@@ -7,7 +7,7 @@ from stickslip.formulation import Model
 from stickslip.kernels.dense_evaluation import piece_at
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.mode_transitions import set_flags
-from stickslip.kernels.state_layout import GIVEN, SIZE, Y
+from stickslip.kernels.state_layout import GIVEN, N_DRIVES, SIZE, Y
 from stickslip.solver.backend import runner_of
 from stickslip.solver.compile.modules import plain_equations
 from stickslip.solver.drive_schedule import Inputs
@@ -35,15 +35,19 @@ class Equations:
         self.lengths = sizes.lengths()
         self.whole: list[int] = runner.whole()
         self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
+        self.width = 1 + 3 * self.whole[N_DRIVES]
         self.load(0)
 
     def load(self, piece: int) -> None:
         """Load a piece of the drives."""
+        self.piece = piece
         load_piece(self.table, piece, self.w, self.whole)
 
     def load_at(self, t: float) -> None:
-        """Load the piece of the drives that holds at a time."""
-        self.load(max(piece_at(self.table, 0, t, self.whole), 0))
+        """Load the piece of the drives that holds at a time; times mostly go forwards."""
+        begun = self.piece * self.width
+        first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
+        self.load(piece_at(self.table, first, t, self.whole))
 
     def _put(self, y: Sequence[Any]) -> None:
         first, n = self.whole[Y], self.sizes.states
@@ -78,6 +82,31 @@ class Equations:
     ) -> list[Any]:
         """Return what a function of the module gives, `given` in place of its drives."""
         self._put(y)
+        return self.here(name, mode, flags, t, given)
+
+    def here(
+        self, name: str, mode: int, flags: int, t: float, given: Sequence[Any] = ()
+    ) -> list[Any]:
+        """Return what a function gives at the state that flags were last asked for.
+
+        Parameters
+        ----------
+        name : str
+            Name of the function.
+        mode : int
+            Contact mode.
+        flags : int
+            Flags of the switches.
+        t : float
+            Time [s].
+        given : sequence of object
+            Values in place of the model's given drives.
+
+        Returns
+        -------
+        list of object
+            What the function writes.
+        """
         to, length = self.whole[SIZE], self.lengths[name]
         place = self.whole[GIVEN]
         self.w[place : place + len(given)] = given

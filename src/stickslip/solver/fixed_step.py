@@ -158,6 +158,9 @@ def _advanced(
     stages, weights = tableau
     slopes: list[list[float]] = []
     for row in stages:
+        if not row and not diagram.leads:  # the state itself, which the diagram knows by now
+            slopes.append(diagram.rates(t, y, held))
+            continue
         at = t + dt * sum(row)
         point = [
             value + dt * sum(a * slope[i] for a, slope in zip(row, slopes, strict=True))
@@ -205,8 +208,11 @@ def _trajectory(
 
 def _certificate(diagram: Diagram, rows: NDArray[np.float64]) -> Certificate:
     """Say what the fixed step cost: it is never certified."""
-    energy = np.array([diagram.energy(row[0], row[1:].tolist()) for row in rows])
-    power = np.array([diagram.power(row[0], row[1:].tolist()) for row in rows])
+    states = [(t, row) for t, *row in rows.tolist()]
+    energy, power = map(
+        np.array,
+        zip(*((diagram.energy(t, row), diagram.power(t, row)) for t, row in states), strict=True),
+    )
     work = np.trapezoid(power, rows[:, 0], axis=0)
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
     mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])

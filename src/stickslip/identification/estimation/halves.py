@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.formatting import number
 from stickslip.identification.estimation.jackknife import (
@@ -108,7 +108,7 @@ class Halves:
     @property
     def chances(self) -> Array:
         """Chance of a difference as large where the law holds (p,), of each parameter alone."""
-        return np.asarray(2.0 * stats.t.sf(np.abs(self.distance), self.freedom))
+        return np.asarray(2.0 * scipy.stats.t.sf(np.abs(self.distance), self.freedom))
 
     @property
     def contradicting(self) -> Sequence[int]:

@@ -13,8 +13,8 @@ from functools import partial
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.identification.estimation.directions import Directions, takes_part
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -223,7 +223,9 @@ def _dependent(residual: Array, columns: Array) -> bool:
     mean = trace / freedom
     variance = 2.0 * (square - trace * mean) / (freedom * (freedom + 2.0))
     found = float(residual[1:] @ residual[:-1]) / size
-    return bool(found - mean > stats.norm.ppf(1.0 - DEPENDENT) * math.sqrt(max(variance, 0.0)))
+    return bool(
+        found - mean > scipy.stats.norm.ppf(1.0 - DEPENDENT) * math.sqrt(max(variance, 0.0))
+    )
 
 
 def _neighbours(columns: Array) -> Array:
@@ -445,7 +447,7 @@ def _solved(square: Array, wanted: Array) -> Array:
 
 def quantile_of(freedom: Array) -> Array:
     """Return half widths of 95 % intervals in standard errors: of Student's t."""
-    return np.asarray(stats.t.ppf(0.975, freedom))
+    return np.asarray(scipy.stats.t.ppf(0.975, freedom))
 
 
 def effective_size(seen: ResidualJacobian) -> float:
@@ -522,7 +524,7 @@ def bootstrap(
     random = np.random.default_rng(seed)
     weights = random.standard_normal((draws, len(singular)))
     degrees = np.array([spread.freedom(row) for row in known.inverse])
-    shrunk = np.sqrt(stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
+    shrunk = np.sqrt(scipy.stats.chi2.ppf(random.uniform(size=(draws, 1)), degrees) / degrees)
     found: Array = weights @ (singular[:, None] * axes) @ known.inverse.T / shrunk
     for moved in (held or {}).values():
         steps = np.linalg.lstsq(scale, moved.T, rcond=None)[0].T

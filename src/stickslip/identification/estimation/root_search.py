@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from scipy.optimize import brentq
+import scipy
 
 from stickslip.errors import SimulationError
 
@@ -111,7 +111,7 @@ def _search(
             f_point = _value(function, point)
             if f_before is not None and f_point is not None and f_before * f_point <= 0.0:
                 ends = sorted((before, point))
-                found.append(float(brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
+                found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
             sides[step] = (point, f_point)
     return tuple(sorted(found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9))
 

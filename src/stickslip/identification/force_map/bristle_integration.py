@@ -210,6 +210,8 @@ def _swept(
 def _rates(law: BristleLaw, v: Array, n: Array) -> Rates:
     def rates(z: Array) -> Array:
         found = law.bristle_rates(v, tuple(z), n)
+        if len(found) == 1 and np.shape(found[0]) == z.shape[1:]:
+            return np.asarray(found[0])[np.newaxis]
         return np.stack([np.broadcast_to(part, z.shape[1:]) for part in found])
 
     return rates

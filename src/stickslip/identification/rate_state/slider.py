@@ -262,7 +262,8 @@ def _rates_of(law: RateState, stiffness: float) -> Any:
     ageing = law.evolution == "ageing"
 
     def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:
-        w, s = min(float(y[0]), STEEPEST), float(y[1])
+        w, s = y.tolist()  # called a million times in a fit
+        w = min(w, STEEPEST)
         V = V_0 * exp(w)
         renewal = exp(min(-s, STEEPEST)) * V_0 - V if ageing else -V * (w + s)
         s_dot = renewal / D_c

@@ -3,8 +3,8 @@
 import itertools
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 __all__ = ["BLOCKS", "FEWEST", "LEVEL", "basis_of", "beside", "chance_of", "gains_of"]
 
@@ -103,4 +103,4 @@ def chance_of(gains: Array) -> float:
     >>> chance_of(np.arange(1.0, 11.0)) < 0.001, chance_of(np.array([1.0, -2.0, 3.0, -4.0])) > 0.3
     (True, True)
     """
-    return float(stats.wilcoxon(gains, alternative="greater").pvalue)
+    return float(scipy.stats.wilcoxon(gains, alternative="greater").pvalue)

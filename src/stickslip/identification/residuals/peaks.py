@@ -5,9 +5,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import signal
-from scipy.ndimage import median_filter
 
 from stickslip.experiments import step_of
 from stickslip.formatting import quantity
@@ -73,7 +72,7 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
     if length < 4 * NEAR:
         return
     at, *powers = _spectra(rate, length, _unfiltered(fit, longest))
-    floors = [median_filter(one, size=2 * NEAR + 1, mode="nearest") for one in powers]
+    floors = [scipy.ndimage.median_filter(one, size=2 * NEAR + 1, mode="nearest") for one in powers]
     ratio = powers[0] / np.maximum(floors[0], 1e-300)
     peak = NEAR // 2 + int(np.argmax(ratio[NEAR // 2 : len(at) - NEAR // 2]))
     near = slice(peak - 1, peak + 2)
@@ -107,7 +106,7 @@ def _resolved(fit: Fitted, one: MotionSegment) -> float:
 
 def _spectra(rate: float, length: int, signals: Sequence[Array]) -> tuple[Array, ...]:
     """Return frequencies [Hz] and power densities of signals, each averaged over parts."""
-    found = [signal.welch(one, rate, nperseg=length, detrend="linear") for one in signals]
+    found = [scipy.signal.welch(one, rate, nperseg=length, detrend="linear") for one in signals]
     return (found[0][0], *(power for _, power in found))
 
 

@@ -27,8 +27,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
@@ -103,7 +103,7 @@ class ScoreTest:
         changes = np.array([of(one) for one in self.left_out])
         count = len(changes)
         error = math.sqrt((count - 1) / count * float(np.sum((changes - changes.mean()) ** 2)))
-        half = float(stats.t.ppf(0.975, count - 1)) * error
+        half = float(scipy.stats.t.ppf(0.975, count - 1)) * error
         return of(self.values) - half, of(self.values) + half
 
 

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.experiments import Measurement, noise_of, step_of
 from stickslip.identification.force_map.force_balance import passed_by_balance
@@ -98,7 +98,7 @@ def ljung_box(residual: Array, lags: int = LAGS) -> float:
     if power <= 0.0 or n <= lags:
         return 1.0
     squares = [float(r[k:] @ r[:-k]) ** 2 / (n - k) for k in range(1, lags + 1)]
-    return float(stats.chi2.sf(n * (n + 2.0) * sum(squares) / power**2, lags))
+    return float(scipy.stats.chi2.sf(n * (n + 2.0) * sum(squares) / power**2, lags))
 
 
 def noise_floor(mechanism: Mechanism, measurement: Measurement, compared: str) -> float:

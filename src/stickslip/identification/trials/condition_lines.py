@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.quantities import Quantity
 
@@ -95,7 +95,7 @@ def line_over(
     if rest > 0:
         misfit = float(np.sum(weights * (values - table @ [level, slope]) ** 2)) / rest
         total = float(np.sum(freedom))
-        scatter = float(stats.f.sf(misfit, rest, total))
+        scatter = float(scipy.stats.f.sf(misfit, rest, total))
         if scatter < SURE:
             error, own = error * math.sqrt(misfit), float(rest)
     return np.array([level - slope * center, slope]), error, own, scatter

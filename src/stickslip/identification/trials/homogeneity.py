@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from stickslip.identification.estimation.jackknife import BLOCKS, Displaced, block_sums
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -213,5 +213,5 @@ def _matched(
     below = mean * mean / max(unsure, 1e-300)
     found = statistic / mean
     return Homogeneity(
-        p=float(stats.f.sf(found, above, below)), statistic=found, freedom=(above, below)
+        p=float(scipy.stats.f.sf(found, above, below)), statistic=found, freedom=(above, below)
     )

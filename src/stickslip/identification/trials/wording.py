@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from stickslip.experiments import condition_name, condition_unit
 from stickslip.formatting import joined, number, with_unit
@@ -160,7 +160,7 @@ def _mean(trials: Sequence[TrialEstimates], i: int) -> tuple[float, float, float
     error, freedom = float(weights.sum() ** -0.5), float(sum(t.freedom[i] for t in usable))
     if len(usable) > 1:
         misfit = float(np.sum(weights * (values - mean) ** 2)) / (len(usable) - 1)
-        if stats.f.sf(misfit, len(usable) - 1, freedom) < SURE:
+        if scipy.stats.f.sf(misfit, len(usable) - 1, freedom) < SURE:
             error, freedom = error * math.sqrt(misfit), len(usable) - 1.0
     return mean, error, freedom
 
@@ -175,7 +175,7 @@ def _differs(means: Sequence[tuple[float, float, float]]) -> float:
     unsure = float(np.sum((1.0 - weights / weights.sum()) ** 2 / freedom))
     between = float(np.sum(weights * (values - mean) ** 2)) / (count - 1)
     statistic = between / (1.0 + 2.0 * (count - 2) / (count**2 - 1) * unsure)
-    return float(stats.f.sf(statistic, count - 1, (count**2 - 1) / (3.0 * unsure)))
+    return float(scipy.stats.f.sf(statistic, count - 1, (count**2 - 1) / (3.0 * unsure)))
 
 
 def _range(trials: Sequence[TrialEstimates]) -> list[str]:
