@@ -2,9 +2,9 @@
 
 from typing import Final
 
-from stickslip.formatting import in_words
+from stickslip.formatting import in_words, quantity
 
-__all__ = ["CERTIFICATE", "checks_heading", "identified_heading"]
+__all__ = ["CERTIFICATE", "checks_heading", "ended_early", "identified_heading"]
 
 CERTIFICATE: Final = "Certificate of the computation"
 
@@ -33,6 +33,17 @@ def checks_heading(warned: int, source: str = "its checks") -> str:
         return "The record: no warnings from its checks"
     noun = "warning" if warned == 1 else "warnings"
     return f"The record: {in_words(warned)} {noun} from {source}"
+
+
+def ended_early(t: float) -> str:
+    """Return what is said first of a run that ended before its end time.
+
+    Examples
+    --------
+    >>> ended_early(0.25)
+    'The run ends early, at 0.25 s'
+    """
+    return f"The run ends early, at {quantity(t, 's')}"
 
 
 def identified_heading(count: int) -> str:

@@ -19,6 +19,7 @@ from stickslip.plots import (
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import Block, Caption, Fact, Figure, Math
 from stickslip.report.core.documents import Opening, Origin, Page, Section, made_sections
+from stickslip.report.core.headings import ended_early
 from stickslip.report.core.page import render
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
@@ -113,7 +114,7 @@ def opening_section(about: ContactsReport) -> Section:
     run = about.run
     events = run.events
     if not run.status.complete:
-        verdict = f"The run ends early, at {quantity(run.span[1], 's')}"
+        verdict = ended_early(run.span[1])
     elif events:
         last = f"the last at {quantity(events[-1].t, 's')}"
         verdict = f"{capital(count(len(events), 'event'))} at {_number(about)}, {last}"

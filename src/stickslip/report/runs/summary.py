@@ -4,6 +4,7 @@ from stickslip.experiments import equated, unfitted_bristles
 from stickslip.formatting import count, joined, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
+from stickslip.report.core.headings import ended_early
 from stickslip.report.runs.subject import RunReport
 
 __all__ = ["opening_section"]
@@ -26,7 +27,7 @@ def opening_section(about: RunReport) -> Section:
 def _headline(about: RunReport) -> str:
     run, seen, part = about.run, about.criteria, about.part
     if not run.status.complete:
-        return f"The run ends early, at {quantity(run.span[1], 's')}"
+        return ended_early(run.span[1])
     if about.cycles:
         last = about.cycles[-1]
         if not last.moves_on:
