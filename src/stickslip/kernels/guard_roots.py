@@ -52,7 +52,7 @@ BARELY = 0.01
 """Share of the next value below which a guard may well have turned between them."""
 RESOLVED = 1e-4
 """Difference from a polynomial, over the largest value, at which samples show a guard's course."""
-ROUNDED = 1e-9
+NEGLIGIBLE = 1e-9
 """Share of the largest value so far of which nothing is asked: it may be rounding."""
 LEAST_SIZE = 1e-290
 """Value below which quotients lose their digits."""
@@ -354,7 +354,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         at = sampled + guard
         a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
-        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), ROUNDED * w[whole[REACHED] + guard])
+        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * w[whole[REACHED] + guard])
         other = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
         difference = abs(other - 128.0 * w[at + n_guards])
         other = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
