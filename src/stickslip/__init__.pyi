@@ -27,6 +27,7 @@ from stickslip.mechanisms import Pendulum as Pendulum
 from stickslip.mechanisms import PendulumCart as PendulumCart
 from stickslip.mechanisms import SpringBlock as SpringBlock
 from stickslip.mechanisms import TowedBlock as TowedBlock
+from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
@@ -67,6 +68,7 @@ __all__ = [
     "SpringBlock",
     "Stribeck",
     "TowedBlock",
+    "TwoLinkArm",
     "TwoMassAxis",
     "Viscous",
     "__version__",

@@ -201,6 +201,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
 
 def _same(one: Measurement, other: Measurement) -> bool:
     """Whether what both records have is the same, sample by sample."""
+    if one.joints and other.joints:
+        both = one.joints.keys() & other.joints.keys()
+        return bool(both) and all(_same(one.joints[name], other.joints[name]) for name in both)
     pairs = [
         (getattr(one, name), getattr(other, name))
         for name in ("time", *QUANTITIES)

@@ -10,6 +10,7 @@ MECHANISM_MODULES = {
     "Pendulum": "pendulum",
     "PendulumCart": "pendulum_cart",
     "Capsule": "capsule",
+    "TwoLinkArm": "two_link_arm",
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 

@@ -28,6 +28,7 @@ from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
+from stickslip.mechanisms.two_link_arm import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
 
 MECHANISM_MODULES: dict[str, str]
@@ -50,6 +51,7 @@ __all__ = [
     "Stop",
     "Torque",
     "TowedBlock",
+    "TwoLinkArm",
     "TwoMassAxis",
     "mechanisms",
     "slip_names",

@@ -6,7 +6,7 @@ friction there balances the other forces, as far as a law can hold it.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -167,7 +167,7 @@ class BalanceProblemBuilder:
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
         own = balanced(self.mechanism, record, hold=self.hold, segment=length)
-        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+        return self._along(own, record)
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
         """Return the problem that is fitted: rows that slip, since rests only judge a law.
@@ -185,7 +185,11 @@ class BalanceProblemBuilder:
             The problem, with the mass that friction was derived with.
         """
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
-        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+        return self._along(own, record)
+
+    def _along(self, stretches: Sequence[MotionSegment], record: Measurement) -> ForceMap:
+        mass = mass_of(self.mechanism)
+        return replace(self.problem.along(stretches, record), mass=mass, derived=(mass,))
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "BalanceProblemBuilder":
         """Return what builds the same with other bounds or start values of the unknowns."""
@@ -193,9 +197,9 @@ class BalanceProblemBuilder:
 
     def at(self, values: Array) -> "BalanceProblemBuilder":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""
-        path = self.problem.inertia
-        if not path:
+        if not self.problem.linear:
             return self
+        (path,) = self.problem.linear
         mass = float(values[self.problem.free_parameters.paths.index(path)])
         return replace(self, mechanism=vary(self.mechanism, "mechanism", {path: mass}))
 
@@ -234,7 +238,7 @@ def _stretch(
         ),
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],
-        acceleration=smoothed(a, passed)[picked],
+        regressors=smoothed(a, passed)[picked, None],
         resting=motion.resting[picked],
         held=rest[picked],
         resolution=motion.resolution,

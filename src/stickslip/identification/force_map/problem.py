@@ -14,7 +14,6 @@ from stickslip.identification.force_map.data import MotionSegment, refuse_timele
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.screening import screened_starts
 from stickslip.identification.force_map.start_values import StartEstimate, looked_for
-from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
@@ -108,12 +107,13 @@ def map_along(
     free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
-    mass: FreeParameter | None = None,
+    linear: Sequence[FreeParameter] = (),
+    derived: Sequence[float] = (),
+    mass: float = 0.0,
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
 
-    Start values of a law that knows no history come from stretches of fewer samples. `mass` is
-    that which friction was derived with, where it is looked for too.
+    Start values of a law that knows no history come from stretches of fewer samples.
 
     Parameters
     ----------
@@ -131,8 +131,13 @@ def map_along(
         Parameters that are not fitted, by path or last name.
     known : mapping of str to float, optional
         Values of parameters of the law that are held [SI], by name.
-    mass : FreeParameter, optional
-        The mass as a free parameter.
+    linear : sequence of FreeParameter
+        Parameters of the mechanism that are looked for too, in the order of the stretches'
+        regressors.
+    derived : sequence of float
+        Values of these parameters that friction was derived with [SI].
+    mass : float
+        What moves as the contact slips [kg], where friction was derived with it.
 
     Returns
     -------
@@ -171,14 +176,15 @@ def map_along(
         stretches=tuple(stretches),
         constant=constant,
         offset=own or 0.0,
+        derived=tuple(derived),
+        mass=mass,
     )
-    if all(one.acceleration is not None for one in stretches):
-        whole = replace(whole, mass=mass_of(mechanism))
     coarse = replace(whole, stretches=tuple(few))
     free_parameters = _effective(coarse if isinstance(law, type) else whole)
-    if mass is not None:
-        free_parameters = replace(free_parameters, items=(*free_parameters.items, mass))
-        whole, coarse = (replace(one, inertia=mass.path) for one in (whole, coarse))
+    if linear:
+        free_parameters = replace(free_parameters, items=(*free_parameters.items, *linear))
+        paths = tuple(item.path for item in linear)
+        whole, coarse = (replace(one, linear=paths) for one in (whole, coarse))
     problem = replace(whole, free_parameters_=free_parameters)
     if not isinstance(law, type):
         return problem, (free_parameters.start,)

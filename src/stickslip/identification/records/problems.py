@@ -22,6 +22,7 @@ from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
+from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     joined,
@@ -308,7 +309,9 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
-        mass=mass,
+        linear=() if mass is None else (mass,),
+        derived=(mass_of(mechanism),),
+        mass=mass_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     if mass is not None:
