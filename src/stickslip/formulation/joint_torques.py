@@ -129,6 +129,29 @@ class JointTorques:
         return found[:, :count], found[:, count:].reshape(len(time), count, len(self.linear))
 
 
+    def inertias(self, mechanism: Mechanism, q: Array) -> Array:
+        """Return what moves as each coordinate does (m,), all else at rest.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            The mechanism with its parameters' values.
+        q : array (m,)
+            Where it is.
+
+        Returns
+        -------
+        array (m,)
+            Diagonal of the mass matrix [kg] or [kg m^2].
+        """
+        count = len(self.coordinates)
+        places, none = np.tile(q, (count, 1)), np.zeros((count, count))
+        time = np.zeros(count)
+        still, _ = self.along(mechanism, time, places, none, none)
+        moving, _ = self.along(mechanism, time, places, none, np.eye(count))
+        return np.diagonal(moving - still).copy()
+
+
 def _check_linear(
     linear: Sequence[str], slopes: Sequence[Sequence[se.Expr]], symbol: Mapping[str, se.Symbol]
 ) -> None:

@@ -68,6 +68,8 @@ class MotionSegment:
     """Friction (n,) [N] that would balance all other forces on a body at rest."""
     held_regressors: Array | None = None
     """What a unit of each parameter takes off that (n, k), not filtered; None for nothing."""
+    applied: Array | None = None
+    """Force that was applied (n,) [N], filtered as friction is; None where nothing needs it."""
     resolution: float = 0.0
     """Displacement [m] that the sensor may not resolve."""
     passed: float = 0.0
@@ -107,6 +109,7 @@ class MotionSegment:
             resting=None if self.resting is None else self.resting[:count],
             held=_first(self.held, count),
             held_regressors=_first(self.held_regressors, count),
+            applied=_first(self.applied, count),
         )
 
 

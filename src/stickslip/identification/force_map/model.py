@@ -21,7 +21,7 @@ from stickslip.identification.estimation.problem import (
 from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
-__all__ = ["ForceMap"]
+__all__ = ["ForceMap", "moved"]
 
 Array = NDArray[np.float64]
 
@@ -267,7 +267,7 @@ class ForceMap(RecordProblem):
         if weighed:  # by the only parameter, which is the mass
             one = one.loaded(float(linear[0]) / self.derived[0])
         if self.linear:
-            one = _moved(one, linear - self.derived)
+            one = moved(one, linear - self.derived)
         force, states, nudge = _friction(own, one, offset, before, change)
         rows = mask[:last]
         balanced = _balanced(one, force[:, 0], offset)
@@ -299,8 +299,21 @@ class ForceMap(RecordProblem):
         )
 
 
-def _moved(one: MotionSegment, change: Array) -> MotionSegment:
-    """Return a stretch as if friction had been derived with parameters changed by (k,)."""
+def moved(one: MotionSegment, change: Array) -> MotionSegment:
+    """Return a stretch as if friction had been derived with other parameters of the mechanism.
+
+    Parameters
+    ----------
+    one : MotionSegment
+        The stretch.
+    change : array (k,)
+        By how much the parameters change that its regressors are of [SI].
+
+    Returns
+    -------
+    MotionSegment
+        A copy with friction at rest and in motion moved.
+    """
     if one.regressors is None:
         return one
     held = one.held
