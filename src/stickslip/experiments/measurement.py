@@ -33,9 +33,7 @@ Kind = Literal["scalars", "series", "friction-map"]
 Uncertainty = Literal["rounding", "standard", "interval"]
 Series: TypeAlias = Converted[Numbers | None, Array | None]
 Values: TypeAlias = Converted[float | Numbers | None, Array | float | None]
-Moving: TypeAlias = Converted[
-    float | Numbers | Mapping[str, Numbers] | None, Array | float | None
-]
+Moving: TypeAlias = Converted[float | Numbers | Mapping[str, Numbers] | None, Array | float | None]
 """What may be given by joint; it is then kept in `Measurement.joints`."""
 ByQuantity: TypeAlias = Converted[float | Mapping[str, float], Mapping[str, float]]
 # defaults, whose type a type checker need not compare with what is kept

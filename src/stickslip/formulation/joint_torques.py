@@ -128,7 +128,6 @@ class JointTorques:
         count = len(self.coordinates)
         return found[:, :count], found[:, count:].reshape(len(time), count, len(self.linear))
 
-
     def inertias(self, mechanism: Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest.
 

@@ -23,7 +23,6 @@ from stickslip.identification.force_map.data import SEGMENTS, MotionSegment, smo
 from stickslip.identification.force_map.force_balance import (
     FEWEST,
     HIGHEST,
-    LEAST,
     OVERSAMPLED,
     RIPPLES,
     SAMPLES,
@@ -35,16 +34,26 @@ from stickslip.identification.force_map.force_balance import (
     second_differences,
 )
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.series.inverse_dynamics import check_even, positions_of
+from stickslip.identification.series.inverse_dynamics import LEAST, check_even, positions_of
 from stickslip.identification.settings import Hold
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = ["JointBalance", "JointBalanceBuilder", "joint_stretches", "load_factors"]
+__all__ = [
+    "JointBalance",
+    "JointBalanceBuilder",
+    "check_joints",
+    "contacts_along",
+    "joint_stretches",
+]
 
 Array = NDArray[np.float64]
 Stretches = tuple[MotionSegment, ...]
 
+AHEAD, WIDEST = 5.0, 0.8
+"""Positions are first filtered at so many times what the common filter passes, but at most at this
+share of half their frequency: it changes nothing that passes, by 3e-6, and else noise of the first
+acceleration, from which the common filter starts, would be seen for long."""
 JITTER = 1e-3
 """Deviation from even times, over a step, from which a record is placed on even times."""
 
@@ -154,8 +163,10 @@ def check_joints(record: Measurement, names: Sequence[str]) -> None:
     for name in names:
         known = record.joints[name].quantities() if name in record.joints else ()
         if not {"position", "velocity"} & {*known}:
-            raise InputError(f"{label} has no position of the joint {name!r}, which inverse dynamics"
-                             " of several joints needs.")  # fmt: skip
+            raise InputError(
+                f"{label} has no position of the joint {name!r}, which inverse dynamics of several"
+                " joints needs."
+            )
         if "force" not in known:
             raise InputError(
                 f"{label} has no force of the joint {name!r}: give what drives it; zeros if nothing"
@@ -219,7 +230,8 @@ class _Piece:
         )
         places = np.column_stack([one.position for one in motions])
         rates = np.column_stack([one.velocity for one in motions])
-        accelerations = np.column_stack([second_differences(x, dt) for x in raw])
+        ahead = min(AHEAD * passed, WIDEST)
+        accelerations = np.column_stack([second_differences(smoothed(x, ahead), dt) for x in raw])
         taken, slopes = torques.along(mechanism, time, places, rates, accelerations)
         smooth = smoothed(accelerations, passed)
         resting, resting_slopes = np.empty_like(taken), np.empty_like(slopes)
@@ -237,7 +249,7 @@ class _Piece:
             slopes=slopes,
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
-            loads=load_factors(mechanism, time, places, rates),
+            loads=_loads(mechanism, time, places, rates),
         )
 
     def stretch(
@@ -281,34 +293,26 @@ def _on_even_times(
     return even, [np.interp(even, time, column) for column in columns]
 
 
-def load_factors(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> Array:
-    """Return the load of the contact along each coordinate (n, m); 1 where nothing rubs.
+def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
+    """Return the contact along each coordinate that one rubs along.
 
     Parameters
     ----------
     mechanism : Mechanism
-        Gives the loads of its contacts, perhaps as functions of the motion.
-    time : array (n,)
-        Times [s].
-    q, q_dot : array (n, m)
-        Coordinates and their rates.
+        What was measured.
 
     Returns
     -------
-    array (n, m)
-        Normal forces [N], or 1 where levels are forces.
+    dict of str to Contact
+        Contacts by coordinate; one without a name has that of its coordinate.
 
     Raises
     ------
     InputError
         If a contact is pressed by a reaction, or does not slip along one coordinate, or shares it.
     """
-    names, owner = mechanism.coordinates, type(mechanism).__name__
-    places = {name: q[:, i] for i, name in enumerate(names)}
-    rates = {name: q_dot[:, i] for i, name in enumerate(names)}
-    loads = mechanism.loads(time, places, rates, dict.fromkeys(mechanism.drives(), 0.0))
-    found = np.ones((len(time), len(names)))
-    taken: dict[str, str] = {}
+    owner = type(mechanism).__name__
+    found: dict[str, Contact] = {}
     for contact in mechanism.contacts():
         label = f"{owner}: the contact {contact.name!r}"
         if contact.normal is not None:
@@ -321,17 +325,31 @@ def load_factors(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> A
                 f"{label} slips along a combination of coordinates; fits of several joints need a"
                 " contact that slips along one coordinate, without a factor."
             )
-        if contact.slip in taken:
+        if contact.slip in found:
             raise InputError(
-                f"{label} and {taken[contact.slip]!r} rub along one coordinate, which no record"
-                " tells apart: let one of them have no law (None)."
+                f"{label} and {found[contact.slip].name!r} rub along one coordinate, which no"
+                " record tells apart: leave one of them out of the mechanism."
             )
-        taken[contact.slip] = contact.name
+        found[contact.slip] = replace(contact, name=contact.name or contact.slip)
+    return found
+
+
+def _loads(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> Array:
+    """Return the load of the contact along each coordinate (n, m); 1 where nothing rubs."""
+    names = mechanism.coordinates
+    places = {name: q[:, i] for i, name in enumerate(names)}
+    rates = {name: q_dot[:, i] for i, name in enumerate(names)}
+    loads = mechanism.loads(time, places, rates, dict.fromkeys(mechanism.drives(), 0.0))
+    found = np.ones((len(time), len(names)))
+    for coordinate, contact in contacts_along(mechanism).items():
         load = loads.get(contact.name, contact.load)
-        i = names.index(contact.slip)
+        i = names.index(coordinate)
         found[:, i] = np.asarray(1.0 if load is None else load, dtype=float)
         if not np.all(found[:, i] > 0.0):
-            raise InputError(f"{label} must have a load above 0 N throughout the record.")
+            raise InputError(
+                f"{type(mechanism).__name__}: the load of the contact {contact.name!r} must be"
+                " above 0 N throughout the record."
+            )
     return found
 
 

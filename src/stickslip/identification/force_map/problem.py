@@ -223,8 +223,8 @@ def map_along(
         )
     if linear:
         free_parameters = replace(free_parameters, items=(*free_parameters.items, *linear))
-        paths = tuple(item.path for item in linear)
-        whole, coarse = (replace(one, linear=paths) for one in (whole, coarse))
+        own = tuple(item.path for item in linear)
+        whole, coarse = (replace(one, linear=own) for one in (whole, coarse))
     problem = replace(whole, free_parameters_=free_parameters)
     if not isinstance(law, type):
         return problem, (free_parameters.start,)

@@ -236,9 +236,9 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
     """Return values whose levels and stiffness are scaled to fit, and what that leaves.
 
     Columns (n, 4 + k) are friction without the damping of bristles, this damping, a constant
-    force, the velocity, and what friction was derived from: of a mass, the acceleration. Where no damping
-    fits best, half of the critical one stands for it: from 0, which is a bound, searches seldom
-    come away.
+    force, the velocity, and what friction was derived from: of a mass, the acceleration. Where no
+    damping fits best, half of the critical one stands for it: from 0, which is a bound, searches
+    seldom come away.
     """
     constant = coarse.free_parameters.paths.index(coarse.constant) if _seeks(coarse) else None
     if not np.all(np.isfinite(table)):

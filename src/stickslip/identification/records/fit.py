@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
+from typing_extensions import TypeVar, override
 
 from stickslip.display import plots
 from stickslip.errors import ParameterError, UnknownNameError
@@ -22,6 +22,7 @@ from stickslip.experiments import (
     turned,
 )
 from stickslip.formatting import quantity
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
@@ -34,7 +35,7 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.results import Fit, Law_co, estimates_for
+from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
 
 Array = NDArray[np.float64]
+AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
+"""What was fitted: a law, or the laws of several contacts."""
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
@@ -211,7 +214,7 @@ class Prediction:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class RecordFit(Fit[Law_co]):
+class RecordFit(Fit[AnyLaw_co]):
     """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
 
     route: str
@@ -331,7 +334,12 @@ class RecordFit(Fit[Law_co]):
         """The fit as searches of richer laws begin from it."""
         values = dict(zip(self.free_parameters.paths, self.values.tolist(), strict=True))
         best = self.optimum.best
-        return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
+        return FittedLaw(
+            law=cast("FrictionLaw", self.law),
+            values=values,
+            cost=best.cost,
+            rows=len(best.residual),
+        )
 
     @property
     def scale(self) -> Array:

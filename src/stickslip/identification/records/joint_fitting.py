@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
+from stickslip.formatting import percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.estimation.levenberg_marquardt import Watch
@@ -17,6 +18,8 @@ from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.joint_balance import (
     JointBalance,
     JointBalanceBuilder,
+    check_joints,
+    contacts_along,
     joint_stretches,
 )
 from stickslip.identification.force_map.model import ForceMap, moved
@@ -29,7 +32,7 @@ from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import LAW, covers, law_quantities, names_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, fields_of, full_path, parameters, vary
+from stickslip.quantities import Quantity, full_path, parameters, vary
 
 __all__ = ["JOINTS", "fit_joints"]
 
@@ -38,6 +41,8 @@ JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str | None
 
 JOINTS = "joints"
 """The route of records of several joints."""
+UNEXPLAINED = 0.8
+"""Residual over the variation of the force of a joint above which the record is doubted."""
 WIDE = 30.0
 """How far the bounds of a parameter of the mechanism lie from its start, over the size at which it
 explains all forces."""
@@ -45,7 +50,7 @@ explains all forces."""
 
 def fit_joints(
     mechanism: Mechanism,
-    laws: Mapping[str, JointLaw],
+    laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
     measurement: Measurement,
     *,
     vary: str | Sequence[str] | None = None,
@@ -63,8 +68,9 @@ def fit_joints(
     ----------
     mechanism : Mechanism
         What was measured; records may override its parameters.
-    laws : mapping of str to FrictionLaw, type, str or None
-        The law of each contact by its name, as in `stickslip.fit`; None where nothing rubs.
+    laws : mapping of str to FrictionLaw, type, str or None; or type, or str
+        The law of each contact by its name, as in `stickslip.fit`; None where nothing rubs. A type
+        or a name alone stands for one law of that kind at each contact.
     measurement : Measurement
         Records in time of positions and forces by joint.
     vary : str or sequence of str, optional
@@ -114,15 +120,37 @@ def fit_joints(
     0.1
     """
     settings = settings or RecordSettings()
+    for record in measurement.records():
+        check_joints(record, mechanism.coordinates)
     asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
     refuse_unused(measurement)
     refuse_faults(measurement, asked.mechanism)
     with with_doubts(measurement, asked.mechanism):
-        ready = _prepared(asked, measurement, settings.hold)
-        ready, found = widened_search(ready, settings, progress, 0.0)
+        start: FitSetup = _prepared(asked, measurement, settings.hold)
+        ready, found = widened_search(start, settings, progress, 0.0)
     build = ready.build.at(found.best.values)
     ready = replace(ready, build=build, problem=build.fitted(measurement, None))
-    return cast("RecordFit[Laws]", finished(JOINTS, measurement, ready, found, found))
+    fit = finished(JOINTS, measurement, ready, found, found)
+    return cast("RecordFit[Laws]", replace(fit, sentences=(*unexplained(fit), *fit.sentences)))
+
+
+def unexplained(fit: RecordFit) -> tuple[str, ...]:
+    """Return the joints of whose force a fit explains hardly anything, in sentences.
+
+    Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
+    """
+    seen = fit.predict()
+    assert seen.joint is not None
+    said = []
+    for name in dict.fromkeys(seen.joint.tolist()):
+        own = seen.of(name)
+        left = float(np.sqrt(np.mean(own.residual**2) / max(float(np.var(own.measured)), 1e-300)))
+        if left > UNEXPLAINED:
+            said.append(
+                f"The fit leaves {percent(left)} of the force of the joint {name}: check the names"
+                " of the joints, the units of angles (rad) and forces, and their signs."
+            )
+    return tuple(said)
 
 
 @final
@@ -147,13 +175,21 @@ class _Asked:
     def of(
         cls,
         mechanism: Mechanism,
-        laws: Mapping[str, JointLaw],
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
         vary_: str | Sequence[str] | None,
         fixed: Mapping[str, float] | None,
         measurement: Measurement,
     ) -> "_Asked":
         """Resolve names to full paths."""
-        contacts = tuple(one.name for one in mechanism.contacts())
+        contacts = tuple(one.name for one in contacts_along(mechanism).values())
+        if isinstance(laws, FrictionLaw):
+            raise InputError(
+                "a law given alone would be shared by all joints, which fits do not do: give its"
+                f" type {type(laws).__name__}, or laws by contact, as"
+                f" {{{', '.join(f'{name!r}: ...' for name in contacts)}}}."
+            )
+        if not isinstance(laws, Mapping):
+            laws = dict.fromkeys(contacts, laws)
         usual: dict[str, tuple[str, ...]] = {}
         kinds: dict[str, FrictionLaw | type[FrictionLaw] | None] = {}
         for name, given in given_to(contacts, laws).items():
@@ -205,7 +241,9 @@ class _Asked:
         )
 
 
-def _law_of(name: str, given: object) -> tuple[FrictionLaw | type[FrictionLaw] | None, tuple[str, ...]]:
+def _law_of(
+    name: str, given: object
+) -> tuple[FrictionLaw | type[FrictionLaw] | None, tuple[str, ...]]:
     """Return a law that was given for a contact, and which of its parameters are fitted."""
     if given is None:
         return None, ()
@@ -258,13 +296,15 @@ def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[J
     mechanism = vary(
         asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
     )
-    contacts = {one.slips[0]: one.name for one in mechanism.contacts()}
+    contacts = {along: one.name for along, one in contacts_along(mechanism).items()}
     inertias = torques.inertias(mechanism, _middle(measurement, torques.coordinates))
     maps, names, starts = {}, {}, {}
     for i, coordinate in enumerate(torques.coordinates):
         contact = contacts.get(coordinate, "")
         whole, some = ([moved(one, change) for one in many[i]] for many in (stretches, few))
-        one, further = _map_of(asked, contact, coordinate, (whole, some), linear, float(inertias[i]))
+        one, further = _map_of(
+            asked, contact, coordinate, (whole, some), linear, float(inertias[i])
+        )
         maps[coordinate], starts[coordinate] = one, further
         names[coordinate] = tuple(
             _among_all(path, contact, coordinate) for path in one.free_parameters.paths

@@ -133,7 +133,7 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
         The same parameters.
     """
     turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
-    contacts = {one.name: one for one in mechanism.contacts()}
+    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
     items = []
     for item in free_parameters.items:
         quantity, turning = item.quantity, False
