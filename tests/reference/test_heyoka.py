@@ -14,7 +14,7 @@ from tests.support import EXAMPLES, example_of
 from stickslip import Axis, Coulomb, EventDriven, LuGre, SpringBlock, TowedBlock, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Sine
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw
-from stickslip.mechanisms import MECHANISMS, Mechanism
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.results import Trajectory
 
@@ -161,7 +161,7 @@ def cases() -> Iterator[Any]:
 
     Beside the first setup of each, every other case is slow, another one for the next law.
     """
-    for i, name in enumerate(MECHANISMS):
+    for i, name in enumerate(EXAMPLES):
         setups = SETUPS.get(name) or [Setup(mechanism=EXAMPLES[name])]
         for j, kind in enumerate(LAWS.values()):
             first, *others = variants(kind)

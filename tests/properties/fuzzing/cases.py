@@ -20,7 +20,7 @@ from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw, towards
 from stickslip.friction.power_viscous import PLATEAU, PowerViscous
-from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
+from stickslip.mechanisms import MECHANISMS, Mechanism, Motor, TwoLinkArm
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory
 
@@ -86,8 +86,12 @@ def _is_drive(hint: Any) -> bool:
     return Drive in (hint, *typing.get_args(hint))
 
 
-FUZZED = [kind for kind in MECHANISMS.values() if Motor not in _fields(kind).values()]
-"""Those without motors; of carts with a pendulum the one of the users' mechanisms is drawn."""
+FUZZED = [
+    kind
+    for kind in MECHANISMS.values()
+    if kind is not TwoLinkArm and Motor not in _fields(kind).values()
+]
+"""Those with one contact and without motors; of carts with a pendulum the one of the users' mechanisms is drawn."""
 
 
 def draw_structure(rng: Random) -> Structure:

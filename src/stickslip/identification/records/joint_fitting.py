@@ -138,19 +138,29 @@ def unexplained(fit: RecordFit) -> tuple[str, ...]:
     """Return the joints of whose force a fit explains hardly anything, in sentences.
 
     Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
+
+    Raises
+    ------
+    InputError
+        If the fit is worse at every joint than no mechanism and no friction.
     """
     seen = fit.predict()
     assert seen.joint is not None
-    said = []
+    left = {}
     for name in dict.fromkeys(seen.joint.tolist()):
         own = seen.of(name)
-        left = float(np.sqrt(np.mean(own.residual**2) / max(float(np.var(own.measured)), 1e-300)))
-        if left > UNEXPLAINED:
-            said.append(
-                f"The fit leaves {percent(left)} of the force of the joint {name}: check the names"
-                " of the joints, the units of angles (rad) and forces, and their signs."
-            )
-    return tuple(said)
+        size = max(float(np.var(own.measured)), 1e-300)
+        left[name] = float(np.sqrt(np.mean(own.residual**2) / size))
+    said = tuple(
+        f"The fit leaves {percent(share)} of the force of the joint {name}: check the names of the"
+        " joints, the units of angles (rad) and forces, their signs, and the parameters of the"
+        " mechanism that are held."
+        for name, share in left.items()
+        if share > UNEXPLAINED
+    )
+    if all(share > 1.0 for share in left.values()):
+        raise InputError(said[0])
+    return said
 
 
 @final
