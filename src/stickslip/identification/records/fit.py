@@ -272,7 +272,8 @@ class RecordFit(Fit[AnyLaw_co]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        return cast("Drawing", plots().plot_friction_map(self, ax))
+        draw = plots().plot_friction_map if self.problem.joints is None else plots().plot_joints
+        return cast("Drawing", draw(self, ax))
 
     @property
     def restarts(self) -> OptimizeResult:
