@@ -113,7 +113,11 @@ def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
     for name, hint in hints.items():
         if hint is Motor:
             yield from (kind(**values, **{name: motor}) for motor in MOTORS)
-    drives = [name for name, hint in hints.items() if Drive in typing.get_args(hint)]
+    drives = [
+        name
+        for name, hint in hints.items()
+        if name.endswith("drive") and Drive in typing.get_args(hint)
+    ]
     if drives:
         yield kind(**values, **dict.fromkeys(drives, PULSE))
 

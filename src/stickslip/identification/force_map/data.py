@@ -1,5 +1,6 @@
 """Records of friction, made ready to be predicted along their measured motion."""
 
+import functools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -405,8 +406,15 @@ def smoothed(columns: Array, passed: float) -> Array:
     """
     from scipy import signal
 
-    sections = signal.butter(BUTTERWORTH, passed, output="sos")
-    return np.asarray(signal.sosfiltfilt(sections, columns, axis=0), dtype=float)
+    return np.asarray(signal.sosfiltfilt(_sections(passed), columns, axis=0), dtype=float)
+
+
+@functools.lru_cache(maxsize=64)
+def _sections(passed: float) -> Array:
+    """Return the filter, whose design takes as long as its use on a few seconds of a record."""
+    from scipy import signal
+
+    return np.asarray(signal.butter(BUTTERWORTH, passed, output="sos"))
 
 
 def _velocity(time: Array, position: Array) -> Array:

@@ -361,6 +361,15 @@ class FilteredMotion:
     resolution: float
     """Displacement [m] that it may not resolve."""
 
+    def within(self, rows: slice) -> "FilteredMotion":
+        """Return some of the samples."""
+        return replace(
+            self,
+            position=self.position[rows],
+            velocity=self.velocity[rows],
+            resting=self.resting[rows],
+        )
+
 
 def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> FilteredMotion:
     """Return the motion that positions (n,) show.

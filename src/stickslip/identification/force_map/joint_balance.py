@@ -222,6 +222,7 @@ class _Piece:
         count = len(joints)
         raw, forces = columns[:count], columns[count:]
         dt = float(time[1] - time[0])
+        applied = np.column_stack([mean_force(u, joined=hold == "first") for u in forces])
         fastest = max(mean_frequency(x) for x in raw)
         passed = min(max(FEWEST * fastest / np.pi, 2.0 * RIPPLES / len(time)), HIGHEST)
         motions = tuple(
@@ -232,6 +233,10 @@ class _Piece:
         rates = np.column_stack([one.velocity for one in motions])
         ahead = min(AHEAD * passed, WIDEST)
         accelerations = np.column_stack([second_differences(smoothed(x, ahead), dt) for x in raw])
+        inside = slice(int(np.ceil(2.0 / ahead)), -int(np.ceil(2.0 / ahead)))
+        time, places, rates = time[inside], places[inside], rates[inside]
+        accelerations = accelerations[inside]
+        motions = tuple(one.within(inside) for one in motions)
         taken, slopes = torques.along(mechanism, time, places, rates, accelerations)
         smooth = smoothed(accelerations, passed)
         resting, resting_slopes = np.empty_like(taken), np.empty_like(slopes)
@@ -244,7 +249,7 @@ class _Piece:
             time=time,
             motions=motions,
             passed=passed,
-            applied=np.column_stack([mean_force(u, joined=hold == "first") for u in forces]),
+            applied=applied[inside],
             taken=taken,
             slopes=slopes,
             taken_at_rest=resting,
