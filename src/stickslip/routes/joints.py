@@ -35,6 +35,7 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
     uses = frozenset({"validate"})
     settings = frozenset({"hold", "starts", "seed"})
     by_contact = True
+    simulated = False
 
     @override
     def serves(self, measurement: Measurement) -> bool:
@@ -42,7 +43,7 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
 
     @override
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        return []
+        raise _not_selected()
 
     @override
     def law_and_parameters(
@@ -56,10 +57,7 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
 
     @override
     def select(self, request: SelectRequest, options: Options) -> Verdict:
-        raise InputError(
-            "laws are not selected for several joints yet: fit each combination, and compare"
-            " `fit.score(other)` on a record that no fit has seen."
-        )
+        raise _not_selected()
 
     @override
     def comparison(self, verdict: Verdict) -> Comparison:
@@ -91,6 +89,13 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
     @override
     def sections(self, verdict: Verdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
         raise NotImplementedError  # there are no verdicts
+
+
+def _not_selected() -> InputError:
+    return InputError(
+        "laws are not selected for several joints yet: fit each combination, and compare"
+        " `fit.score(other)` on a record that no fit has seen."
+    )
 
 
 def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:
