@@ -278,7 +278,7 @@ def test_samples_that_are_not_numbers_are_refused_with_the_joint(measured):
     t, q, u = parts(measured)
     hole = q["elbow"].copy()
     hole[5] = np.nan
-    with pytest.raises(ParameterError, match="joint 'elbow': .*finite, got nan at index 5"):
+    with pytest.raises(ParameterError, match=r"joint 'elbow': .*finite, got nan at index 5"):
         Measurement(time=t, position={**q, "elbow": hole}, force=u)
     with pytest.raises(InputError, match="force is not: give position, velocity and force by"):
         Measurement(time=t, position=q, force=u["elbow"])

@@ -1,4 +1,4 @@
-"""The arm with two joints: its equations against the textbook's, and against another description."""
+"""The arm with two joints: its equations against a textbook's, and against another arm."""
 
 import numpy as np
 import pytest

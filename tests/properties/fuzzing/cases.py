@@ -91,7 +91,8 @@ FUZZED = [
     for kind in MECHANISMS.values()
     if kind is not TwoLinkArm and Motor not in _fields(kind).values()
 ]
-"""Those with one contact and without motors; of carts with a pendulum the one of the users' mechanisms is drawn."""
+"""Those with one contact and without motors; of carts with a pendulum the one of the users'
+mechanisms is drawn."""
 
 
 def draw_structure(rng: Random) -> Structure:
