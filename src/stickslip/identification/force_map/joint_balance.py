@@ -72,7 +72,7 @@ def joint_stretches(
 
     All that stands in the balances passes one filter, since every balance has the accelerations of
     all joints. It passes `FEWEST` times the mean frequency of the fastest joint, as is usual for
-    robots: of gears and belts, accelerations beyond that are of forces that no motor gives.
+    robots, whose gears make accelerations beyond that which no torque of a motor goes with.
 
     Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
 
