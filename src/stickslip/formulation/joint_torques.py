@@ -35,8 +35,8 @@ class JointTorques:
     >>> takes = JointTorques.of(swing, ["mechanism.mass"])
     >>> place, rate, acceleration = np.array([[0.3]]), np.array([[0.0]]), np.array([[2.0]])
     >>> forces, slopes = takes.along(swing, np.zeros(1), place, rate, acceleration)
-    >>> round(forces[0, 0], 6), round(slopes[0, 0, 0], 6)
-    (1.229718, 2.459436)
+    >>> round(float(forces[0, 0]), 6), round(float(slopes[0, 0, 0]), 6)
+    (1.229716, 2.459432)
     """
 
     coordinates: tuple[str, ...]
