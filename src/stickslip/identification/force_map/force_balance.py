@@ -43,6 +43,7 @@ from stickslip.quantities import vary
 __all__ = [
     "FEWEST",
     "HIGHEST",
+    "SAMPLES",
     "BalanceProblemBuilder",
     "FilteredMotion",
     "balanced",

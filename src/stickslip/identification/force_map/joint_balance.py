@@ -545,6 +545,8 @@ class JointBalanceBuilder:
     """The problem that was fitted, whose laws and free parameters others share."""
     hold: Hold
     """Whether a force keeps its value until the next sample or goes straight to it."""
+    samples: float = SAMPLES
+    """Samples of a record along which friction is predicted, unless the filter asks for more."""
 
     def __call__(self, record: Measurement, length: float | None) -> JointBalance:
         """Return the problem of a record, in segments of a length [s]."""
@@ -569,7 +571,13 @@ class JointBalanceBuilder:
 
     def _built(self, record: Measurement, length: float | None, *, slipping: bool) -> JointBalance:
         own = joint_stretches(
-            self.torques, self.mechanism, record, hold=self.hold, segment=length, slipping=slipping
+            self.torques,
+            self.mechanism,
+            record,
+            hold=self.hold,
+            segment=length,
+            samples=self.samples,
+            slipping=slipping,
         )
         values = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
         return self.problem.along(own, [values[path] for path in self.torques.linear])

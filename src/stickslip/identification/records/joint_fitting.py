@@ -11,10 +11,11 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import percent
 from stickslip.formulation import JointTorques
-from stickslip.friction import FrictionLaw, Laws, Viscous, given_to, specification
+from stickslip.friction import BristleLaw, FrictionLaw, Laws, Viscous, given_to, specification
 from stickslip.identification.estimation.levenberg_marquardt import Watch
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
+from stickslip.identification.force_map.force_balance import SAMPLES
 from stickslip.identification.force_map.joint_balance import (
     JointBalance,
     JointBalanceBuilder,
@@ -43,6 +44,8 @@ JOINTS = "joints"
 """The route of records of several joints."""
 UNEXPLAINED = 0.8
 """Residual over the variation of the force of a joint above which the record is doubted."""
+FOLLOWED = 1_000
+"""Samples of a record along which bristles are integrated, unless the filter asks for more."""
 WIDE = 30.0
 """How far the bounds of a parameter of the mechanism lie from its start, over the size at which it
 explains all forces."""
@@ -295,9 +298,12 @@ def _varied(
 def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[JointBalance]:
     """Return the problem of all joints, with start values from the record."""
     torques = JointTorques.of(asked.mechanism, asked.linear)
-    stretches = joint_stretches(torques, asked.mechanism, measurement, hold=hold, slipping=True)
-    few = joint_stretches(
-        torques, asked.mechanism, measurement, hold=hold, samples=SOME, slipping=True
+    samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
+    stretches, few = (
+        joint_stretches(
+            torques, asked.mechanism, measurement, hold=hold, samples=count, slipping=True
+        )
+        for count in (samples, min(samples, SOME))
     )
     linear, left = _start(asked, torques, stretches)
     first = np.array([item.start for item in linear])
@@ -330,8 +336,12 @@ def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[J
     slips = {name: coordinate for coordinate, name in contacts.items()}
     rubbing = [name for name, law in asked.laws.items() if law is not None]
     laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
-    build = JointBalanceBuilder(torques, mechanism, problem, hold)
+    build = JointBalanceBuilder(torques, mechanism, problem, hold, samples)
     return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
+    return law is not None and issubclass(law if isinstance(law, type) else type(law), BristleLaw)
 
 
 def _start(
