@@ -266,8 +266,9 @@ class ForceMap(RecordProblem):
         weighed = one.weighed and bool(self.linear)
         if weighed:  # by the only parameter, which is the mass
             one = one.loaded(float(linear[0]) / self.derived[0])
-        if self.linear:
-            one = moved(one, linear - self.derived)
+        change_of = linear - self.derived[: len(linear)]
+        if one.held is not None and one.held_regressors is not None and self.linear:
+            one = replace(one, held=one.held - one.held_regressors @ change_of)
         force, states, nudge = _friction(own, one, offset, before, change)
         rows = mask[:last]
         balanced = _balanced(one, force[:, 0], offset)
@@ -283,6 +284,7 @@ class ForceMap(RecordProblem):
         for k, path in enumerate(self.linear):
             assert one.regressors is not None
             column = one.regressors[:, k]
+            residual = residual - change_of[k] * column
             if one.held_regressors is not None and balanced.any():
                 column = column - one.seen(balanced * one.held_regressors[:, k])
             if weighed:
