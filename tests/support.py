@@ -23,6 +23,7 @@ from stickslip import (
     SpringBlock,
     TowedBlock,
     TwoFeet,
+    TwoLinkArm,
     TwoMassAxis,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
@@ -252,6 +253,20 @@ two_feet = st.builds(
     stiffness=st.just(0.0) | decade(0, 2),
     drive=st.none() | drives,
 )
+two_link_arms = st.builds(
+    TwoLinkArm,
+    upper_mass=decade(-1, 1),
+    upper_length=decade(-1, 0),
+    upper_centre=nearly(0.0, 0.5),
+    upper_inertia=decade(-2, 0),
+    lower_mass=st.just(0.5),
+    lower_centre=nearly(0.0, 0.3),
+    lower_inertia=nearly(0.05, 0.5),
+    rotor_inertia=st.just(0.0) | decade(-5, -3),
+    gear_ratio=decade(0, 1.5),
+    shoulder_drive=st.none() | drives,
+    elbow_drive=st.none() | drives,
+)
 SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
     "towed-block": towed_blocks,
@@ -268,6 +283,7 @@ RIGS: Mapping[str, st.SearchStrategy[Any]] = {
     "clutch-train": clutch_trains,
     "disc-brake": disc_brakes,
     "two-feet": two_feet,
+    "two-link-arm": two_link_arms,
 }
 """Random mechanisms by registry name."""
 
@@ -295,6 +311,12 @@ EXAMPLES: Mapping[str, Mechanism] = {
 """One of each mechanism with one contact by registry name."""
 SHOWN: Mapping[str, Mechanism] = {
     **EXAMPLES,
+    "two-link-arm": TwoLinkArm(
+        upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+        lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, rotor_inertia=6e-5, gear_ratio=6.0,
+        shoulder_drive=Sine(amplitude=1.0, frequency=0.7),
+        elbow_drive=Pulse(level=0.5, duration=0.7),
+    ),
     "two-mass-axis, motor rubs": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="motor"),
     "capsule, square": Capsule(
         capsule_mass=0.8, inner_mass=0.2, stiffness=40.0, damping=0.2, incline=0.05,

@@ -31,6 +31,7 @@ from stickslip.mechanisms import PendulumCart as PendulumCart
 from stickslip.mechanisms import SpringBlock as SpringBlock
 from stickslip.mechanisms import TowedBlock as TowedBlock
 from stickslip.mechanisms import TwoFeet as TwoFeet
+from stickslip.mechanisms import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms import TwoMassAxis as TwoMassAxis
 from stickslip.optimisation import optimise_profile as optimise_profile
 from stickslip.plots import animate as animate
@@ -75,6 +76,7 @@ __all__ = [
     "Stribeck",
     "TowedBlock",
     "TwoFeet",
+    "TwoLinkArm",
     "TwoMassAxis",
     "Viscous",
     "__version__",

@@ -257,10 +257,10 @@ def test_a_rig_file_names_two_columns(write):
         load_rig(write(rig + columns.format('["x", "y"]'), "rig.toml"))
 
 
-def test_the_schema_of_rig_files_allows_two_columns():
+def test_the_schema_of_rig_files_allows_two_columns_and_columns_by_joint():
     columns = rig_schema()["$defs"]["DataTable"]["properties"]["columns"]
     kinds = columns["additionalProperties"]["anyOf"]
-    assert [kind["type"] for kind in kinds] == ["string", "array"]
+    assert [kind["type"] for kind in kinds] == ["string", "array", "object"]
     assert kinds[1]["minItems"] == kinds[1]["maxItems"] == 2
 
 

@@ -21,7 +21,7 @@ from stickslip import (
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.identification.force_map.force_balance import balanced, mean_force
-from stickslip.identification.force_map.problem import map_along
+from stickslip.identification.force_map.problem import constant_of, map_along
 from stickslip.selection.cross_validation import cross_validate, plan_of
 
 J, LEVEL, VISCOUS = 5.0, 10.0, 30.0
@@ -201,7 +201,7 @@ def test_rows_at_rest_are_compared_and_shift_no_level():
 def test_at_rest_a_law_has_the_friction_that_balances_up_to_break_away():
     record, _ = dwelling()
     (one,) = balanced(Axis(inertia=2.0), record, hold="zero")
-    problem, _ = map_along(Coulomb, Axis(inertia=2.0), (one,), (one,))
+    problem, _ = map_along(Coulomb, (one,), (one,), beside=constant_of(Axis(inertia=2.0)))
     inside = one.resting & (one.segment >= 0)
     # rows in the middle of rests that last for longer than the filter remembers
     far = inside.copy()

@@ -202,6 +202,7 @@ def test_the_least_residual_has_words_on_every_route():
         "features": "error of the features 1.2 %",
         "travel": "residual 0.012",
         "rate-state": "coefficient off by 0.012",
+        "joints": "residual 0.012",
         "shooting": "12 mN",
     }
 

@@ -219,7 +219,10 @@ def test_a_rig_file_of_the_law_is_refused_before_the_work(run, monkeypatch, tmp_
     [
         (("fit", "--horizon", "1"), "records of motion or friction"),
         (("fit", "--segment", "1"), "records of motion or friction"),
-        (("fit", "--hold", "first"), "records of motion or friction"),
+        (
+            ("fit", "--hold", "first"),
+            "records of several joints and records of motion or friction",
+        ),
         (("select", "--horizon", "1"), "records of motion or friction"),
         (("select", "--purpose", "position"), "records of motion or friction"),
         (("select", "--enforce"), "travels"),

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.cli.console import document, note, print_json, stdout
 from stickslip.cli.progress import Compiling
-from stickslip.drives import Pulse, ThreePhase
+from stickslip.drives import Drive, Pulse, ThreePhase
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
 from stickslip.friction import FrictionLaw, law_type
@@ -120,11 +120,17 @@ def _variants(kind: type[Mechanism]) -> Iterator[Mechanism]:
     if set(required) - values.keys():  # parts, of which there are no ordinary ones
         return
     yield kind(**values)
-    for name, hint in typing.get_type_hints(kind).items():
+    hints = typing.get_type_hints(kind)
+    for name, hint in hints.items():
         if hint is Motor:
             yield from (kind(**values, **{name: motor}) for motor in MOTORS)
-        elif name == "drive":
-            yield kind(**values, drive=PULSE)  # type: ignore[call-arg]  # not every one has it
+    drives = [
+        name
+        for name, hint in hints.items()
+        if name.endswith("drive") and Drive in typing.get_args(hint)
+    ]
+    if drives:
+        yield kind(**values, **dict.fromkeys(drives, PULSE))
 
 
 def _is_required(field: "dataclasses.Field[Any]") -> bool:

@@ -69,6 +69,13 @@ def levels_at(mechanism: Mechanism) -> Levels:
     ... ]
     ['per load', 'forces', 'per load', 'torques']
     """
+    contacts = mechanism.contacts()
+    if len(contacts) > 1:
+        if any(one.load != 1.0 for one in contacts):
+            return "per load"
+        units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+        turning = all(units.get(name) == "rad" for one in contacts for name in one.slips)
+        return "torques" if turning else "forces"
     unit = any(
         one.name == "load" and one.default == 1.0 == getattr(mechanism, "load")  # noqa: B009  # not every mechanism has one
         for one in dataclasses.fields(mechanism)

@@ -17,6 +17,7 @@ from stickslip.experiments.line import Line
 from stickslip.quantities import Converted, Numbers, Quantity
 
 __all__ = [
+    "BY_JOINT",
     "KINDS_OF_UNCERTAINTY",
     "QUANTITIES",
     "TRAVELS",
@@ -24,6 +25,7 @@ __all__ = [
     "Kind",
     "Measurement",
     "Uncertainty",
+    "quantity_called",
 ]
 
 Array = NDArray[np.float64]
@@ -31,6 +33,8 @@ Kind = Literal["scalars", "series", "friction-map"]
 Uncertainty = Literal["rounding", "standard", "interval"]
 Series: TypeAlias = Converted[Numbers | None, Array | None]
 Values: TypeAlias = Converted[float | Numbers | None, Array | float | None]
+Moving: TypeAlias = Converted[float | Numbers | Mapping[str, Numbers] | None, Array | float | None]
+"""What may be given by joint; it is then kept in `Measurement.joints`."""
 ByQuantity: TypeAlias = Converted[float | Mapping[str, float], Mapping[str, float]]
 # defaults, whose type a type checker need not compare with what is kept
 ABSENT: Any = None
@@ -64,6 +68,28 @@ TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
 SAMPLED = tuple(name for name in QUANTITIES if name not in TRAVELS)
 """What a time series has one value of for each time."""
 
+BY_JOINT = ("position", "velocity", "force")
+"""What may be given by the name of a joint."""
+
+
+def quantity_called(name: str) -> Quantity:
+    """Return what is measured under a name, that of a joint at its end or not.
+
+    Raises
+    ------
+    KeyError
+        If nothing is.
+
+    Examples
+    --------
+    >>> quantity_called("force.elbow").symbol
+    'u'
+    """
+    known, _, joint = name.partition(".")
+    if joint and known not in BY_JOINT:
+        raise KeyError(name)
+    return QUANTITIES[known]
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,10 +102,11 @@ class Measurement:
     ----------
     time : array (n,), optional
         Times of the samples [s], increasing.
-    position, velocity : array (n,) or float, optional
-        Of the slipping body, [m] and [m/s].
-    force : array (n,) or float, optional
-        Applied force [N].
+    position, velocity : array (n,), float or mapping of str to array (n,), optional
+        Of the slipping body, [m] and [m/s]. Where several coordinates were measured, such as the
+        joints of a robot, by the name of the coordinate; `joints` then has them.
+    force : array (n,), float or mapping of str to array (n,), optional
+        Applied force [N], or the force along each coordinate, by its name.
     friction : array (n,) or float, optional
         Friction force [N], with the sign of the slip velocity.
     load : array (n,) or float, optional
@@ -116,7 +143,8 @@ class Measurement:
     initial : mapping of str to float, optional
         Initial states by name; the others are 0.
     offset : mapping of str to float, optional
-        Offset of a sensor by quantity; `values` subtracts it.
+        Offset of a sensor by quantity; `values` subtracts it. That of one joint is called
+        ``"force.elbow"``.
     turning : bool
         Whether all that was measured is about an axis: angles [rad], their rates [rad/s], torques
         [N m].
@@ -126,6 +154,8 @@ class Measurement:
         The line on which positions in a plane were projected.
     name, provenance : str
         What the record is called and where it comes from.
+    joints : mapping of str to Measurement, optional
+        What was measured of each coordinate, with the same times: made from what is given by joint.
     trials : sequence of Measurement
         Instead of all the above: records of one kind.
 
@@ -153,12 +183,25 @@ class Measurement:
     >>> from dataclasses import replace
     >>> replace(both, parameter_uncertainties={"mechanism.stiffness": 2.0}).parameter_uncertainties
     {'mechanism.stiffness': 2.0}
+
+    An arm with two joints:
+
+    >>> arm = Measurement(
+    ...     time=[0.0, 0.1],
+    ...     position={"shoulder": [0.0, 0.1], "elbow": [0.5, 0.4]},
+    ...     force={"shoulder": [0.0, 0.0], "elbow": [0.2, 0.3]},
+    ...     turning=True,
+    ... )
+    >>> arm.quantities()
+    ('position.shoulder', 'force.shoulder', 'position.elbow', 'force.elbow')
+    >>> arm.joints["elbow"].position, arm.unit("force.elbow")
+    (array([0.5, 0.4]), 'N m')
     """
 
     time: Series = ABSENT
-    position: Values = ABSENT
-    velocity: Values = ABSENT
-    force: Values = ABSENT
+    position: Moving = ABSENT
+    velocity: Moving = ABSENT
+    force: Moving = ABSENT
     friction: Values = ABSENT
     load: Values = ABSENT
     spring_force: Values = ABSENT
@@ -179,6 +222,7 @@ class Measurement:
     line: Line | None = None
     name: str = ""
     provenance: str = ""
+    joints: Mapping[str, "Measurement"] = field(default_factory=dict)
     trials: Converted[Sequence["Measurement"], tuple["Measurement", ...]] = NO_TRIALS
 
     def __post_init__(self) -> None:
@@ -193,6 +237,9 @@ class Measurement:
             "parameter_uncertainties",
             _positive("parameter_uncertainties", self.parameter_uncertainties),
         )
+        self._set("joints", _joints(self))
+        for name in BY_JOINT if self.joints else ():
+            self._set(name, None)
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
             if getattr(self, name) is not None:
                 self._set(name, _numbers(name, quantity, getattr(self, name)))
@@ -266,11 +313,29 @@ class Measurement:
         >>> Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6]).quantities()
         ('velocity', 'friction')
         """
-        return tuple(
+        records = self.records()
+        plain = [
             name
             for name in QUANTITIES
-            if any(getattr(record, name) is not None for record in self.records())
+            if any(getattr(record, name) is not None for record in records)
+        ]
+        by_joint = dict.fromkeys(
+            f"{name}.{joint}"
+            for record in records
+            for joint, one in record.joints.items()
+            for name in one.quantities()
         )
+        return (*plain, *by_joint)
+
+    def joint_names(self) -> tuple[str, ...]:
+        """Return the names of the joints that were measured; none where nothing is by joint.
+
+        Examples
+        --------
+        >>> Measurement(travel=0.2).joint_names()
+        ()
+        """
+        return tuple(dict.fromkeys(name for one in self.records() for name in one.joints))
 
     def unit(self, quantity: str) -> str:
         """Return the SI unit of a quantity: of an angle or torque where the record is `turning`.
@@ -280,8 +345,8 @@ class Measurement:
         >>> Measurement(velocity=[0.1, 0.2], friction=[2.5, 2.6], turning=True).unit("friction")
         'N m'
         """
-        _present("measurement", quantity, tuple(QUANTITIES))
-        known = QUANTITIES[quantity]
+        _present("measurement", quantity, (*QUANTITIES, *self.quantities()))
+        known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
 
     def values(self, quantity: str) -> Array | float:
@@ -313,8 +378,59 @@ class Measurement:
                 " Measurement.records()."
             )
         _present("measurement", quantity, self.quantities())
+        name, _, joint = quantity.partition(".")
+        if joint:
+            return self.joints[joint].values(name)
         value = cast("Array | float", getattr(self, quantity))
         return value - self.offset.get(quantity, 0.0)
+
+
+def _joints(record: Measurement) -> Mapping[str, Measurement]:
+    """Return what was measured of each joint as a record of its own, with the same times."""
+    given: dict[str, Any] = {
+        name: getattr(record, name) for name in BY_JOINT if getattr(record, name) is not None
+    }
+    tables = {name: table for name, table in given.items() if isinstance(table, Mapping)}
+    if not tables:
+        return _shared_times(record)
+    plain = [name for name in given if name not in tables]
+    if plain or record.joints:
+        other = f"{plain[0]} is not" if plain else "joints are given too"
+        raise InputError(
+            f"Measurement.{next(iter(tables))} is given by joint, but {other}: give position,"
+            " velocity and force by joint, or none of them."
+        )
+    names = dict.fromkeys(joint for table in tables.values() for joint in table)
+    for joint in names:
+        if not isinstance(joint, str) or not joint or "." in joint:
+            raise InputError(
+                f"the name of a joint must be a text without a dot, such as 'elbow', got {joint!r}."
+            )
+    given_offset: Any = record.offset  # checked later
+    offsets = given_offset if isinstance(given_offset, Mapping) else {}
+    found = {}
+    for joint in names:
+        own = {name: table[joint] for name, table in tables.items() if joint in table}
+        offset = {
+            name.partition(".")[0]: value
+            for name, value in offsets.items()
+            if str(name).partition(".")[2] == joint
+        }
+        try:
+            found[joint] = Measurement(
+                time=record.time, **own, offset=offset, turning=record.turning, name=joint
+            )
+        except InputError as error:
+            raise type(error)(f"joint {joint!r}: {error}") from None
+    return found
+
+
+def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
+    """Return joints that were made before, which must have the times of their record."""
+    for joint, one in record.joints.items():
+        if not np.array_equal(np.asarray(one.time), np.asarray(record.time)):
+            raise InputError(f"joint {joint!r} must have the times of its record.")
+    return dict(record.joints)
 
 
 def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
@@ -384,12 +500,12 @@ def _check_time(record: Measurement, sizes: Mapping[str, int]) -> None:
     time = record.time
     if not isinstance(time, np.ndarray) or time.size < 2:
         raise InputError("Measurement.time (t) [s] must be an array of at least 2 times.")
-    if not sizes:
+    if not sizes and not record.joints:
         raise InputError(
             f"Measurement.time (t) is given without samples: give one of {', '.join(SAMPLED)}"
             " with as many values."
         )
-    if set(sizes.values()) != {time.size}:
+    if {*sizes.values()} - {time.size}:
         raise InputError(f"All arrays must be as long as time ({time.size}), got {_listed(sizes)}.")
     for name in SAMPLED:
         if name != "load" and isinstance(getattr(record, name), float):  # a weight stays
@@ -429,7 +545,8 @@ def _uncertainty(record: Measurement) -> dict[str, float]:
     checked = {}
     for name, value in given.items():
         _present("uncertainty", name, present)
-        quantity = Quantity(f"u_{QUANTITIES[name].symbol}", QUANTITIES[name].unit, above=0)
+        known = quantity_called(name)
+        quantity = Quantity(f"u_{known.symbol}", known.unit, above=0)
         checked[name] = quantity.check("Measurement.uncertainty", name, value)
     return checked
 
@@ -464,7 +581,7 @@ def _check_trials(whole: Measurement) -> None:
             raise InputError(f"Each of Measurement.trials must be one record, got {_short(trial)}.")
     # Beside trials these would silently have no effect.
     arrays = [name for name in ("time", *QUANTITIES) if getattr(whole, name) is not None]
-    settings = ("uncertainty", "overrides", "conditions", "initial", "offset")
+    settings = ("uncertainty", "overrides", "conditions", "initial", "offset", "joints")
     own = arrays + [name for name in settings if getattr(whole, name)]
     if own:
         raise InputError(
@@ -475,6 +592,8 @@ def _check_trials(whole: Measurement) -> None:
         raise InputError(
             f"Trials must be of one kind, got {' and '.join(kinds)}: analyse them separately."
         )
+    if len({frozenset(trial.joints) for trial in whole.trials}) > 1:
+        raise InputError("Trials must have the same joints: analyse the others separately.")
     names = Counter(trial.name for trial in whole.trials if trial.name)
     twice = [name for name, count in names.items() if count > 1]
     if twice:

@@ -7,7 +7,7 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments.checking.data_quality import Finding, check, faults
-from stickslip.experiments.measurement import QUANTITIES, Measurement
+from stickslip.experiments.measurement import QUANTITIES, Measurement, quantity_called
 from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
 
@@ -150,13 +150,13 @@ def refuse_lack(
     Traceback (most recent call last):
     stickslip.errors.InputError: the second record has no force (u) [N], which ...
     """
-    needed = [name for name in ACTING if name in first.quantities()]
+    needed = [name for name in first.quantities() if name.partition(".")[0] in ACTING]
     for name in dict.fromkeys([*needed, *([compared] if compared else [])]):
         for record in second.records():
             if name in record.quantities():
                 continue
             label = f"{which} {record.name!r}" if record.name else which
-            quantity = QUANTITIES[name]
+            quantity = quantity_called(name)
             cure = " Where no force acted, give a force of 0." if name == "force" else ""
             raise InputError(
                 f"{label} has no {name} ({quantity.symbol}) [{quantity.unit}], which the fitted"
@@ -201,6 +201,9 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
 
 def _same(one: Measurement, other: Measurement) -> bool:
     """Whether what both records have is the same, sample by sample."""
+    if one.joints and other.joints:
+        both = one.joints.keys() & other.joints.keys()
+        return bool(both) and all(_same(one.joints[name], other.joints[name]) for name in both)
     pairs = [
         (getattr(one, name), getattr(other, name))
         for name in ("time", *QUANTITIES)

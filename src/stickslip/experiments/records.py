@@ -11,7 +11,14 @@ import numpy as np
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
-from stickslip.experiments.measurement import SAMPLED, TRAVELS, Array, Measurement, Uncertainty
+from stickslip.experiments.measurement import (
+    BY_JOINT,
+    SAMPLED,
+    TRAVELS,
+    Array,
+    Measurement,
+    Uncertainty,
+)
 from stickslip.experiments.readers.reader_options import Column, Reading, check_columns
 from stickslip.experiments.readers.spelling import spelled
 from stickslip.experiments.readers.time_base import Repair, repaired, repairs
@@ -48,7 +55,8 @@ def load_measurement(
     and the like, and parameter paths such as ``mechanism.compression``. Every other file is one
     record, with the columns ``time``, ``position``, ``velocity``, ``force``, ``friction``,
     ``load``, ``spring_force``, ``pull``, ``reference``; what else it has is left alone, and named
-    by `stickslip.check`. A column ``trial`` says which trial each row belongs to. A header
+    by `stickslip.check`. A column ``trial`` says which trial each row belongs to. Names of what was
+    measured of several joints end with the joint, as ``force.elbow``. A header
     may carry its unit, as ``travel [mm]``; without one, and without an entry in `units`, numbers
     are in SI. A ``friction`` or ``spring_force`` in ``1`` or ``%`` is a coefficient, which becomes
     a force by the load: of the file, or else of the mechanism. The columns of a MATLAB file are its
@@ -250,7 +258,9 @@ class _Files:
         from stickslip.experiments.readers.condition_columns import TRIAL, conditions_in, unused_in
         from stickslip.experiments.readers.table_reader import SECOND
 
-        wanted, reading = ("time", *SAMPLED, SECOND), self.reading
+        reading = self.reading
+        joints = [name for name in frame.names if _of_joint(name)]
+        wanted = ("time", *SAMPLED, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
             if key not in (*wanted, TRIAL):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
@@ -285,7 +295,7 @@ class _Files:
             )
         if line is not None and line.length:
             line = line.scaled(float(np.ptp(values["position"])) / line.length)
-        parts: dict[str, Any] = {**values, **self.common}
+        parts: dict[str, Any] = {**_nested(values), **self.common}
         return Measurement(
             **parts,
             offset=reading.offset,
@@ -296,6 +306,24 @@ class _Files:
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),
         )
+
+
+def _of_joint(name: str) -> bool:
+    """Whether a column is known by a quantity and the joint it was measured of."""
+    quantity, _, joint = name.partition(".")
+    return quantity in BY_JOINT and bool(joint)
+
+
+def _nested(values: Mapping[str, Array]) -> dict[str, Array | dict[str, Array]]:
+    """Return columns by quantity; what is of joints, as a table by joint."""
+    found: dict[str, Any] = {}
+    for name, column in values.items():
+        quantity, _, joint = name.partition(".")
+        if not joint:
+            found[quantity] = column
+        elif isinstance(found.setdefault(quantity, {}), dict):
+            found[quantity][joint] = column
+    return found
 
 
 def _is_table(given: object) -> bool:

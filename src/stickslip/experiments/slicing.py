@@ -40,7 +40,8 @@ def rows_of(record: Measurement, first: int, end: int) -> Measurement:
         for name in ("time", *SAMPLED)
         if isinstance(getattr(record, name), np.ndarray)
     }
-    return replace(record, **columns)
+    joints = {name: rows_of(one, first, end) for name, one in record.joints.items()}
+    return replace(record, **columns, joints=joints)
 
 
 def between_gaps(record: Measurement) -> tuple[Measurement, ...]:

@@ -51,6 +51,7 @@ INSIDE = {
     "PrintedCoulomb": "published",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
+    "given_to": "by_contact",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

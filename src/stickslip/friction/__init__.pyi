@@ -11,6 +11,7 @@ from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
+from stickslip.friction.by_contact import given_to as given_to
 from stickslip.friction.coulomb import Coulomb as Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous as CoulombViscous
 from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as CoulombViscousStatic

@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias, final
+from typing import TypeAlias, TypeVar, final
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.base import FrictionLaw, bristles_of
 from stickslip.quantities import Group
 
-__all__ = ["Friction", "Laws", "assigned", "bristle_names"]
+__all__ = ["Friction", "Laws", "assigned", "bristle_names", "given_to"]
+
+T = TypeVar("T")
 
 
 @final
@@ -22,6 +24,16 @@ class Laws(Group):
 
     members: tuple[tuple[str, FrictionLaw], ...]
     """Names of contacts, and their laws."""
+
+    @property
+    def name(self) -> str:
+        """Names of the contacts with those of their laws."""
+        return ", ".join(f"{contact}: {law.name}" for contact, law in self.members)
+
+    @property
+    def title(self) -> str:
+        """The contacts with their laws in running text."""
+        return ", ".join(f"{contact}: {law.title}" for contact, law in self.members)
 
 
 Friction: TypeAlias = FrictionLaw | Mapping[str, FrictionLaw | None] | Laws
@@ -69,23 +81,55 @@ def assigned(contacts: tuple[str, ...], law: Friction) -> FrictionLaw | Laws:
             "law must be a FrictionLaw, or a mapping from the names of contacts to laws, got"
             f" {law!r}."
         )
-    for name, one in law.items():
-        if name not in contacts:
-            raise UnknownNameError("contact", name, contacts)
+    known = given_to(contacts, law)
+    for name, one in known.items():
         if one is not None and not isinstance(one, FrictionLaw):
             raise InputError(f"the law of the contact {name!r} must be a FrictionLaw, got {one!r}.")
-    missing = [name for name in contacts if name not in law]
+    members = tuple((name, one) for name, one in known.items() if one is not None)
+    return members[0][1] if len(contacts) == 1 else Laws(members=members)
+
+
+def given_to(contacts: tuple[str, ...], laws: Mapping[str, T | None]) -> dict[str, T | None]:
+    """Return what is given for each contact, in their order.
+
+    Parameters
+    ----------
+    contacts : tuple of str
+        Names of the mechanism's contacts.
+    laws : mapping of str to object
+        Laws, types or names of laws by the name of the contact; None where nothing rubs.
+
+    Returns
+    -------
+    dict of str to object
+        The same, in the order of the contacts.
+
+    Raises
+    ------
+    InputError
+        If a contact is left out, or none has a law.
+    UnknownNameError
+        If there is no contact of a name.
+
+    Examples
+    --------
+    >>> given_to(("shoulder", "elbow"), {"elbow": "coulomb", "shoulder": None})
+    {'shoulder': None, 'elbow': 'coulomb'}
+    """
+    for name in laws:
+        if name not in contacts:
+            raise UnknownNameError("contact", name, contacts)
+    missing = [name for name in contacts if name not in laws]
     if missing:
         raise InputError(
             f"no law is given for the contact {missing[0]!r}: add {missing[0]!r}: None if nothing"
             " rubs there."
         )
-    members = tuple((name, one) for name in contacts if (one := law[name]) is not None)
-    if not members:
+    if all(laws[name] is None for name in contacts):
         raise InputError(
             "no contact has a law: give one of them a law, with levels of 0 if need be."
         )
-    return members[0][1] if len(contacts) == 1 else Laws(members=members)
+    return {name: laws[name] for name in contacts}
 
 
 def law_of(contact: str, law: FrictionLaw | Laws) -> FrictionLaw | None:

@@ -56,6 +56,8 @@ from stickslip.identification.records.fitting import choice_of as choice_of
 from stickslip.identification.records.fitting import fit_record as fit_record
 from stickslip.identification.records.fitting import fit_records as fit_records
 from stickslip.identification.records.fitting import record_route_name as record_route_name
+from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
+from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
@@ -140,6 +142,7 @@ __all__ = [
     "compare_trials",
     "features_of",
     "fit_features",
+    "fit_joints",
     "fit_rate_state",
     "fit_records",
     "fit_travels",

@@ -26,7 +26,7 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
-from stickslip.friction import FrictionLaw, RateState
+from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
 
@@ -40,7 +40,9 @@ __all__ = ["READINGS", "Estimate", "Fit", "Law_co", "estimates_for", "far_above_
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
-AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | RateState, default=FrictionLaw, covariant=True)
+AnyLaw_co = TypeVar(
+    "AnyLaw_co", bound=FrictionLaw | Laws | RateState, default=FrictionLaw, covariant=True
+)
 """The same, of laws that are not simulated too."""
 READINGS = "readings"
 """What the readings themselves are called among the sources of an estimate's uncertainty."""
@@ -159,8 +161,14 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
         Raises
         ------
         InputError
-            If the law is none that a rig file can have: rate-and-state friction.
+            If the law is none that a rig file can have: rate-and-state friction, or laws by
+            contact.
         """
+        if isinstance(self.law, Laws):
+            raise InputError(
+                "laws of several contacts are not written to a rig file yet: `to_dict()` has the"
+                " numbers, and `simulate` takes the laws as they are."
+            )
         if isinstance(self.law, RateState):
             raise InputError(
                 f"{self.law.title.lower()} is no law of a rig file: the logarithm of the speed"
@@ -276,7 +284,7 @@ def far_above_dry(fit: Fit) -> tuple[str, ...]:
 
 
 def estimates_for(
-    law: FrictionLaw | RateState,
+    law: FrictionLaw | Laws | RateState,
     estimates: Sequence[Estimate],
     correlation: ArrayLike,
     *,
@@ -287,7 +295,7 @@ def estimates_for(
 
     Parameters
     ----------
-    law : FrictionLaw or RateState
+    law : FrictionLaw, Laws or RateState
         With its fitted values.
     estimates : sequence of Estimate
         What was fitted.

@@ -14,6 +14,7 @@ MECHANISM_MODULES = {
     "ClutchTrain": "clutch_train",
     "DiscBrake": "disc_brake",
     "TwoFeet": "two_feet",
+    "TwoLinkArm": "two_link_arm",
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 

@@ -35,6 +35,7 @@ from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as TwoFeet
+from stickslip.mechanisms.two_link_arm import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
 
 MECHANISM_MODULES: dict[str, str]
@@ -63,6 +64,7 @@ __all__ = [
     "Torque",
     "TowedBlock",
     "TwoFeet",
+    "TwoLinkArm",
     "TwoMassAxis",
     "mechanisms",
     "slip_names",

@@ -60,6 +60,7 @@ HOMES = {
     "plot_fit": "selection.fits",
     "plot_friction_map": "selection.fits",
     "plot_friction_velocity": "runs.run",
+    "plot_joints": "selection.joints",
     "plot_law": "laws.curves",
     "plot_limit_cycle": "runs.limit_cycles",
     "plot_presliding": "laws.curves",

@@ -112,6 +112,7 @@ from stickslip.plots.selection.fits import plot_residuals as plot_residuals
 from stickslip.plots.selection.fits import plot_scores as plot_scores
 from stickslip.plots.selection.fits import plot_travel_residuals as plot_travel_residuals
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
+from stickslip.plots.selection.joints import plot_joints as plot_joints
 from stickslip.plots.selection.prediction_excerpts import Piece as Piece
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces
 from stickslip.plots.selection.prediction_excerpts import piece_sizes as piece_sizes
@@ -188,6 +189,7 @@ __all__ = [
     "plot_fit",
     "plot_friction_map",
     "plot_friction_velocity",
+    "plot_joints",
     "plot_law",
     "plot_limit_cycle",
     "plot_presliding",

@@ -10,6 +10,7 @@ from stickslip.formatting import joined
 from stickslip.identification import RouteChoice, called
 from stickslip.quantities import name_taken, plugins
 from stickslip.routes.features import FeatureRoute
+from stickslip.routes.joints import JointRoute
 from stickslip.routes.rate_state import RateStateRoute
 from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
@@ -22,6 +23,7 @@ AnyRoute: TypeAlias = Route[Any, Any]
 OWN: tuple[AnyRoute, ...] = (
     FeatureRoute(),
     TravelRoute(),
+    JointRoute(),
     RateStateRoute(),
     RecordRoute(),
 )
@@ -40,7 +42,7 @@ def routes() -> tuple[AnyRoute, ...]:
     Examples
     --------
     >>> [route.measured for route in routes()][-3:]
-    ['travels', 'velocity steps', 'records of motion or friction']
+    ['records of several joints', 'velocity steps', 'records of motion or friction']
     """
     found: list[AnyRoute] = []
     taken = {name for route in OWN for name in route.names}

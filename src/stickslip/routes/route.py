@@ -198,6 +198,8 @@ class Route(ABC, Generic[F, V]):
     """Whether candidates meet or miss the criteria of runs to rest, which ``--enforce`` heeds."""
     counts_runs: ClassVar[bool] = False
     """Whether progress is a number of runs; else it is the least residual so far."""
+    by_contact: ClassVar[bool] = False
+    """Whether laws are given by the name of the contact."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"

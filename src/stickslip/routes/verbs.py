@@ -2,14 +2,15 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import TypeAlias, cast
+from typing import Any, TypeAlias, overload
 
 from typing_extensions import TypeVar
 
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw, RateState
+from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identification import (
     Fit,
+    RecordFit,
     RecordSettings,
     RouteChoice,
     RouteName,
@@ -29,7 +30,20 @@ OneLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState
 """One type, since a union of several types of lists would keep checkers from inferring a list."""
 
 
-@arguments
+@overload
+def fit(
+    mechanism: Mechanism,
+    law: Mapping[str, FrictionLaw | type[FrictionLaw] | str | None],
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    settings: RecordSettings | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> RecordFit[Laws]: ...
+
+
+@overload
 def fit(
     mechanism: Mechanism,
     law: AnyLaw | type[AnyLaw] | str,
@@ -41,25 +55,43 @@ def fit(
     settings: RecordSettings | None = None,
     t_end: float | None = None,
     progress: Callable[[float], object] | None = None,
-) -> Fit[AnyLaw]:
+) -> Fit[AnyLaw]: ...
+
+
+@arguments
+def fit(
+    mechanism: Mechanism,
+    law: Any,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    route: RouteName | RouteChoice | None = None,
+    settings: RecordSettings | None = None,
+    t_end: float | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Fit[Any]:
     """Fit parameters of a law to what was measured.
 
     Travels are fitted by runs to rest; records in time by simulated segments; friction that was
     measured directly along the measured motion; the force of a spring that pulls a block by its
     features, since no law follows irregular stick-slip sample by sample; friction under a load
-    point with steps of its speed by rate-and-state laws.
+    point with steps of its speed by rate-and-state laws; and several joints at once by inverse
+    dynamics.
 
     Parameters
     ----------
     mechanism : Mechanism
         What was measured; trials may override its parameters.
-    law : FrictionLaw, RateState, type or str
+    law : FrictionLaw, RateState, type or str, or mapping of str to these
         An instance, whose values are the start and, for parameters that are not varied, the
         assumption; or a type or a name, for which start values are found: in a record, or ordinary
-        ones for travels. Names are those of `select`, such as ``"dahl-exponent"`` for records.
+        ones for travels. Names are those of `select`, such as ``"dahl-exponent"`` for records. For
+        a record of several joints, laws by the name of the contact, None where nothing rubs; a type
+        or a name alone stands for one law of that kind at each contact.
     measurement : Measurement
         Travels, records in time, measured friction, the force of a spring, or velocity steps of a
-        load point.
+        load point; or positions and forces of several joints.
     vary : str or sequence of str, optional
         Parameters to fit, all others are held: full paths such as ``"mechanism.inertia"``, last
         names that are unique, and patterns with ``*``. ``"friction.*"``, which is all if not given,
@@ -110,7 +142,8 @@ def fit(
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, {name: name for name in options.given}, options)
-    refuse_foreign(way, [law])
+    several = isinstance(law, Mapping) and way.by_contact
+    refuse_foreign(way, [one for one in law.values() if one is not None] if several else [law])
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
@@ -120,8 +153,8 @@ def fit(
         fixed=fixed,
         progress=progress,
     )
-    found = way.fit(request, _chosen(way, request, options, kind))
-    return cast("Fit[AnyLaw]", found)  # a fit changes the numbers of a law, not its type
+    found: Fit[Any] = way.fit(request, _chosen(way, request, options, kind))
+    return found
 
 
 @arguments

@@ -182,10 +182,27 @@ def _findings(
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]
-        own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
+        if record.joints:
+            yield from _joints(record, label, grave)
+            own = fits
+        else:
+            own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
         yield from (replace(finding, record=label) for finding in own)
     if not grave:
         yield from map_coverage.unused(records)
+
+
+def _joints(record: Measurement, label: str, grave: bool) -> Iterator[Finding]:
+    """Yield what is found of each joint by itself, after its name; what all share, once."""
+    found = {name: [*_record(one, None, grave)] for name, one in record.joints.items()}
+    said = [{one.sentence for one in own} for own in found.values()]
+    shared = set.intersection(*said)
+    for number, (name, own) in enumerate(found.items()):
+        for one in own:
+            if one.sentence not in shared:
+                yield replace(one, record=f"{label}, {name}" if label else name)
+            elif number == 0:
+                yield replace(one, record=label)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:

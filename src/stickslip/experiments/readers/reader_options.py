@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias, final
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments.measurement import QUANTITIES
+from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.parameter_paths import PREFIX, canonical
 from stickslip.experiments.readers.spelling import Speaker
 from stickslip.experiments.readers.time_base import Repair, repairs
@@ -130,7 +130,7 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
 
     Examples
     --------
-    >>> check_columns(["time", "position", "mechanism.compression", "initial.x"])
+    >>> check_columns(["time", "position.elbow", "mechanism.compression", "initial.x"])
     >>> check_columns(["positon"])
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown quantity in columns 'positon'. Did you mean ...
@@ -138,7 +138,7 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
     known = ("time", *QUANTITIES, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
-        if name in known or (rest and first in ("initial", PREFIX)):
+        if name in known or (rest and first in ("initial", PREFIX, *BY_JOINT)):
             continue
         if name in MOTORS:
             raise InputError(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.measurement import QUANTITIES, Array
+from stickslip.experiments.measurement import Array, quantity_called
 from stickslip.experiments.units import factor, is_of
 from stickslip.formatting import number
 from stickslip.mechanisms import Mechanism
@@ -149,7 +149,7 @@ class Scaling:
             return gain * self.frame.scaled(name, raw, "1")
         what = f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"
         what += f" {self.frame.units[name]}, and {name} is"
-        if target != QUANTITIES[name].unit:
+        if target != quantity_called(name).unit:
             raise ParameterError(
                 f"{what} a torque in {target}: give as its gain the load times the contact radius,"
                 f" in {target}."
@@ -189,7 +189,7 @@ class Scaling:
         turning = True in kinds
         targets = {"time": "s"}
         for name in moving:
-            quantity = QUANTITIES[name]
+            quantity = quantity_called(name)
             turns = turning and bool(quantity.or_unit)
             targets[name] = quantity.or_unit if turns else quantity.unit
         return targets, turning
@@ -201,7 +201,7 @@ class Scaling:
         """
         kinds: dict[bool, str] = {}
         for name in names:
-            unit, quantity = self.frame.units.get(name), QUANTITIES[name]
+            unit, quantity = self.frame.units.get(name), quantity_called(name)
             if unit is None or not quantity.or_unit:
                 continue
             for turns, target in ((True, quantity.or_unit), (False, quantity.unit)):

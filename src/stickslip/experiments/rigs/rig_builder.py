@@ -14,7 +14,7 @@ from stickslip.drives import Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement, quantity_called
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading, column_of
 from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
@@ -247,9 +247,12 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
     """Return how a table says that files are read."""
     offset = {}
     for name, value in table.offset.items():
-        if name not in QUANTITIES:
-            raise UnknownNameError(f"quantity in {key}.offset of {file}:", name, QUANTITIES)
-        quantity = QUANTITIES[name]
+        try:
+            quantity = quantity_called(name)
+        except KeyError:
+            raise UnknownNameError(
+                f"quantity in {key}.offset of {file}:", name, QUANTITIES
+            ) from None
         turning = (replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
         try:
             found = Number(quantity, alternatives=turning).read(value)

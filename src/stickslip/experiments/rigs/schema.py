@@ -3,12 +3,12 @@
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stickslip.experiments.measurement import QUANTITIES
+from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
 from stickslip.friction import FrictionLaw
@@ -52,23 +52,40 @@ class Columns:
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
-        return {"anyOf": [{"type": "string"}, pair]}
+        joints = {"type": "object", "additionalProperties": {"type": "string"}}
+        return {"anyOf": [{"type": "string"}, pair, joints]}
+
+
+def _by_joint(table: Any) -> Any:
+    """Return a table in which ``force.elbow`` is one key: in TOML, a dot makes a table of it."""
+    if not isinstance(table, dict):
+        return table
+    found: dict[Any, Any] = {}
+    for key, value in table.items():
+        joints = key in BY_JOINT and isinstance(value, dict)
+        found |= {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
+    return found
+
+
+J = TypeVar("J")
+ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
 
 
 class ReadTable(Table):
     """How the columns of a file are read."""
 
-    columns: dict[str, Annotated[Any, Columns()]] = Field(
+    columns: ByJoint[Annotated[Any, Columns()]] = Field(
         default={},
-        description="quantity: name of its column; `position`: two names for motion in a plane",
+        description="quantity: name of its column, of a joint as `force.elbow`; `position`: two"
+        " names for motion in a plane",
     )
-    units: dict[str, str] = Field(default={}, description="quantity: unit of its column")
-    gain: dict[str, Annotated[Any, Number(Quantity("g"))]] = Field(
+    units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
+    gain: ByJoint[Annotated[Any, Number(Quantity("g"))]] = Field(
         default={},
         description="quantity: scale factor, applied after unit conversion if the unit is of the"
         " right kind; otherwise it converts the column to SI",
     )
-    offset: dict[str, Any] = Field(default={}, description="quantity: zero offset of its sensor")
+    offset: ByJoint[Any] = Field(default={}, description="quantity: zero offset of its sensor")
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )

@@ -169,7 +169,11 @@ def in_words(path: str) -> str:
     --------
     >>> in_words("friction.kinetic_coefficient")
     'kinetic coefficient'
+    >>> in_words("measurement.offset.force.elbow")
+    'constant force'
     """
+    if path.startswith("measurement.offset.force."):
+        return "constant force"
     return path.rpartition(".")[2].replace("_", " ")
 
 

@@ -220,6 +220,16 @@ class RecordProblem(Problem):
         return ()
 
     @property
+    def joints(self) -> NDArray[np.str_] | None:
+        """Name of the joint that each row is of (n,); None where there is only one."""
+        return None
+
+    @property
+    def row_weights(self) -> Array | float:
+        """Factor that residuals were multiplied by (n,); 1 where all count alike."""
+        return 1.0
+
+    @property
     def held_offset(self) -> float | None:
         """Constant force beside friction [N] that is not looked for; None for the mechanism's."""
         return None

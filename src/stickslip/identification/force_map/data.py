@@ -1,5 +1,6 @@
 """Records of friction, made ready to be predicted along their measured motion."""
 
+import functools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -59,12 +60,17 @@ class MotionSegment:
     """Segment that each sample belongs to (n,); below 0 if it is not compared."""
     timed: bool = True
     """Whether the samples are a motion in time; those of a table are not."""
-    acceleration: Array | None = None
-    """Accelerations (n,) [m/s^2] that derived friction came from, filtered as it is."""
+    regressors: Array | None = None
+    """What a unit of each parameter of the mechanism takes off derived friction (n, k), filtered as
+    it is: of a mass, the acceleration."""
     resting: NDArray[np.bool_] | None = None
     """Samples (n,) at which the sensor resolves no motion; None where this is not known."""
     held: Array | None = None
     """Friction (n,) [N] that would balance all other forces on a body at rest."""
+    held_regressors: Array | None = None
+    """What a unit of each parameter takes off that (n, k), not filtered; None for nothing."""
+    applied: Array | None = None
+    """Force that was applied (n,) [N], filtered as friction is; None where nothing needs it."""
     resolution: float = 0.0
     """Displacement [m] that the sensor may not resolve."""
     passed: float = 0.0
@@ -100,10 +106,16 @@ class MotionSegment:
             path=path,
             friction=self.friction[:count],
             segment=self.segment[:count],
-            acceleration=None if self.acceleration is None else self.acceleration[:count],
+            regressors=_first(self.regressors, count),
             resting=None if self.resting is None else self.resting[:count],
-            held=None if self.held is None else self.held[:count],
+            held=_first(self.held, count),
+            held_regressors=_first(self.held_regressors, count),
+            applied=_first(self.applied, count),
         )
+
+
+def _first(rows: Array | None, count: int) -> Array | None:
+    return None if rows is None else rows[:count]
 
 
 def stretches_of(
@@ -394,8 +406,15 @@ def smoothed(columns: Array, passed: float) -> Array:
     """
     from scipy import signal
 
-    sections = signal.butter(BUTTERWORTH, passed, output="sos")
-    return np.asarray(signal.sosfiltfilt(sections, columns, axis=0), dtype=float)
+    return np.asarray(signal.sosfiltfilt(_sections(passed), columns, axis=0), dtype=float)
+
+
+@functools.lru_cache(maxsize=64)
+def _sections(passed: float) -> Array:
+    """Return the filter, whose design takes as long as its use on a few seconds of a record."""
+    from scipy import signal
+
+    return np.asarray(signal.butter(BUTTERWORTH, passed, output="sos"))
 
 
 def _velocity(time: Array, position: Array) -> Array:

@@ -6,7 +6,7 @@ friction there balances the other forces, as far as a law can hold it.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -42,9 +42,16 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 
 __all__ = [
+    "FEWEST",
+    "HIGHEST",
+    "SAMPLES",
     "BalanceProblemBuilder",
+    "FilteredMotion",
     "balanced",
+    "compared",
+    "filtered_motion",
     "mean_force",
+    "mean_frequency",
     "passed_by_balance",
     "second_differences",
 ]
@@ -167,7 +174,7 @@ class BalanceProblemBuilder:
     def __call__(self, record: Measurement, length: float | None) -> ForceMap:
         """Return the problem of a record, in segments of a length [s]."""
         own = balanced(self.mechanism, record, hold=self.hold, segment=length)
-        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+        return self._along(own, record)
 
     def fitted(self, record: Measurement, length: float | None = None) -> ForceMap:
         """Return the problem that is fitted: rows that slip, since rests only judge a law.
@@ -185,7 +192,11 @@ class BalanceProblemBuilder:
             The problem, with the mass that friction was derived with.
         """
         own = balanced(self.mechanism, record, hold=self.hold, segment=length, slipping=True)
-        return replace(self.problem.along(own, record), mass=mass_of(self.mechanism))
+        return self._along(own, record)
+
+    def _along(self, stretches: Sequence[MotionSegment], record: Measurement) -> ForceMap:
+        mass = mass_of(self.mechanism)
+        return replace(self.problem.along(stretches, record), mass=mass, derived=(mass,))
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "BalanceProblemBuilder":
         """Return what builds the same with other bounds or start values of the unknowns."""
@@ -193,9 +204,9 @@ class BalanceProblemBuilder:
 
     def at(self, values: Array) -> "BalanceProblemBuilder":
         """Return what derives friction with the mass among values (p,); residuals stay the same."""
-        path = self.problem.inertia
-        if not path:
+        if not self.problem.linear:
             return self
+        (path,) = self.problem.linear
         mass = float(values[self.problem.free_parameters.paths.index(path)])
         return replace(self, mechanism=vary(self.mechanism, "mechanism", {path: mass}))
 
@@ -214,14 +225,14 @@ def _stretch(
     dt = check_even(time)
     raw = positions_of(record)
     passed = min(wider * passed_by_balance(raw), HIGHEST)
-    motion = _motion(raw, dt, passed, tracked="position" in record.quantities())
+    motion = filtered_motion(raw, dt, passed, tracked="position" in record.quantities())
     x, v = motion.position, motion.velocity
     a = second_differences(raw, dt)
     applied = applied_force(mechanism, record)
     joined = hold == "first" or "force" not in record.quantities()
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
-    kept = _compared(motion, passed, slipping=slipping)
+    kept = compared(motion, passed, slipping=slipping)
     every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
     picked = slice(None, None, every)
     return MotionSegment(
@@ -234,7 +245,7 @@ def _stretch(
         ),
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],
-        acceleration=smoothed(a, passed)[picked],
+        regressors=smoothed(a, passed)[picked, None],
         resting=motion.resting[picked],
         held=rest[picked],
         resolution=motion.resolution,
@@ -304,17 +315,23 @@ def _noise(x: Array) -> float:
     return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
 
 
+def mean_frequency(x: Array) -> float:
+    """Return the mean frequency of a motion (n,) [rad per sample].
+
+    That of the sine with the same mean squares of position, seen from its mean, and of steps.
+    """
+    steps = float(np.var(np.diff(x))) - 2.0 * _noise(x) ** 2
+    return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
+
+
 def passed_by_balance(x: Array) -> float:
     """Return what the common filter passes along positions (n,), over half their frequency.
 
-    A multiple of the mean frequency of the motion, which is that of the sine with the same mean
-    squares of position, seen from its mean, and of steps; less where accelerations would be noise,
-    as least squares would find too small a mass. White noise s has accelerations of variance
+    A multiple of the mean frequency of the motion; less where accelerations would be noise, as
+    least squares would find too small a mass. White noise s has accelerations of variance
     s^2 w^5 / (5 pi) up to w rad per sample.
     """
-    noise, spread = _noise(x), float(np.std(x))
-    steps = float(np.var(np.diff(x))) - 2.0 * noise**2
-    mean = math.sqrt(max(steps, 0.0)) / max(spread, 1e-300)
+    noise, spread, mean = _noise(x), float(np.std(x)), mean_frequency(x)
     share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
@@ -333,7 +350,7 @@ def _passed_of_motion(x: Array, least: float) -> float:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Motion:
+class FilteredMotion:
     """A measured motion, filtered, and where it rests."""
 
     position: Array
@@ -345,8 +362,17 @@ class _Motion:
     resolution: float
     """Displacement [m] that it may not resolve."""
 
+    def within(self, rows: slice) -> "FilteredMotion":
+        """Return some of the samples."""
+        return replace(
+            self,
+            position=self.position[rows],
+            velocity=self.velocity[rows],
+            resting=self.resting[rows],
+        )
 
-def _motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> _Motion:
+
+def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> FilteredMotion:
     """Return the motion that positions (n,) show.
 
     A sample is at rest if it is slow and if positions stay within the sensor's resolution for
@@ -362,6 +388,11 @@ def _motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> _Motion:
         What the filter of friction passes, over half the sampling frequency.
     tracked : bool
         Whether positions were measured: those integrated from velocities drift at rest.
+
+    Returns
+    -------
+    FilteredMotion
+        Positions, velocities and rests.
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
@@ -378,7 +409,7 @@ def _motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> _Motion:
         known = resting & (ways[number] == ways[number + 1])
         v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
         resting &= edges[number + 1] - edges[number] > SHORT / passed
-    return _Motion(
+    return FilteredMotion(
         position=x,
         velocity=np.where(resting, 0.0, v),
         resting=resting,
@@ -395,10 +426,24 @@ def _followed(x: Array, reach: float) -> Array:
     return np.array(found)
 
 
-def _compared(motion: _Motion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
+def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
     None are where nothing moves.
+
+    Parameters
+    ----------
+    motion : FilteredMotion
+        The motion, with its rests.
+    passed : float
+        What the filter of friction passes, over half the sampling frequency.
+    slipping : bool
+        Whether rows that see much of what is at rest are left out.
+
+    Returns
+    -------
+    array of bool (n,)
+        True for rows that are compared.
     """
     v = motion.velocity
     kept = np.full(len(v), not motion.resting.all())

@@ -21,7 +21,7 @@ from stickslip.identification.estimation.problem import (
 from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
-__all__ = ["ForceMap"]
+__all__ = ["ForceMap", "moved"]
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,8 @@ class ForceMap(RecordProblem):
     """Measured friction less that of a law along the measured motion, less a constant offset.
 
     Friction that was derived from a force came through a filter, and so does what the law predicts.
-    The mass it was derived with may be one of the unknowns.
+    Parameters of the mechanism it was derived with, in which it is linear, may be among the
+    unknowns: a mass, or the inertias of an arm.
 
     A set-valued law is not defined at rest. Where friction was measured, it is given the sign of
     the measured velocity, else of one that parabolas through neighbouring positions have, and 0
@@ -91,10 +92,13 @@ class ForceMap(RecordProblem):
     """Path of the constant force beside friction."""
     offset: float = 0.0
     """Its value [N] where it is not looked for."""
-    inertia: str = ""
-    """Path of the mass that is looked for, where friction was derived with one."""
+    linear: tuple[str, ...] = ()
+    """Paths of the parameters of the mechanism that are looked for, in the order of the columns of
+    `MotionSegment.regressors`."""
+    derived: tuple[float, ...] = ()
+    """Values of all these columns' parameters that friction was derived with."""
     mass: float = 0.0
-    """The mass [kg] it was derived with."""
+    """What moves as the contact slips [kg], where friction was derived with it."""
 
     @property
     @override
@@ -218,11 +222,11 @@ class ForceMap(RecordProblem):
                 own = PerturbedLaws.of(
                     self.law, self.free_parameters, values, constant=self.constant, slopes=slopes
                 )
-                mass = self._mass(values)
+                linear = self._linear(values)
                 for k, mask in enumerate(masks):
                     if mask.any():
                         one = self.stretches[k]
-                        done[k] = self._local(one, mask, own, mass, known.get(k), change)
+                        done[k] = self._local(one, mask, own, linear, known.get(k), change)
             except (ParameterError, ArithmeticError):
                 done = {}
         good = all(np.all(np.isfinite(one.residual)) for one in done.values())
@@ -240,18 +244,17 @@ class ForceMap(RecordProblem):
     def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
 
-    def _mass(self, values: Array) -> float:
-        """Return the mass [kg]: looked for, or that friction was derived with."""
-        if not self.inertia:
-            return self.mass
-        return float(values[self.free_parameters.paths.index(self.inertia)])
+    def _linear(self, values: Array) -> Array:
+        """Return the parameters of the mechanism that are looked for (k,)."""
+        paths = self.free_parameters.paths
+        return np.array([values[paths.index(path)] for path in self.linear])
 
     def _local(
         self,
         one: MotionSegment,
         mask: NDArray[np.bool_],
         own: PerturbedLaws,
-        mass: float,
+        linear: Array,
         before: _Local | None,
         change: Array,
     ) -> _Local:
@@ -260,13 +263,17 @@ class ForceMap(RecordProblem):
         # a filter sees what comes later, too
         last = len(mask) if one.passed else int(np.flatnonzero(mask)[-1]) + 1
         one = one.until(last)
-        if one.weighed and self.inertia:
-            one = one.loaded(mass / self.mass)
+        weighed = one.weighed and bool(self.linear)
+        if weighed:  # by the only parameter, which is the mass
+            one = one.loaded(float(linear[0]) / self.derived[0])
+        change_of = linear - self.derived[: len(linear)]
+        if one.held is not None and one.held_regressors is not None and self.linear:
+            one = replace(one, held=one.held - one.held_regressors @ change_of)
         force, states, nudge = _friction(own, one, offset, before, change)
         rows = mask[:last]
         balanced = _balanced(one, force[:, 0], offset)
         by_weight = np.zeros(last)
-        if one.weighed and self.inertia:
+        if weighed:
             by_weight = _by_weight(own, one, states[..., 0], force[:, 0] * ~balanced)
         force = one.seen(force)
         base = force[:, :1]
@@ -274,10 +281,15 @@ class ForceMap(RecordProblem):
         residual, slopes = one.friction - offset - base[:, 0], own.slopes_of(force)
         if own.constant is not None and balanced.any():
             slopes[:, own.constant] -= one.seen(balanced.astype(float))
-        if self.inertia and one.acceleration is not None:
-            residual = residual - (mass - self.mass) * one.acceleration
-            column = one.acceleration + one.seen(by_weight) / mass
-            slopes[:, self.free_parameters.paths.index(self.inertia)] = column
+        for k, path in enumerate(self.linear):
+            assert one.regressors is not None
+            column = one.regressors[:, k]
+            residual = residual - change_of[k] * column
+            if one.held_regressors is not None and balanced.any():
+                column = column - one.seen(balanced * one.held_regressors[:, k])
+            if weighed:
+                column = column + one.seen(by_weight) / linear[k]
+            slopes[:, self.free_parameters.paths.index(path)] = column
         basis, inverse = _inverted(local, rows)
         return _Local(
             start=states[:, 0, 0],
@@ -287,6 +299,29 @@ class ForceMap(RecordProblem):
             basis=basis,
             inverse=inverse,
         )
+
+
+def moved(one: MotionSegment, change: Array) -> MotionSegment:
+    """Return a stretch as if friction had been derived with other parameters of the mechanism.
+
+    Parameters
+    ----------
+    one : MotionSegment
+        The stretch.
+    change : array (k,)
+        By how much the parameters change that its regressors are of [SI].
+
+    Returns
+    -------
+    MotionSegment
+        A copy with friction at rest and in motion moved.
+    """
+    if one.regressors is None:
+        return one
+    held = one.held
+    if held is not None and one.held_regressors is not None:
+        held = held - one.held_regressors @ change
+    return replace(one, friction=one.friction - one.regressors @ change, held=held)
 
 
 def _friction(

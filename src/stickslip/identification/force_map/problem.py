@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, fields, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,18 @@ from stickslip.identification.force_map.data import MotionSegment, refuse_timele
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.screening import screened_starts
 from stickslip.identification.force_map.start_values import StartEstimate, looked_for
-from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of
 
-__all__ = ["MECHANISM", "SENSOR", "ForceMap", "force_map", "map_along"]
+__all__ = [
+    "MECHANISM",
+    "SENSOR",
+    "ConstantForce",
+    "ForceMap",
+    "constant_of",
+    "force_map",
+    "map_along",
+]
 
 Array = NDArray[np.float64]
 
@@ -28,6 +36,18 @@ FEW = 1_000
 """Samples of a record that start values are looked for with."""
 SAMPLES = 4_000
 """Samples of a record that a fit uses at most."""
+
+
+class ConstantForce(NamedTuple):
+    """A constant force beside friction."""
+
+    path: str = SENSOR
+    """Its path."""
+    value: float = 0.0
+    """Its value where it is not looked for [N]."""
+
+
+NO_FORCE = ConstantForce()
 
 
 def force_map(
@@ -95,32 +115,46 @@ def force_map(
     """
     stretches = stretches_of(mechanism, measurement, segment=segment, samples=samples)
     few = stretches_of(mechanism, measurement, samples=min(FEW, samples))
-    problem, starts = map_along(law, mechanism, stretches, few, free=free, held=held, known=known)
+    problem, starts = map_along(
+        law, stretches, few, free=free, held=held, known=known, beside=constant_of(mechanism)
+    )
     return replace(problem, free_parameters_=problem.free_parameters.starting_at(starts[0]))
+
+
+def constant_of(mechanism: Mechanism) -> ConstantForce:
+    """Return the constant force of a mechanism, or that of the force sensor if it has none.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> constant_of(Axis(inertia=1.0, offset=0.5))
+    ConstantForce(path='mechanism.offset', value=0.5)
+    """
+    own = getattr(mechanism, "offset", None)
+    return ConstantForce() if own is None else ConstantForce(MECHANISM, own or 0.0)
 
 
 def map_along(
     law: FrictionLaw | type[FrictionLaw],
-    mechanism: Mechanism,
     stretches: Sequence[MotionSegment],
     few: Sequence[MotionSegment],
     *,
     free: Collection[str] | None = None,
     held: Collection[str] = (),
     known: Mapping[str, float] | None = None,
-    mass: FreeParameter | None = None,
+    beside: ConstantForce = NO_FORCE,
+    linear: Sequence[FreeParameter] = (),
+    derived: Sequence[float] = (),
+    mass: float = 0.0,
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the problem as `force_map` does, along stretches, and start values (p,), best first.
 
-    Start values of a law that knows no history come from stretches of fewer samples. `mass` is
-    that which friction was derived with, where it is looked for too.
+    Start values of a law that knows no history come from stretches of fewer samples.
 
     Parameters
     ----------
     law : FrictionLaw or type
         The law; start values of a type come from the stretches.
-    mechanism : Mechanism
-        Gives the offset [N], if it has one.
     stretches : sequence of MotionSegment
         Measured motion and friction along which the law is fitted.
     few : sequence of MotionSegment
@@ -131,8 +165,16 @@ def map_along(
         Parameters that are not fitted, by path or last name.
     known : mapping of str to float, optional
         Values of parameters of the law that are held [SI], by name.
-    mass : FreeParameter, optional
-        The mass as a free parameter.
+    beside : ConstantForce
+        Constant force beside friction, which is looked for unless it is held; that of the force
+        sensor if not given.
+    linear : sequence of FreeParameter
+        Parameters of the mechanism that are looked for too, in the order of the stretches'
+        regressors.
+    derived : sequence of float
+        Values of these parameters that friction was derived with [SI].
+    mass : float
+        What moves as the contact slips [kg], where friction was derived with it.
 
     Returns
     -------
@@ -151,15 +193,13 @@ def map_along(
             " of these."
         )
     refuse_timeless(law, stretches)
-    own = getattr(mechanism, "offset", None)
-    constant = SENSOR if own is None else MECHANISM
     told = StartEstimate.of(stretches, offset=None)
     sought = (
         told.two_sided
         and not issubclass(kind, DirectionalLaw)
-        and not {constant, "offset"} & set(held)
+        and not {beside.path, "offset"} & set(held)
     )
-    rough = told if sought else StartEstimate.of(stretches, offset=own or 0.0)
+    rough = told if sought else StartEstimate.of(stretches, offset=beside.value)
     start = rough.law(kind, known or {}) if isinstance(law, type) else law
     held = [*held, *(f"friction.{name}" for name in known or ())]
     paths = looked_for(start, whole=isinstance(law, type), free=free, held=held)
@@ -167,18 +207,24 @@ def map_along(
         start = _with_defaults(start, paths, known or {})
     whole = ForceMap(
         law=start,
-        free_parameters_=rough.free_parameters(start, paths, constant if sought else None),
+        free_parameters_=rough.free_parameters(start, paths, beside.path if sought else None),
         stretches=tuple(stretches),
-        constant=constant,
-        offset=own or 0.0,
+        constant=beside.path,
+        offset=beside.value,
+        derived=tuple(derived),
+        mass=mass,
     )
-    if all(one.acceleration is not None for one in stretches):
-        whole = replace(whole, mass=mass_of(mechanism))
     coarse = replace(whole, stretches=tuple(few))
     free_parameters = _effective(coarse if isinstance(law, type) else whole)
-    if mass is not None:
-        free_parameters = replace(free_parameters, items=(*free_parameters.items, mass))
-        whole, coarse = (replace(one, inertia=mass.path) for one in (whole, coarse))
+    if not len(free_parameters) and not linear:
+        raise InputError(
+            f"there is nothing to fit: all parameters of {start.title} are fixed or have no effect"
+            " on the record."
+        )
+    if linear:
+        free_parameters = replace(free_parameters, items=(*free_parameters.items, *linear))
+        own = tuple(item.path for item in linear)
+        whole, coarse = (replace(one, linear=own) for one in (whole, coarse))
     problem = replace(whole, free_parameters_=free_parameters)
     if not isinstance(law, type):
         return problem, (free_parameters.start,)
@@ -200,20 +246,9 @@ def _with_defaults(
 
 
 def _effective(problem: ForceMap) -> FreeParameters:
-    """Return the unknowns without those that nothing in the record depends on.
-
-    Raises
-    ------
-    InputError
-        If none is left.
-    """
+    """Return the unknowns without those that nothing in the record depends on."""
     here = problem.linearise(problem.free_parameters.start)
     dead = np.all(here.slopes == 0.0, axis=0) & here.finite
     items = problem.free_parameters.items
     left = tuple(item for item, gone in zip(items, dead, strict=True) if not gone)
-    if not left:
-        raise InputError(
-            f"there is nothing to fit: all parameters of {problem.law.title} are fixed or have no"
-            " effect on the record."
-        )
     return replace(problem.free_parameters, items=left)

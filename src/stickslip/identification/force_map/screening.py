@@ -46,8 +46,8 @@ POLISHED = 7
 ROUNDS = 4
 """Steps downhill."""
 STIFF = "stiffness"
-MASS = 4
-"""Column of accelerations."""
+FIRST = 4
+"""First column of the regressors of parameters of the mechanism."""
 KEPT = 3
 """Starts that are returned at most."""
 WORSE = 4.0
@@ -206,8 +206,11 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
         np.ones(len(measured)),
         np.concatenate([one.path.velocity[mask] for one, mask, *_ in pairs]),
     ]
-    if coarse.inertia and all(one.acceleration is not None for one, *_ in pairs):
-        beside.append(np.concatenate([one.acceleration[mask] for one, mask, *_ in pairs]))  # type: ignore[index]
+    if coarse.linear:
+        beside += [
+            np.concatenate([one.regressors[mask, j] for one, mask, *_ in pairs])  # type: ignore[index]
+            for j in range(len(coarse.linear))
+        ]
     return [
         _scaled(
             coarse,
@@ -232,10 +235,10 @@ def _forces(
 def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _Rated:
     """Return values whose levels and stiffness are scaled to fit, and what that leaves.
 
-    Columns (n, 4 or 5) are friction without the damping of bristles, this damping, a constant
-    force, the velocity, and the acceleration where friction was derived from it. Where no damping
-    fits best, half of the critical one stands for it: from 0, which is a bound, searches seldom
-    come away.
+    Columns (n, 4 + k) are friction without the damping of bristles, this damping, a constant
+    force, the velocity, and what friction was derived from: of a mass, the acceleration. Where no
+    damping fits best, half of the critical one stands for it: from 0, which is a bound, searches
+    seldom come away.
     """
     constant = coarse.free_parameters.paths.index(coarse.constant) if _seeks(coarse) else None
     if not np.all(np.isfinite(table)):
@@ -254,8 +257,9 @@ def _scaled(coarse: ForceMap, values: Array, table: Array, measured: Array) -> _
             new[k] = max(factor * values[k] + float(found[3]), 0.0)
         elif k == constant:
             new[k] = float(found[2])
-        elif item.path == coarse.inertia and table.shape[1] > MASS:
-            new[k] = coarse.mass + float(found[MASS])
+        elif item.path in coarse.linear:
+            j = coarse.linear.index(item.path)
+            new[k] = coarse.derived[j] + float(found[FIRST + j])
     stiffness = next(
         (
             v

@@ -3,15 +3,15 @@
 import math
 import numbers
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
+from typing_extensions import TypeVar, override
 
 from stickslip.display import plots
-from stickslip.errors import ParameterError
+from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.experiments import (
     QUANTITIES,
     LawEstimates,
@@ -22,6 +22,7 @@ from stickslip.experiments import (
     turned,
 )
 from stickslip.formatting import quantity
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
@@ -34,7 +35,7 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.results import Fit, Law_co, estimates_for
+from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
 
 Array = NDArray[np.float64]
+AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
+"""What was fitted: a law, or the laws of several contacts."""
 
 SETTLING = 8
 """Rounds in which initial states are fitted at most."""
@@ -99,6 +102,39 @@ class Score:
     """Root mean square of each segment."""
     turning: bool = False
     """Whether what was predicted turns about an axis."""
+    joints: Mapping[str, "Score"] = field(default_factory=dict)
+    """The same of each joint; empty where there is only one."""
+
+    @classmethod
+    def of(
+        cls, residual: Array, segment: NDArray[np.intp], problem: RecordProblem, *, turning: bool
+    ) -> "Score":
+        """Return the error of rows of a problem.
+
+        Parameters
+        ----------
+        residual : array (n,)
+            Measured less predicted.
+        segment : array of int (n,)
+            Segment of each row.
+        problem : RecordProblem
+            Where they are from.
+        turning : bool
+            Whether what was predicted turns about an axis.
+
+        Returns
+        -------
+        Score
+            Root mean square of all rows, and of each segment that has some.
+        """
+        blocks = [residual[segment == k] for k in range(len(problem.spans))]
+        return cls(
+            rms=float(np.sqrt(residual @ residual / len(residual))),
+            quantity=problem.quantity,
+            horizon=float(np.median(problem.spans[:, 2] - problem.spans[:, 1])),
+            blocks=tuple(math.sqrt(float(np.mean(one**2))) for one in blocks if len(one)),
+            turning=turning,
+        )
 
     @property
     def unit(self) -> str:
@@ -107,9 +143,13 @@ class Score:
 
     @override
     def __str__(self) -> str:
-        """Return the error and what it is of, in one line."""
+        """Return the error and what it is of, in one line; that of each joint, if there are any."""
+        error = quantity(self.rms, self.unit)
+        if self.joints:
+            each = (f"{name} {quantity(one.rms, one.unit)}" for name, one in self.joints.items())
+            error = ", ".join(each)
         return (
-            f"{quantity(self.rms, self.unit)} ({self.quantity}, {len(self.blocks)} segments of"
+            f"{error} ({self.quantity}, {len(self.blocks)} segments of"
             f" {quantity(self.horizon, 's')})"
         )
 
@@ -137,6 +177,23 @@ class Prediction:
     """Predicted (n,), in the SI unit of the quantity."""
     measured: Array
     """Measured (n,), in the same unit."""
+    joint: NDArray[np.str_] | None = None
+    """Name of the joint of each row (n,); None where there is only one."""
+
+    def of(self, joint: str) -> "Prediction":
+        """Return the rows of a joint.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none of that name.
+        """
+        known = [] if self.joint is None else list(dict.fromkeys(self.joint.tolist()))
+        if self.joint is None or joint not in known:
+            raise UnknownNameError("joint", joint, known)
+        own = self.joint == joint
+        columns = ("record", "segment", "t", "residual", "predicted", "measured", "joint")
+        return replace(self, **{name: getattr(self, name)[own] for name in columns})
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
@@ -144,6 +201,7 @@ class Prediction:
 
         return pd.DataFrame(
             {
+                **({} if self.joint is None else {"joint": self.joint}),
                 "record": self.record,
                 "segment": self.segment,
                 "t": self.t,
@@ -156,7 +214,7 @@ class Prediction:
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class RecordFit(Fit[Law_co]):
+class RecordFit(Fit[AnyLaw_co]):
     """A fit to records in time: estimates in the order of the unknowns, residuals, restarts."""
 
     route: str
@@ -214,7 +272,8 @@ class RecordFit(Fit[Law_co]):
 
     @override
     def _plot(self, ax: "Target") -> "Drawing":
-        return cast("Drawing", plots().plot_friction_map(self, ax))
+        draw = plots().plot_friction_map if self.problem.joints is None else plots().plot_joints
+        return cast("Drawing", draw(self, ax))
 
     @property
     def restarts(self) -> OptimizeResult:
@@ -238,10 +297,12 @@ class RecordFit(Fit[Law_co]):
     @override
     def __str__(self) -> str:
         """Return the law, its estimates and how far off it is, in one line."""
-        unit = self.measurement.unit(self.problem.quantity)
+        joints = self.problem.joints is not None
+        unit = "" if joints else self.measurement.unit(self.problem.quantity)
+        error = str(self.score()).partition(" (")[0] if joints else quantity(self.rms, unit)
         return (
             f"{self.law.title} fitted to {self.problem.quantity}:"
-            f" {', '.join(map(str, self.estimates))}; residual {quantity(self.rms, unit)}"
+            f" {', '.join(map(str, self.estimates))}; residual {error}"
             f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
         )
 
@@ -274,7 +335,12 @@ class RecordFit(Fit[Law_co]):
         """The fit as searches of richer laws begin from it."""
         values = dict(zip(self.free_parameters.paths, self.values.tolist(), strict=True))
         best = self.optimum.best
-        return FittedLaw(law=self.law, values=values, cost=best.cost, rows=len(best.residual))
+        return FittedLaw(
+            law=cast("FrictionLaw", self.law),
+            values=values,
+            cost=best.cost,
+            rows=len(best.residual),
+        )
 
     @property
     def scale(self) -> Array:
@@ -310,15 +376,16 @@ class RecordFit(Fit[Law_co]):
         ([2.0, 2.0], [2.0, 2.0])
         """
         problem, seen = self._seen(measurement, horizon)
-        measured = problem.measured
+        measured, residual = problem.measured, seen.residual / problem.row_weights
         return Prediction(
             quantity=problem.quantity,
             record=problem.spans[seen.segment, 0].astype(int),
             segment=seen.segment,
             t=problem.times,
-            residual=seen.residual,
-            predicted=measured - seen.residual,
+            residual=residual,
+            predicted=measured - residual,
             measured=measured,
+            joint=problem.joints,
         )
 
     def score(
@@ -339,17 +406,23 @@ class RecordFit(Fit[Law_co]):
             Root mean square of all residuals and of each segment.
         """
         problem, seen = self._seen(measurement, horizon)
-        squares = [
-            float(np.mean(seen.residual[seen.segment == k] ** 2)) for k in range(len(problem.spans))
-        ]
-        lengths = problem.spans[:, 2] - problem.spans[:, 1]
-        return Score(
-            rms=seen.rms,
-            quantity=problem.quantity,
-            horizon=float(np.median(lengths)),
-            blocks=tuple(math.sqrt(square) for square in squares),
-            turning=self.measurement.turning,
-        )
+        residual, joint = seen.residual / problem.row_weights, problem.joints
+        turning = self.measurement.turning
+        whole = Score.of(residual, seen.segment, problem, turning=turning)
+        if joint is None:
+            return whole
+        units = dict(zip(self.mechanism.coordinates, self.mechanism.units, strict=True))
+        of_joints = {
+            name: Score.of(
+                residual[joint == name],
+                seen.segment[joint == name],
+                problem,
+                turning=units[name] == "rad",
+            )
+            for name in dict.fromkeys(joint.tolist())
+        }
+        alike = all(one.turning for one in of_joints.values())
+        return replace(whole, joints=of_joints, turning=turning or alike)
 
     def _seen(
         self, measurement: Measurement | None, horizon: float | None

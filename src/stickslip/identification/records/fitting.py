@@ -29,7 +29,7 @@ from stickslip.identification.estimation.levenberg_marquardt import OptimizeResu
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
-from stickslip.identification.records.level_units import in_forces, turned_as
+from stickslip.identification.records.level_units import by_joint, in_forces, turned_as
 from stickslip.identification.records.problems import (
     FitSetup,
     ProblemRequest,
@@ -53,7 +53,15 @@ from stickslip.identification.validation import LAW, Parameters, arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["ROUTES", "RecordSettings", "fit_record", "fit_records", "record_route_name"]
+__all__ = [
+    "ROUTES",
+    "RecordSettings",
+    "finished",
+    "fit_record",
+    "fit_records",
+    "record_route_name",
+    "widened_search",
+]
 
 Array = NDArray[np.float64]
 
@@ -286,7 +294,7 @@ def _fitted_by(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = _tested(_finished(way, measurement, ready, found, first), choice.settings.hold)
+    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.hold)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
     return replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
 
@@ -310,7 +318,7 @@ def _searched(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
     ready = replace(ready, tried=(*nested, *ready.tried))
-    ready, found = _widened(ready, wanted.settings, watch, rival)
+    ready, found = widened_search(ready, wanted.settings, watch, rival)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -452,13 +460,29 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
     return replace(fit, model_errors=errors)
 
 
-def _widened(
+def widened_search(
     ready: FitSetup, settings: RecordSettings, watch: Watch | None, rival: float
 ) -> tuple[FitSetup, OptimizeResult]:
     """Search, and again with wider bounds where one was met that a start value had set.
 
     A bound that follows from a poor guess would pass for what the record says. One that is a limit
     of the quantity, such as 0, or of what the record covers stays.
+
+    Parameters
+    ----------
+    ready : FitSetup
+        The problem with its starts.
+    settings : RecordSettings
+        Number of starts, and their seed.
+    watch : callable or None
+        Called with the least root mean square so far; False ends the search.
+    rival : float
+        Mean square that another law leaves; 0 for none.
+
+    Returns
+    -------
+    (FitSetup, OptimizeResult)
+        The problem with the bounds that were used last, and the end of the search.
     """
     found = search(
         ready.problem,
@@ -523,14 +547,33 @@ def _lengthened(
     return ready, found
 
 
-def _finished(
-    route: RecordRouteName,
+def finished(
+    route: str,
     measurement: Measurement,
     ready: FitSetup,
     found: OptimizeResult,
     searched: OptimizeResult,
 ) -> RecordFit:
-    """Return a fit from the end of its search, which began with one from several starts."""
+    """Return a fit from the end of its search, which began with one from several starts.
+
+    Parameters
+    ----------
+    route : str
+        Name of the route.
+    measurement : Measurement
+        What was fitted.
+    ready : FitSetup
+        The problem that was searched.
+    found : OptimizeResult
+        The end of the search.
+    searched : OptimizeResult
+        The search that began from all starts.
+
+    Returns
+    -------
+    RecordFit
+        Law and mechanism with the fitted values, estimates with intervals, what cannot be told.
+    """
     free_parameters, best = ready.problem.free_parameters, found.best
     at_bounds = bounds_met(free_parameters, best.values)
     values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))
@@ -564,7 +607,11 @@ def _finished(
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
         *_doubtful(searched),
     )
-    told = turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
+    told = (
+        by_joint(free_parameters, ready.mechanism)
+        if measurement.joint_names()
+        else turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
+    )
     return _with_estimates(fit, told, sentences)
 
 

@@ -7,7 +7,7 @@ from stickslip.experiments import AT_UNIT_LOAD, Measurement, levels_at, turned
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["in_forces", "reads_as_forces", "turned_as"]
+__all__ = ["by_joint", "in_forces", "reads_as_forces", "turned_as"]
 
 
 def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
@@ -108,6 +108,45 @@ def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> Free
         (item, turned(item.quantity.unit, measurement.turning)) for item in free_parameters.items
     ]
     items = (replace(item, quantity=replace(item.quantity, unit=unit)) for item, unit in pairs)
+    return replace(free_parameters, items=tuple(items))
+
+
+OFFSET = "measurement.offset.force."
+"""Path of the constant force of a joint, before its name."""
+
+
+def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
+    """Return the unknowns of several joints with the units that their values read in.
+
+    Where the load of a contact is 1, levels are forces, or torques of a joint that turns.
+
+    Parameters
+    ----------
+    free_parameters : FreeParameters
+        The free parameters; those of laws have the contact in their paths.
+    mechanism : Mechanism
+        What was measured.
+
+    Returns
+    -------
+    FreeParameters
+        The same parameters.
+    """
+    turns = dict(zip(mechanism.coordinates, (u == "rad" for u in mechanism.units), strict=True))
+    contacts = {one.name or one.slips[0]: one for one in mechanism.contacts()}
+    items = []
+    for item in free_parameters.items:
+        quantity, turning = item.quantity, False
+        if item.path.startswith("friction."):
+            contact = contacts[item.path.split(".")[1]]
+            turning = turns[contact.slips[0]]
+            forces = AT_UNIT_LOAD.get(quantity.unit, "") if contact.load == 1.0 else ""
+            if forces and not quantity.structural:
+                quantity = replace(quantity, unit=forces)
+        elif item.path.startswith(OFFSET):
+            turning = turns[item.path.removeprefix(OFFSET)]
+        unit = turned(quantity.unit, turning)
+        items.append(replace(item, quantity=replace(quantity, unit=unit)))
     return replace(free_parameters, items=tuple(items))
 
 

@@ -17,11 +17,12 @@ from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import stretches_of
 from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, balanced
 from stickslip.identification.force_map.model import ForceMap
-from stickslip.identification.force_map.problem import FEW, SAMPLES, map_along
+from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
+from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.series.measured_load import as_loaded, loaded
 from stickslip.identification.series.start_values import (
     joined,
@@ -282,12 +283,12 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     mechanism = wanted.mechanism
     problem, starts = map_along(
         wanted.law,
-        mechanism,
         stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
         stretches_of(mechanism, wanted.measurement, samples=FEW),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
+        beside=constant_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     build = _ForceMapBuilder(mechanism, problem)
@@ -302,13 +303,15 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
     problem, starts = map_along(
         wanted.law,
-        mechanism,
         balanced(mechanism, measurement, hold=hold, slipping=True),
         balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
-        mass=mass,
+        beside=constant_of(mechanism),
+        linear=() if mass is None else (mass,),
+        derived=(mass_of(mechanism),),
+        mass=mass_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
     if mass is not None:

@@ -264,13 +264,14 @@ def _part(one: MotionSegment, measurement: Measurement, mechanism: Mechanism) ->
     way = np.concatenate([[0.0], np.cumsum(np.abs(one.path.travel))])
     turned = np.concatenate([[0], np.flatnonzero(np.diff(np.sign(v)) != 0) + 1])
     last = turned[np.searchsorted(turned, np.arange(len(t)), side="right") - 1]
-    assert one.acceleration is not None
+    assert one.regressors is not None
+    acceleration = one.regressors[:, 0]
     return {
         "time": t - float(np.asarray(record.time)[0]),
         "position": np.interp(t, np.asarray(record.time), positions_of(record)),
         "velocity": v,
         "level": np.sign(v) * one.path.load,
         "since": way - way[last],
-        "force": one.friction + mass_of(mechanism) * one.acceleration,
-        "acceleration": one.acceleration,
+        "force": one.friction + mass_of(mechanism) * acceleration,
+        "acceleration": acceleration,
     }

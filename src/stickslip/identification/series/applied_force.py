@@ -57,7 +57,9 @@ def drives_itself(mechanism: Mechanism, measurement: Measurement) -> bool:
     (True, False)
     """
     return bool(mechanism.drives()) and any(
-        record.time is not None and not {"force", "reference"}.intersection(record.quantities())
+        record.time is not None
+        and not record.joints
+        and not {"force", "reference"}.intersection(record.quantities())
         for record in measurement.records()
     )
 

@@ -22,6 +22,7 @@ from stickslip.plots.selection.fit_data import (
     sampled,
 )
 from stickslip.plots.selection.intervals import INTERVAL_SIZE, Interval, draw_intervals
+from stickslip.plots.selection.joints import refuse_joints
 from stickslip.plots.selection.residuals import draw_residuals, residual_sizes
 from stickslip.selection import Verdict
 
@@ -110,6 +111,7 @@ def plot_friction_map(fit: RecordFit | Mapping[str, RecordFit], ax: Target = Non
         raise InputError("plot_friction_map needs at least one fit, got none.")
     for one in fits.values():
         check_type("fit", one, RecordFit)
+        refuse_joints(one, "plot_friction_map")
     points = map_points(next(iter(fits.values())))
     if points is None or not points.velocity.any():
         raise InputError(
@@ -151,6 +153,7 @@ def plot_residuals(fit: RecordFit, ax: PanelTarget = None) -> Panels:
     ['velocity, m/s']
     """
     check_type("fit", fit, RecordFit)
+    refuse_joints(fit, "plot_residuals")
     if not all(map(math.isfinite, fit.residual)):
         raise InputError("the residuals of the fit are not finite and cannot be plotted.")
     unit = fit.measurement.unit(fit.problem.quantity)

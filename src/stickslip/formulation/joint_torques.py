@@ -1,0 +1,167 @@
+"""The forces that a motion takes: the equations of a mechanism, solved for what drives it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Self, final
+
+import numpy as np
+import symengine as se
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.formatting import joined
+from stickslip.formulation.mechanics import lagrange_rows
+from stickslip.formulation.trace import Switchboard, Traced, collapsed
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters, shadow
+
+__all__ = ["JointTorques"]
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointTorques:
+    """Forces along the coordinates of a mechanism that a motion without friction takes.
+
+    They are ``M q'' - h``, from the same trace of the energies that simulations are made from, and
+    their slopes by parameters in which they are linear.
+
+    Examples
+    --------
+    >>> from stickslip import Pendulum
+    >>> swing = Pendulum(mass=0.5, length=0.6)
+    >>> takes = JointTorques.of(swing, ["mechanism.mass"])
+    >>> place, rate, acceleration = np.array([[0.3]]), np.array([[0.0]]), np.array([[2.0]])
+    >>> forces, slopes = takes.along(swing, np.zeros(1), place, rate, acceleration)
+    >>> round(float(forces[0, 0]), 6), round(float(slopes[0, 0, 0]), 6)
+    (1.229716, 2.459432)
+    """
+
+    coordinates: tuple[str, ...]
+    """Names of the coordinates (m,)."""
+    linear: tuple[str, ...]
+    """Paths of the parameters that slopes are by (k,)."""
+    paths: tuple[str, ...]
+    """Paths of all parameters that stand in the equations."""
+    _function: Any = field(repr=False)
+    """Forces (m,) and their slopes (m, k) from time, motion and parameters."""
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, linear: Sequence[str]) -> Self:
+        """Derive the forces, and check that they are linear in some parameters.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves; drives of its own count as not there.
+        linear : sequence of str
+            Paths of the parameters that slopes are wanted by.
+
+        Returns
+        -------
+        JointTorques
+            The forces as a function of the motion.
+
+        Raises
+        ------
+        InputError
+            If the forces are not linear in these parameters together.
+        """
+        board = Switchboard()
+        known = [path for path, _, _ in parameters(mechanism, "mechanism")]
+        symbol = {path: se.Symbol(f"p{i}") for i, path in enumerate(known)}
+        twin = shadow(mechanism, "mechanism", lambda path: Traced(symbol[path], board))
+        t = se.Symbol("t")
+        q, rates, accelerations = (
+            {name: se.Symbol(f"{letter}{i}") for i, name in enumerate(mechanism.coordinates)}
+            for letter in ("q", "u", "a")
+        )
+        drives = {name: se.Symbol(f"d{i}") for i, name in enumerate(mechanism.drives())}
+        rows = lagrange_rows(twin, t, q, rates, drives, mechanism.held(), board)
+        undriven = dict.fromkeys(drives.values(), 0)
+        shown = {one.symbol: one.margin for one in board.switches.values()}
+        count = len(q)
+        forces = []
+        for row, force in zip(rows.mass[:count], rows.forces[:count], strict=True):
+            taken = sum(
+                (entry * a for entry, a in zip(row, accelerations.values(), strict=True)),
+                se.Integer(0),
+            )
+            forces.append((taken - force).subs(undriven).subs(shown))
+        slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
+        _check_linear(linear, slopes, symbol)
+        arguments = [
+            t, *q.values(), *rates.values(), *accelerations.values(), *symbol.values()
+        ]  # fmt: skip
+        return cls(
+            coordinates=mechanism.coordinates,
+            linear=tuple(linear),
+            paths=tuple(known),
+            _function=se.Lambdify(arguments, [*forces, *(e for row in slopes for e in row)]),
+        )
+
+    def along(
+        self, mechanism: Mechanism, time: Array, q: Array, q_dot: Array, q_ddot: Array
+    ) -> tuple[Array, Array]:
+        """Return the forces along a motion, and their slopes.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            The mechanism with its parameters' values.
+        time : array (n,)
+            Times [s].
+        q, q_dot, q_ddot : array (n, m)
+            Coordinates, their rates and their accelerations.
+
+        Returns
+        -------
+        (array (n, m), array (n, m, k))
+            Forces [N] or torques [N m], and what a unit of each parameter adds to them.
+        """
+        values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+        fixed = np.broadcast_to([values[path] for path in self.paths], (len(time), len(self.paths)))
+        table = np.column_stack([time, q, q_dot, q_ddot, fixed])
+        found = np.asarray(self._function(table), dtype=float).reshape(len(time), -1)
+        count = len(self.coordinates)
+        return found[:, :count], found[:, count:].reshape(len(time), count, len(self.linear))
+
+    def inertias(self, mechanism: Mechanism, q: Array) -> Array:
+        """Return what moves as each coordinate does (m,), all else at rest.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            The mechanism with its parameters' values.
+        q : array (m,)
+            Where it is.
+
+        Returns
+        -------
+        array (m,)
+            Diagonal of the mass matrix [kg] or [kg m^2].
+        """
+        count = len(self.coordinates)
+        places, none = np.tile(q, (count, 1)), np.zeros((count, count))
+        time = np.zeros(count)
+        still, _ = self.along(mechanism, time, places, none, none)
+        moving, _ = self.along(mechanism, time, places, none, np.eye(count))
+        return np.diagonal(moving - still).copy()
+
+
+def _check_linear(
+    linear: Sequence[str], slopes: Sequence[Sequence[se.Expr]], symbol: Mapping[str, se.Symbol]
+) -> None:
+    """Refuse parameters by which a slope depends on one of them."""
+    for row in slopes:
+        for path, slope in zip(linear, row, strict=True):
+            for other in linear:
+                if se.expand(collapsed(slope.diff(symbol[other]))) == 0:
+                    continue
+                cure = f"fix {other}" if other == path else f"fix one of them, such as {other}"
+                raise InputError(
+                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])}:"
+                    f" several joints are identified in parameters that enter linearly; {cure}."
+                )

@@ -1,0 +1,593 @@
+"""Friction of several joints by inverse dynamics: one problem in the parameters of all."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement, between_gaps
+from stickslip.formatting import joined
+from stickslip.formulation import JointTorques
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.estimation.problem import (
+    FrictionSamples,
+    RecordProblem,
+    ResidualJacobian,
+)
+from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.force_map.data import SEGMENTS, MotionSegment, smoothed
+from stickslip.identification.force_map.force_balance import (
+    FEWEST,
+    HIGHEST,
+    OVERSAMPLED,
+    RIPPLES,
+    SAMPLES,
+    FilteredMotion,
+    compared,
+    filtered_motion,
+    mean_force,
+    mean_frequency,
+    second_differences,
+)
+from stickslip.identification.force_map.model import ForceMap
+from stickslip.identification.series.inverse_dynamics import LEAST, check_even, positions_of
+from stickslip.identification.settings import Hold
+from stickslip.mechanisms import Contact, Mechanism
+from stickslip.quantities import parameters, vary
+
+__all__ = [
+    "JointBalance",
+    "JointBalanceBuilder",
+    "check_joints",
+    "contacts_along",
+    "joint_stretches",
+]
+
+Array = NDArray[np.float64]
+Stretches = tuple[MotionSegment, ...]
+
+AHEAD, WIDEST = 5.0, 0.8
+"""Positions are first filtered at so many times what the common filter passes, but at most at this
+share of half their frequency: it changes nothing that passes, by 3e-6, and else noise of the first
+acceleration, from which the common filter starts, would be seen for long."""
+JITTER = 1e-3
+"""Deviation from even times, over a step, from which a record is placed on even times."""
+
+
+def joint_stretches(
+    torques: JointTorques,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    *,
+    hold: Hold,
+    segment: float | None = None,
+    samples: float = SAMPLES,
+    slipping: bool = False,
+) -> tuple[Stretches, ...]:
+    """Return stretches of the friction of each joint, which all have the same times and segments.
+
+    All that stands in the balances passes one filter, since every balance has the accelerations of
+    all joints. It passes `FEWEST` times the mean frequency of the fastest joint, as is usual for
+    robots, whose gears make accelerations beyond that which no torque of a motor goes with.
+
+    Source: M. Gautier, "Dynamic identification of robots with power model", 1997.
+
+    Parameters
+    ----------
+    torques : JointTorques
+        What a motion takes.
+    mechanism : Mechanism
+        Values of its parameters; records may override them.
+    measurement : Measurement
+        Records in time of positions and forces, by joint.
+    hold : {"zero", "first"}
+        Whether a force keeps its value until the next sample or goes straight to it.
+    segment : float, optional
+        Length of segments [s]; a fortieth of each record if not given.
+    samples : float
+        Samples of a record along which friction is predicted, unless the filter asks for more.
+    slipping : bool
+        Whether rows that see much of what is at rest are left out.
+
+    Returns
+    -------
+    tuple of tuple of MotionSegment
+        Stretches by coordinate, in the order of the mechanism's.
+
+    Raises
+    ------
+    InputError
+        If a joint is missing or one of them has no position or force; or a record is too short, or
+        never moves.
+    """
+    found: list[list[MotionSegment]] = [[] for _ in torques.coordinates]
+    first = 0
+    for number, record in enumerate(measurement.records()):
+        check_joints(record, torques.coordinates)
+        set_up = vary(mechanism, "mechanism", record.overrides) if record.overrides else mechanism
+        whole = float(np.ptp(np.asarray(record.time)))
+        length = whole / SEGMENTS if segment is None else segment
+        for piece in between_gaps(record):
+            if np.asarray(piece.time).size < LEAST:
+                continue
+            own = _Piece.of(torques, set_up, piece, hold)
+            count = max(1, round(own.span / length))
+            share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
+            numbers = first + share.astype(np.intp)
+            for i, stretches in enumerate(found):
+                one = own.stretch(i, numbers, samples=samples, slipping=slipping)
+                stretches.append(replace(one, record=number))
+            first += count
+    kept = [one.segment[one.segment >= 0] for stretches in found for one in stretches]
+    used = np.unique(np.concatenate(kept)) if kept else np.zeros(0, dtype=np.intp)
+    if not used.size:
+        raise InputError(
+            f"inverse dynamics needs a stretch of at least {LEAST} samples without a gap, in which"
+            " the joints move for longer than the memory of the filter of motion and forces:"
+            " record longer."
+        )
+    return tuple(tuple(_renumbered(one, used) for one in stretches) for stretches in found)
+
+
+def check_joints(record: Measurement, names: Sequence[str]) -> None:
+    """Refuse a record that does not have position and force of every joint.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    names : sequence of str
+        Coordinates of the mechanism.
+
+    Raises
+    ------
+    InputError
+        With what is missing, or not known.
+    """
+    label = f"record {record.name!r}" if record.name else "the record"
+    if not record.joints:
+        raise InputError(
+            f"{label} has nothing by joint: give position and force by joint, such as"
+            f" position={{{', '.join(f'{name!r}: ...' for name in names)}}}."
+        )
+    for name in record.joints:
+        if name not in names:
+            raise InputError(
+                f"{label} has a joint {name!r}, and the mechanism has the coordinates"
+                f" {joined(list(names))}: use these names."
+            )
+    for name in names:
+        known = record.joints[name].quantities() if name in record.joints else ()
+        if not {"position", "velocity"} & {*known}:
+            raise InputError(
+                f"{label} has no position of the joint {name!r}, which inverse dynamics of several"
+                " joints needs."
+            )
+        if "force" not in known:
+            raise InputError(
+                f"{label} has no force of the joint {name!r}: give what drives it; zeros if nothing"
+                " does."
+            )
+
+
+def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:
+    """Return a stretch whose segments are numbered without those that no row is of."""
+    numbers = np.where(one.segment >= 0, np.searchsorted(used, one.segment), -1)
+    return replace(one, segment=numbers.astype(np.intp))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Piece:
+    """What lies between two gaps of a record: motions, and what all balances are made of."""
+
+    time: Array
+    """Even times (n,) [s]."""
+    motions: tuple[FilteredMotion, ...]
+    """Motion of each joint."""
+    passed: float
+    """What the common filter passes, over half the sampling frequency."""
+    applied: Array
+    """Applied forces (n, m)."""
+    taken: Array
+    """Forces that the motion takes (n, m)."""
+    slopes: Array
+    """Their slopes by the parameters that are looked for (n, m, k)."""
+    taken_at_rest: Array
+    """The same for each joint as if it did not accelerate (n, m)."""
+    slopes_at_rest: Array
+    """Slopes of that (n, m, k)."""
+    loads: Array
+    """Load of the contact of each joint (n, m); 1 where nothing rubs."""
+
+    @property
+    def span(self) -> float:
+        """Length [s]."""
+        return float(np.ptp(self.time))
+
+    @classmethod
+    def of(
+        cls, torques: JointTorques, mechanism: Mechanism, record: Measurement, hold: Hold
+    ) -> "_Piece":
+        """Return one stretch of a record without a gap."""
+        joints = [record.joints[name] for name in torques.coordinates]
+        time, columns = _on_even_times(
+            np.asarray(record.time, dtype=float),
+            [positions_of(one) for one in joints],
+            [np.asarray(one.values("force")) for one in joints],
+        )
+        count = len(joints)
+        raw, forces = columns[:count], columns[count:]
+        dt = float(time[1] - time[0])
+        applied = np.column_stack([mean_force(u, joined=hold == "first") for u in forces])
+        fastest = max(mean_frequency(x) for x in raw)
+        passed = min(max(FEWEST * fastest / np.pi, 2.0 * RIPPLES / len(time)), HIGHEST)
+        motions = tuple(
+            filtered_motion(x, dt, passed, tracked="position" in one.quantities())
+            for x, one in zip(raw, joints, strict=True)
+        )
+        places = np.column_stack([one.position for one in motions])
+        rates = np.column_stack([one.velocity for one in motions])
+        ahead = min(AHEAD * passed, WIDEST)
+        accelerations = np.column_stack([second_differences(smoothed(x, ahead), dt) for x in raw])
+        inside = slice(int(np.ceil(2.0 / ahead)), -int(np.ceil(2.0 / ahead)))
+        time, places, rates = time[inside], places[inside], rates[inside]
+        accelerations = accelerations[inside]
+        motions = tuple(one.within(inside) for one in motions)
+        taken, slopes = torques.along(mechanism, time, places, rates, accelerations)
+        smooth = smoothed(accelerations, passed)
+        resting, resting_slopes = np.empty_like(taken), np.empty_like(slopes)
+        for i in range(count):
+            still = smooth.copy()
+            still[:, i] = 0.0
+            force, slope = torques.along(mechanism, time, places, rates, still)
+            resting[:, i], resting_slopes[:, i] = force[:, i], slope[:, i]
+        return cls(
+            time=time,
+            motions=motions,
+            passed=passed,
+            applied=applied[inside],
+            taken=taken,
+            slopes=slopes,
+            taken_at_rest=resting,
+            slopes_at_rest=resting_slopes,
+            loads=_loads(mechanism, time, places, rates),
+        )
+
+    def stretch(
+        self, i: int, numbers: NDArray[np.intp], *, samples: float, slipping: bool
+    ) -> MotionSegment:
+        """Return the stretch of a joint."""
+        motion, passed = self.motions[i], self.passed
+        kept = compared(motion, passed, slipping=slipping)
+        count = len(self.time)
+        every = max(1, min(int(np.ceil(count / samples)), int(OVERSAMPLED / passed)))
+        picked = slice(None, None, every)
+        return MotionSegment(
+            record=0,
+            path=Path(
+                time=self.time[picked],
+                velocity=motion.velocity[picked],
+                load=self.loads[picked, i],
+                travel=np.diff(motion.position[picked]),
+            ),
+            friction=smoothed(self.applied[:, i] - self.taken[:, i], passed)[picked],
+            segment=np.where(kept, numbers, -1)[picked],
+            regressors=smoothed(self.slopes[:, i], passed)[picked],
+            resting=motion.resting[picked],
+            held=(self.applied[:, i] - self.taken_at_rest[:, i])[picked],
+            held_regressors=self.slopes_at_rest[picked, i],
+            applied=smoothed(self.applied[:, i], passed)[picked],
+            resolution=motion.resolution,
+            passed=passed * every,
+        )
+
+
+def _on_even_times(
+    time: Array, raw: Sequence[Array], forces: Sequence[Array]
+) -> tuple[Array, list[Array]]:
+    """Return signals at even times, joined by lines where they were sampled at others."""
+    dt = check_even(time)
+    even = np.linspace(time[0], time[-1], len(time))
+    columns = [*raw, *forces]
+    if float(np.max(np.abs(time - even))) <= JITTER * dt:
+        return even, columns
+    return even, [np.interp(even, time, column) for column in columns]
+
+
+def contacts_along(mechanism: Mechanism) -> dict[str, Contact]:
+    """Return the contact along each coordinate that one rubs along.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+
+    Returns
+    -------
+    dict of str to Contact
+        Contacts by coordinate; one without a name has that of its coordinate.
+
+    Raises
+    ------
+    InputError
+        If a contact is pressed by a reaction, or does not slip along one coordinate, or shares it.
+    """
+    owner = type(mechanism).__name__
+    found: dict[str, Contact] = {}
+    for contact in mechanism.contacts():
+        label = f"{owner}: the contact {contact.name!r}"
+        if contact.normal is not None:
+            raise InputError(
+                f"{label} is pressed by a reaction, which fits of several joints do not know:"
+                " prescribe its load."
+            )
+        if not isinstance(contact.slip, str):
+            raise InputError(
+                f"{label} slips along a combination of coordinates; fits of several joints need a"
+                " contact that slips along one coordinate, without a factor."
+            )
+        if contact.slip in found:
+            raise InputError(
+                f"{label} and {found[contact.slip].name!r} rub along one coordinate, which no"
+                " record tells apart: leave one of them out of the mechanism."
+            )
+        found[contact.slip] = replace(contact, name=contact.name or contact.slip)
+    return found
+
+
+def _loads(mechanism: Mechanism, time: Array, q: Array, q_dot: Array) -> Array:
+    """Return the load of the contact along each coordinate (n, m); 1 where nothing rubs."""
+    names = mechanism.coordinates
+    places = {name: q[:, i] for i, name in enumerate(names)}
+    rates = {name: q_dot[:, i] for i, name in enumerate(names)}
+    loads = mechanism.loads(time, places, rates, dict.fromkeys(mechanism.drives(), 0.0))
+    found = np.ones((len(time), len(names)))
+    for coordinate, contact in contacts_along(mechanism).items():
+        load = loads.get(contact.name, contact.load)
+        i = names.index(coordinate)
+        found[:, i] = np.asarray(1.0 if load is None else load, dtype=float)
+        if not np.all(found[:, i] > 0.0):
+            raise InputError(
+                f"{type(mechanism).__name__}: the load of the contact {contact.name!r} must be"
+                " above 0 N throughout the record."
+            )
+    return found
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointBalance(RecordProblem):
+    """The balances of several joints: each a force map of its own law, all with one mechanism.
+
+    Rows stand segment by segment, and in a segment joint by joint, so that blocks of time have the
+    rows of all joints. Each joint's rows are weighted, since forces and torques have no common
+    size.
+    """
+
+    maps: Mapping[str, ForceMap]
+    """By coordinate; the unknowns of each are called as if there were no other."""
+    names: Mapping[str, tuple[str, ...]]
+    """What the unknowns of each are called among all, by coordinate."""
+    weights: Mapping[str, float]
+    """Factor on the residuals of each, by coordinate."""
+    free_parameters_: FreeParameters
+    """The free parameters of all."""
+
+    @property
+    @override
+    def free_parameters(self) -> FreeParameters:
+        return self.free_parameters_
+
+    @property
+    @override
+    def quantity(self) -> str:
+        return "force"
+
+    @property
+    @override
+    def variation(self) -> float:
+        return sum(self.weights[name] ** 2 * one.variation for name, one in self.maps.items())
+
+    @property
+    @override
+    def spans(self) -> Array:
+        found: dict[int, list[float]] = {}
+        for one in (one for whole in self.maps.values() for one in whole.stretches):
+            for number in np.unique(one.segment[one.segment >= 0]).tolist():
+                own = one.path.time[one.segment == number]
+                _, low, high = found.get(number, [0.0, np.inf, -np.inf])
+                found[number] = [one.record, min(low, own[0]), max(high, own[-1])]
+        return np.array([found[number] for number in sorted(found)], dtype=float)
+
+    @property
+    @override
+    def times(self) -> Array:
+        return self._rows({name: one.times for name, one in self.maps.items()})
+
+    @property
+    @override
+    def measured(self) -> Array:
+        """The applied force of each row, filtered."""
+        found = {}
+        for name, whole in self.maps.items():
+            parts = [one.applied[one.segment >= 0] for one in whole.stretches]  # type: ignore[index]
+            found[name] = np.concatenate(parts)
+        return self._rows(found)
+
+    @property
+    @override
+    def samples(self) -> tuple[FrictionSamples, ...]:
+        return tuple(one for whole in self.maps.values() for one in whole.samples)
+
+    @property
+    @override
+    def joints(self) -> NDArray[np.str_]:
+        size = {name: len(one.times) for name, one in self.maps.items()}
+        return self._rows({name: np.full(count, name) for name, count in size.items()})
+
+    @property
+    @override
+    def row_weights(self) -> Array:
+        size = {name: len(one.times) for name, one in self.maps.items()}
+        return self._rows({name: np.full(n, self.weights[name]) for name, n in size.items()})
+
+    @property
+    def segment(self) -> NDArray[np.intp]:
+        """Segment of each row (n,)."""
+        return self._rows({name: _segments(one) for name, one in self.maps.items()})
+
+    def _rows(self, columns: Mapping[str, NDArray]) -> NDArray:  # type: ignore[type-arg]
+        order = _order([_segments(self.maps[name]) for name in columns])
+        return np.concatenate(list(columns.values()))[order]
+
+    @override
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalance":
+        known = {item.path: item for item in free_parameters.items}
+        maps = {
+            name: one.with_free_parameters(_locally(one.free_parameters, self.names[name], known))
+            for name, one in self.maps.items()
+        }
+        return replace(self, maps=maps, free_parameters_=free_parameters)
+
+    def along(self, stretches: Sequence[Stretches], derived: Sequence[float]) -> "JointBalance":
+        """Return the same along other stretches.
+
+        Parameters
+        ----------
+        stretches : sequence of tuple of MotionSegment
+            Of each joint.
+        derived : sequence of float
+            Values of the mechanism's parameters that their friction was derived with [SI].
+
+        Returns
+        -------
+        JointBalance
+            The problem along these stretches.
+        """
+        maps = {
+            name: replace(one, stretches=own, derived=tuple(derived))
+            for (name, one), own in zip(self.maps.items(), stretches, strict=True)
+        }
+        return replace(self, maps=maps)
+
+    @override
+    def linearise(
+        self,
+        values: Array,
+        near: ResidualJacobian | None = None,
+        *,
+        only: Sequence[int] | None = None,
+        slopes: bool = True,
+    ) -> ResidualJacobian:
+        paths = self.free_parameters.paths
+        before = near.memory if near is not None else None
+        seen: dict[str, ResidualJacobian] = {}
+        columns = {}
+        for name, one in self.maps.items():
+            own = columns[name] = [paths.index(path) for path in self.names[name]]
+            known = before[name] if before else None
+            seen[name] = one.linearise(values[own], known, only=only, slopes=slopes)
+        order = _order([one.segment for one in seen.values()])
+        segment = np.concatenate([one.segment for one in seen.values()])[order]
+        residual = np.concatenate([self.weights[n] * one.residual for n, one in seen.items()])
+
+        def table() -> Array:
+            parts = []
+            for name, one in seen.items():
+                part = np.zeros((len(one.residual), len(paths)))
+                part[:, columns[name]] = self.weights[name] * one.slopes
+                parts.append(part)
+            return np.concatenate(parts)[order]
+
+        return ResidualJacobian(
+            values=values, residual=residual[order], slopes=table, segment=segment, memory=seen
+        )
+
+    @override
+    def carried(self, seen: ResidualJacobian) -> Array:
+        return self.linearise(seen.values, seen, slopes=False).residual
+
+
+def _segments(one: ForceMap) -> NDArray[np.intp]:
+    return np.concatenate([part.segment[part.segment >= 0] for part in one.stretches])
+
+
+def _order(segments: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
+    """Return the order of the rows of all joints: by segment, then by joint."""
+    return np.argsort(np.concatenate(segments), kind="stable")
+
+
+def _locally(
+    own: FreeParameters, names: Sequence[str], known: Mapping[str, FreeParameter]
+) -> FreeParameters:
+    """Return the unknowns of one joint with the bounds and start values of all."""
+    items = tuple(
+        replace(item, start=known[name].start, low=known[name].low, high=known[name].high)
+        for item, name in zip(own.items, names, strict=True)
+    )
+    return replace(own, items=items)
+
+
+@final
+@dataclass(frozen=True)
+class JointBalanceBuilder:
+    """Builds the problem of a record that the friction of several joints is derived from."""
+
+    torques: JointTorques
+    """What a motion takes."""
+    mechanism: Mechanism
+    """Values of its parameters."""
+    problem: JointBalance
+    """The problem that was fitted, whose laws and free parameters others share."""
+    hold: Hold
+    """Whether a force keeps its value until the next sample or goes straight to it."""
+    samples: float = SAMPLES
+    """Samples of a record along which friction is predicted, unless the filter asks for more."""
+
+    def __call__(self, record: Measurement, length: float | None) -> JointBalance:
+        """Return the problem of a record, in segments of a length [s]."""
+        return self._built(record, length, slipping=False)
+
+    def fitted(self, record: Measurement, length: float | None = None) -> JointBalance:
+        """Return the problem that is fitted: rows that slip, since rests only judge a law.
+
+        Parameters
+        ----------
+        record : Measurement
+            Records in time, by joint.
+        length : float, optional
+            Length of segments [s]; a fortieth of each record if not given.
+
+        Returns
+        -------
+        JointBalance
+            The problem.
+        """
+        return self._built(record, length, slipping=True)
+
+    def _built(self, record: Measurement, length: float | None, *, slipping: bool) -> JointBalance:
+        own = joint_stretches(
+            self.torques,
+            self.mechanism,
+            record,
+            hold=self.hold,
+            segment=length,
+            samples=self.samples,
+            slipping=slipping,
+        )
+        values = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
+        return self.problem.along(own, [values[path] for path in self.torques.linear])
+
+    def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalanceBuilder":
+        """Return what builds the same with other bounds or start values of the unknowns."""
+        return replace(self, problem=self.problem.with_free_parameters(free_parameters))
+
+    def at(self, values: Array) -> "JointBalanceBuilder":
+        """Return what derives friction with the values (p,); residuals stay the same."""
+        found = dict(zip(self.problem.free_parameters.paths, values.tolist(), strict=True))
+        own = {path: found[path] for path in self.torques.linear}
+        return replace(self, mechanism=vary(self.mechanism, "mechanism", own)) if own else self

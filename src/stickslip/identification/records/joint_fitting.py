@@ -1,0 +1,470 @@
+"""Fits laws to several joints at once, from one record of positions and forces."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias, cast, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
+from stickslip.formatting import percent
+from stickslip.formulation import JointTorques
+from stickslip.friction import BristleLaw, FrictionLaw, Laws, Viscous, given_to, specification
+from stickslip.identification.estimation.levenberg_marquardt import Watch
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
+from stickslip.identification.force_map.data import MotionSegment
+from stickslip.identification.force_map.force_balance import SAMPLES
+from stickslip.identification.force_map.joint_balance import (
+    JointBalance,
+    JointBalanceBuilder,
+    check_joints,
+    contacts_along,
+    joint_stretches,
+)
+from stickslip.identification.force_map.model import ForceMap, moved
+from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
+from stickslip.identification.records.fit import RecordFit
+from stickslip.identification.records.fitting import finished, widened_search
+from stickslip.identification.records.level_units import OFFSET
+from stickslip.identification.records.problems import SOME, FitSetup
+from stickslip.identification.series.inverse_dynamics import positions_of
+from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.validation import LAW, covers, law_quantities, names_of
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity, full_path, parameters, vary
+
+__all__ = ["JOINTS", "fit_joints"]
+
+Array = NDArray[np.float64]
+JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str | None
+
+JOINTS = "joints"
+"""The route of records of several joints."""
+UNEXPLAINED = 0.8
+"""Residual over the variation of the force of a joint above which the record is doubted."""
+FOLLOWED = 1_000
+"""Samples of a record along which bristles are integrated, unless the filter asks for more."""
+WIDE = 30.0
+"""How far the bounds of a parameter of the mechanism lie from its start, over the size at which it
+explains all forces."""
+
+
+def fit_joints(
+    mechanism: Mechanism,
+    laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    settings: RecordSettings | None = None,
+    progress: Watch | None = None,
+) -> RecordFit[Laws]:
+    """Fit the laws of several contacts, and parameters of the mechanism, in one problem.
+
+    Friction along each joint is the applied force less what the motion takes, ``M q'' - h``, by
+    inverse dynamics; the forces that a motion takes must be linear in the parameters of the
+    mechanism that are looked for. A constant force of each joint is fitted too.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; records may override its parameters.
+    laws : mapping of str to FrictionLaw, type, str or None; or type, or str
+        The law of each contact by its name, as in `stickslip.fit`; None where nothing rubs. A type
+        or a name alone stands for one law of that kind at each contact.
+    measurement : Measurement
+        Records in time of positions and forces by joint.
+    vary : str or sequence of str, optional
+        Parameters to fit; those of all laws, ``"friction.*"``, if not given.
+    fixed : mapping of str to float, optional
+        Values of parameters that are held [SI], and of constant forces, as
+        ``"measurement.offset.force.elbow"``.
+    settings : RecordSettings, optional
+        Starts, seed and hold.
+    progress : callable, optional
+        Called with the least root mean square so far; False ends the search with the best so far.
+
+    Returns
+    -------
+    RecordFit
+        The laws by contact, estimates with intervals, predictions of the force of each joint.
+
+    Raises
+    ------
+    InputError
+        If the record does not serve, a name is not known, or the forces are not linear in a
+        parameter of the mechanism.
+
+    Examples
+    --------
+    >>> from stickslip import CoulombViscous, TwoLinkArm
+    >>> t = np.linspace(0.0, 10.0, 2001)
+    >>> upper, bend = np.sin(5.0 * t), 0.8 * np.sin(7.3 * t)
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
+    ... )  # fmt: skip
+    >>> motion = [np.column_stack(np.gradient([upper, bend], t, axis=1)) for _ in "v"]
+    >>> rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
+    >>> places = np.column_stack([upper, bend])
+    >>> takes = JointTorques.of(arm, [])
+    >>> forces, _ = takes.along(arm, t, places, rates, places * [-25.0, -(7.3**2)])
+    >>> forces = forces + np.sign(rates) * [0.3, 0.1]
+    >>> record = Measurement(
+    ...     time=t,
+    ...     position={"shoulder": upper, "elbow": bend},
+    ...     force={"shoulder": forces[:, 0], "elbow": forces[:, 1]},
+    ... )
+    >>> both = {"shoulder": CoulombViscous, "elbow": CoulombViscous}
+    >>> found = fit_joints(arm, both, record, vary=["friction.*", "upper_inertia"])
+    >>> round(found.law["elbow"].kinetic_coefficient, 2)
+    0.1
+    """
+    settings = settings or RecordSettings()
+    for record in measurement.records():
+        check_joints(record, mechanism.coordinates)
+    asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
+    refuse_unused(measurement)
+    refuse_faults(measurement, asked.mechanism)
+    with with_doubts(measurement, asked.mechanism):
+        start: FitSetup = _prepared(asked, measurement, settings.hold)
+        ready, found = widened_search(start, settings, progress, 0.0)
+    build = ready.build.at(found.best.values)
+    ready = replace(ready, build=build, problem=build.fitted(measurement, None))
+    fit = finished(JOINTS, measurement, ready, found, found)
+    return cast("RecordFit[Laws]", replace(fit, sentences=(*unexplained(fit), *fit.sentences)))
+
+
+def unexplained(fit: RecordFit) -> tuple[str, ...]:
+    """Return the joints of whose force a fit explains hardly anything, in sentences.
+
+    Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
+
+    Raises
+    ------
+    InputError
+        If the fit is worse at every joint than no mechanism and no friction.
+    """
+    seen = fit.predict()
+    assert seen.joint is not None
+    left = {}
+    for name in dict.fromkeys(seen.joint.tolist()):
+        own = seen.of(name)
+        size = max(float(np.var(own.measured)), 1e-300)
+        left[name] = float(np.sqrt(np.mean(own.residual**2) / size))
+    said = tuple(
+        f"The fit leaves {percent(share)} of the force of the joint {name}: check the names of the"
+        " joints, the units of angles (rad) and forces, their signs, and the parameters of the"
+        " mechanism that are held."
+        for name, share in left.items()
+        if share > UNEXPLAINED
+    )
+    if all(share > 1.0 for share in left.values()):
+        raise InputError(said[0])
+    return said
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Asked:
+    """What is fitted, by contact."""
+
+    mechanism: Mechanism
+    """The mechanism with its fixed values."""
+    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None]
+    """By contact, in their order."""
+    free: Mapping[str, tuple[str, ...]]
+    """Parameters of each law that are fitted, called as if there were no other; `LAW` for all."""
+    known: Mapping[str, Mapping[str, float]]
+    """Values of each law that are held, by name."""
+    linear: tuple[str, ...]
+    """Paths of the mechanism's parameters that are fitted."""
+    offsets: Mapping[str, float]
+    """Constant forces that are held, by coordinate."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        vary_: str | Sequence[str] | None,
+        fixed: Mapping[str, float] | None,
+        measurement: Measurement,
+    ) -> "_Asked":
+        """Resolve names to full paths."""
+        contacts = tuple(one.name for one in contacts_along(mechanism).values())
+        if isinstance(laws, FrictionLaw):
+            raise InputError(
+                "a law given alone would be shared by all joints, which fits do not do: give its"
+                f" type {type(laws).__name__}, or laws by contact, as"
+                f" {{{', '.join(f'{name!r}: ...' for name in contacts)}}}."
+            )
+        if not isinstance(laws, Mapping):
+            laws = dict.fromkeys(contacts, laws)
+        usual: dict[str, tuple[str, ...]] = {}
+        kinds: dict[str, FrictionLaw | type[FrictionLaw] | None] = {}
+        for name, given in given_to(contacts, laws).items():
+            law, usual[name] = _law_of(name, given)
+            kinds[name] = law
+        quantities = {
+            path.replace("friction.", f"friction.{name}.", 1): quantity
+            for name, law in kinds.items()
+            for path, quantity in law_quantities(law).items()
+        }
+        own = all_paths(mechanism, "mechanism")
+        held = [OFFSET + name for name in mechanism.coordinates]
+        known: dict[str, Quantity] = {
+            **quantities, **own, **dict.fromkeys(held, Quantity("o", "N"))
+        }  # fmt: skip
+        values: dict[str, float] = {}
+        for name, value in (fixed or {}).items():
+            path = full_path(name, known, "parameter in fixed")
+            values[path] = known[path].check("fixed", path, value)
+        varied = _varied(vary_, [*quantities, *own], values)
+        linear = tuple(path for path in varied if path in own)
+        for record in measurement.records():
+            for path in record.overrides:
+                if path in linear or path in values:
+                    raise InputError(
+                        f"trial {record.name or 'without a name'} overrides {path}, which is one"
+                        " value for all trials here: leave the override out, or do not name it in"
+                        " vary or fixed."
+                    )
+        held_own = {path: value for path, value in values.items() if path in own}
+        free, held_laws = {}, {}
+        for name, law in kinds.items():
+            prefix = f"friction.{name}."
+            mine = {p.removeprefix(prefix): v for p, v in values.items() if p.startswith(prefix)}
+            if isinstance(law, FrictionLaw) and mine:
+                changes = {f"friction.{field}": value for field, value in mine.items()}
+                kinds[name] = vary(law, "friction", changes)
+            held_laws[name] = mine
+            whole = LAW in varied or f"friction.{name}.*" in varied
+            named = [f"friction.{p.removeprefix(prefix)}" for p in varied if p.startswith(prefix)]
+            free[name] = (*(usual[name] if whole else ()), *(p for p in named if "*" not in p))
+        return cls(
+            mechanism=vary(mechanism, "mechanism", held_own) if held_own else mechanism,
+            laws=kinds,
+            free=free,
+            known=held_laws,
+            linear=linear,
+            offsets={path.removeprefix(OFFSET): values[path] for path in held if path in values},
+        )
+
+
+def _law_of(
+    name: str, given: object
+) -> tuple[FrictionLaw | type[FrictionLaw] | None, tuple[str, ...]]:
+    """Return a law that was given for a contact, and which of its parameters are fitted."""
+    if given is None:
+        return None, ()
+    if isinstance(given, str):
+        found = specification(given)
+        own = (LAW,) if found.free is None else tuple(f"friction.{one}" for one in found.free)
+        return found.law, own
+    kind = given if isinstance(given, type) else type(given)
+    if not issubclass(kind, FrictionLaw):
+        raise InputError(
+            f"the law of the contact {name!r} must be a FrictionLaw, its type or its name, got"
+            f" {given!r}."
+        )
+    return cast("FrictionLaw | type[FrictionLaw]", given), (LAW,)
+
+
+def _varied(
+    names: str | Sequence[str] | None, known: Collection[str], fixed: Collection[str]
+) -> list[str]:
+    """Return the full paths of what is varied; `LAW` stands for the usual ones of all laws."""
+    found: list[str] = []
+    for name in (LAW,) if names is None else names_of(names):
+        if name == LAW:
+            found.append(LAW)
+        elif any(letter in name for letter in "*?["):
+            hits = [path for path in known if covers(name, path)]
+            if not hits:
+                raise UnknownNameError("parameter in vary", name, known)
+            whole = name.startswith("friction.") and name.endswith(".*")
+            found += [name] if whole else [path for path in hits if path not in fixed]
+        else:
+            path = full_path(name, known, "parameter in vary")
+            if path in fixed:
+                raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
+            found.append(path)
+    return list(dict.fromkeys(found))
+
+
+def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[JointBalance]:
+    """Return the problem of all joints, with start values from the record."""
+    torques = JointTorques.of(asked.mechanism, asked.linear)
+    samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
+    stretches, few = (
+        joint_stretches(
+            torques, asked.mechanism, measurement, hold=hold, samples=count, slipping=True
+        )
+        for count in (samples, min(samples, SOME))
+    )
+    linear, left = _start(asked, torques, stretches)
+    first = np.array([item.start for item in linear])
+    values = {path: v for path, _, v in parameters(asked.mechanism, "mechanism")}
+    change = first - np.array([values[path] for path in torques.linear])
+    mechanism = vary(
+        asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
+    )
+    contacts = {along: one.name for along, one in contacts_along(mechanism).items()}
+    inertias = torques.inertias(mechanism, _middle(measurement, torques.coordinates))
+    maps, names, starts = {}, {}, {}
+    for i, coordinate in enumerate(torques.coordinates):
+        contact = contacts.get(coordinate, "")
+        whole, some = ([moved(one, change) for one in many[i]] for many in (stretches, few))
+        one, further = _map_of(
+            asked, contact, coordinate, (whole, some), linear, float(inertias[i])
+        )
+        maps[coordinate], starts[coordinate] = one, further
+        names[coordinate] = tuple(
+            _among_all(path, contact, coordinate) for path in one.free_parameters.paths
+        )
+    free = _joined(maps, names, contacts)
+    size = float(np.sqrt(np.mean(np.square(list(left)))))
+    problem = JointBalance(
+        maps=maps,
+        names=names,
+        weights={name: size / one for name, one in zip(torques.coordinates, left, strict=True)},
+        free_parameters_=free,
+    )
+    slips = {name: coordinate for coordinate, name in contacts.items()}
+    rubbing = [name for name, law in asked.laws.items() if law is not None]
+    laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
+    build = JointBalanceBuilder(torques, mechanism, problem, hold, samples)
+    return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
+    return law is not None and issubclass(law if isinstance(law, type) else type(law), BristleLaw)
+
+
+def _start(
+    asked: _Asked, torques: JointTorques, stretches: Sequence[Sequence[MotionSegment]]
+) -> tuple[tuple[FreeParameter, ...], Array]:
+    """Return the parameters of the mechanism with start values, and what is left of each joint.
+
+    From linear regression with Coulomb and viscous friction, and a constant force, of every joint.
+    """
+    count, k = len(torques.coordinates), len(torques.linear)
+    tables, wanted = [], []
+    for i, whole in enumerate(stretches):
+        for one in whole:
+            rows = one.segment >= 0
+            v = one.path.velocity
+            table = np.zeros((len(v), k + 3 * count))
+            table[:, :k] = one.regressors
+            own = np.column_stack([np.sign(v), v, np.ones_like(v)])
+            table[:, k + 3 * i : k + 3 * i + 3] = one.seen(own)
+            tables.append(table[rows])
+            wanted.append((i, one.friction[rows]))
+    table = np.concatenate(tables)
+    target = np.concatenate([column for _, column in wanted])
+    joint = np.concatenate([np.full(len(column), i) for i, column in wanted])
+    size = np.linalg.norm(table, axis=0)
+    scaled = table / np.where(size > 0.0, size, 1.0)
+    found = np.linalg.lstsq(scaled, target, rcond=1e-8)[0] / np.where(size > 0.0, size, 1.0)
+    residual = target - table @ found
+    left = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    values = {path: (quantity, v) for path, quantity, v in parameters(asked.mechanism, "mechanism")}
+    force = float(np.sqrt(np.mean(target**2)))
+    items = []
+    for j, path in enumerate(torques.linear):
+        quantity, nominal = values[path]
+        seen = float(size[j]) / np.sqrt(len(target))
+        reach = WIDE * max(force / max(seen, 1e-300), abs(nominal))
+        least = quantity.low if quantity.above is None else quantity.above + 1e-6 * abs(nominal)
+        low, high = max(least, nominal - reach), min(quantity.high, nominal + reach)
+        start = min(max(nominal + float(found[j]), low), high)
+        items.append(
+            FreeParameter(
+                path=path, quantity=quantity, start=start, low=low, high=high, guessed=True
+            )
+        )
+    return tuple(items), np.maximum(left, 1e-12 * max(force, 1e-300))
+
+
+def _middle(measurement: Measurement, names: Sequence[str]) -> Array:
+    """Return the mean of each coordinate over all records (m,)."""
+    records = measurement.records()
+    return np.array(
+        [
+            np.mean(np.concatenate([positions_of(record.joints[name]) for record in records]))
+            for name in names
+        ]
+    )
+
+
+def _map_of(
+    asked: _Asked,
+    contact: str,
+    coordinate: str,
+    stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
+    linear: Sequence[FreeParameter],
+    inertia: float,
+) -> tuple[ForceMap, tuple[Array, ...]]:
+    """Return the force map of one joint, and further start values of its unknowns."""
+    law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
+    problem, starts = map_along(
+        Viscous(viscous_coefficient=0.0) if law is None else law,
+        *stretches,
+        free=() if law is None else asked.free[contact],
+        known=asked.known.get(contact) if isinstance(law, type) else None,
+        held=() if offset is None else (SENSOR,),
+        beside=ConstantForce(SENSOR, offset or 0.0),
+        linear=linear,
+        derived=[item.start for item in linear],
+        mass=inertia,
+    )
+    near = problem.free_parameters.starting_at(starts[0])
+    return problem.with_free_parameters(near), starts[1:]
+
+
+def _among_all(path: str, contact: str, coordinate: str) -> str:
+    """Return what an unknown of one joint is called among those of all."""
+    if path == SENSOR:
+        return OFFSET + coordinate
+    return path.replace("friction.", f"friction.{contact}.", 1)
+
+
+def _joined(
+    maps: Mapping[str, ForceMap], names: Mapping[str, Sequence[str]], contacts: Mapping[str, str]
+) -> FreeParameters:
+    """Return the unknowns of all joints, those of the mechanism last and once."""
+    items: dict[str, FreeParameter] = {}
+    shared: dict[str, FreeParameter] = {}
+    known: dict[str, float] = {}
+    for coordinate, one in maps.items():
+        contact = contacts.get(coordinate, "")
+        for item, path in zip(one.free_parameters.items, names[coordinate], strict=True):
+            if path == item.path:
+                shared[path] = item
+                continue
+            above = item.above and _among_all(item.above, contact, coordinate)
+            symbol = f"{item.quantity.symbol}_{contact or coordinate}"
+            quantity = replace(item.quantity, symbol=symbol)
+            items[path] = replace(item, path=path, above=above, quantity=quantity)
+        for path, value in (one.free_parameters.known or {}).items():
+            known[_among_all(path, contact, coordinate)] = value
+    return FreeParameters((*items.values(), *shared.values()), known)
+
+
+def _further(
+    free: FreeParameters,
+    names: Mapping[str, Sequence[str]],
+    starts: Mapping[str, Sequence[Array]],
+) -> tuple[Array, ...]:
+    """Return further start values of all unknowns: one joint at a time from another start."""
+    found = []
+    for coordinate, several in starts.items():
+        places = [free.paths.index(path) for path in names[coordinate]]
+        for one in several:
+            values = free.start.copy()
+            values[places] = one
+            found.append(values)
+    return tuple(found)

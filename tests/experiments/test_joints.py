@@ -1,0 +1,83 @@
+"""Records of several joints: from arrays, from files and from rig files, in parts and as trials."""
+
+import numpy as np
+import pytest
+
+from stickslip import Measurement, load_measurement, load_rig
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments import refuse_same, rows_of
+
+TIME = np.arange(50) / 100
+ANGLES = {"shoulder": np.sin(TIME), "elbow": np.cos(TIME)}
+TORQUES = {"shoulder": 2.0 * TIME, "elbow": -TIME}
+
+RIG = """
+[mechanism]
+type = "two-link-arm"
+upper_mass = 0.5
+upper_length = "200 mm"
+upper_centre = 0.1
+upper_inertia = 0.02
+lower_mass = 0.6
+lower_centre = 0.2
+lower_inertia = 0.03
+
+[data]
+file = "arm.csv"
+columns = { time = "t", position.shoulder = "q1", position.elbow = "q2", force.shoulder = "m1" }
+units = { position.shoulder = "deg", force.elbow = "N m" }
+gain = { force.shoulder = -1.0 }
+offset = { force.elbow = "0.5 N m" }
+"""
+
+
+def arm(**given):
+    return Measurement(time=TIME, position=ANGLES, force=TORQUES, **given)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    rows = ["t,q1,q2 [rad],m1,force.elbow"]
+    rows += [f"{t},{180 * t},{t},{2 * t},{3 * t}" for t in TIME.tolist()]
+    (tmp_path / "arm.csv").write_text("\n".join(rows), encoding="utf-8")
+    (tmp_path / "arm.toml").write_text(RIG, encoding="utf-8")
+    return tmp_path
+
+
+def test_each_joint_is_a_record_with_the_times_of_all():
+    one = arm(offset={"force.elbow": 0.25})
+    assert one.joint_names() == ("shoulder", "elbow")
+    assert one.kind == "series"
+    assert one.position is None
+    np.testing.assert_array_equal(one.joints["elbow"].time, one.time)
+    np.testing.assert_array_equal(one.values("force.elbow"), TORQUES["elbow"] - 0.25)
+    assert one.quantities()[:2] == ("position.shoulder", "force.shoulder")
+
+
+def test_rows_are_taken_of_all_joints_and_trials_have_the_same():
+    part = rows_of(arm(), 10, 20)
+    np.testing.assert_array_equal(part.joints["elbow"].force, TORQUES["elbow"][10:20])
+    other = Measurement(time=TIME, position={"wrist": TIME}, name="b")
+    with pytest.raises(InputError, match="must have the same joints"):
+        Measurement(trials=(arm(name="a"), other))
+    with pytest.raises(InputError, match="identical to the fitted one"):
+        refuse_same(arm(), arm())
+
+
+def test_columns_of_a_file_are_named_by_joint_and_converted_one_by_one(folder):
+    rig = load_rig(folder / "arm.toml")
+    one = rig.measurement
+    assert set(one.joints) == {"shoulder", "elbow"}
+    np.testing.assert_allclose(one.values("position.shoulder"), np.pi * TIME)
+    np.testing.assert_allclose(one.values("force.shoulder"), -2.0 * TIME)
+    np.testing.assert_allclose(one.values("force.elbow"), 3.0 * TIME - 0.5)
+    assert one.unit("force.elbow") == "N m"
+
+
+def test_a_quantity_that_has_no_joint_is_refused_by_name(folder):
+    with pytest.raises(UnknownNameError, match=r"load\.elbow"):
+        load_measurement(folder / "arm.csv", columns={"load.elbow": "m1"})
+    with pytest.raises(InputError, match="without a dot"):
+        Measurement(time=TIME, position={"left.elbow": TIME})
+    with pytest.raises(InputError, match="joints are given too"):
+        Measurement(time=TIME, position=ANGLES, joints=arm().joints)
