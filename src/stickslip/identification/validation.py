@@ -26,6 +26,7 @@ __all__ = [
     "law_quantities",
     "laws_of",
     "names_of",
+    "varied_path",
 ]
 
 P = ParamSpec("P")
@@ -212,11 +213,38 @@ def _varied(
                     f"vary takes {LAW!r} and parameters of the mechanism when laws are compared,"
                     f" got {name}: fit that law alone."
                 )
-            path = full_path(name, known, "parameter in vary")
-            if path in values:
-                raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
-            found.append(path)
+            found.append(varied_path(name, known, values))
     return list(dict.fromkeys(found))
+
+
+def varied_path(name: str, known: Collection[str], fixed: Collection[str]) -> str:
+    """Return the full path of one parameter that is varied.
+
+    Parameters
+    ----------
+    name : str
+        Its path, or its last name where only one has it.
+    known : collection of str
+        Full paths of all parameters.
+    fixed : collection of str
+        Full paths of those that are fixed.
+
+    Returns
+    -------
+    str
+        The path.
+
+    Raises
+    ------
+    InputError
+        If it is fixed, too.
+    UnknownNameError
+        If there is no such parameter.
+    """
+    path = full_path(name, known, "parameter in vary")
+    if path in fixed:
+        raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
+    return path
 
 
 def covers(name: str, path: str) -> bool:

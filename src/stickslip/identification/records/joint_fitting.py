@@ -31,7 +31,13 @@ from stickslip.identification.records.level_units import OFFSET
 from stickslip.identification.records.problems import SOME, FitSetup
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
-from stickslip.identification.validation import LAW, covers, law_quantities, names_of
+from stickslip.identification.validation import (
+    LAW,
+    covers,
+    law_quantities,
+    names_of,
+    varied_path,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
 
@@ -288,10 +294,7 @@ def _varied(
             whole = name.startswith("friction.") and name.endswith(".*")
             found += [name] if whole else [path for path in hits if path not in fixed]
         else:
-            path = full_path(name, known, "parameter in vary")
-            if path in fixed:
-                raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
-            found.append(path)
+            found.append(varied_path(name, known, fixed))
     return list(dict.fromkeys(found))
 
 
