@@ -20,12 +20,12 @@ from tests.contact_cases import (
 )
 from tests.support import example_of
 
-from stickslip import EventDriven, LuGre, Stribeck, ensemble, simulate
-from stickslip.drives import Sampled
+from stickslip import ClutchTrain, EventDriven, LuGre, Stribeck, ensemble, simulate
+from stickslip.drives import Pulse, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, Laws
 from stickslip.maths import where
-from stickslip.mechanisms import Contact
+from stickslip.mechanisms import Contact, Lining, Rotor
 from stickslip.results import Status
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
@@ -499,3 +499,18 @@ def test_rates_of_bristles_see_the_reaction_of_the_same_instant():
     rest = simulate(feet, law, t_end=0.1, y0=state, solver=EventDriven(tier="python"))
     for name in state:
         assert rest[name][-1] == pytest.approx(whole[name][-1], rel=1e-6, abs=1e-12)
+
+
+def test_needed_friction_that_is_just_the_level_holds():
+    """With equal rotors, what holds one clutch while the next slips is just its level."""
+    train = ClutchTrain(
+        rotors=[Rotor(inertia=1.0)] * 5,
+        clutches=[Lining(radius=1.0, press=Pulse(level=20.0, duration=1.0, start=0.1 * i))
+                  for i in range(4)],
+    )  # fmt: skip
+    start = {"omega": 10.0, "psi1_dot": -10.0}
+    for static in (0.5, 0.55):
+        run = run_of(train, coulomb(0.5, static), 1.2, start)
+        assert [e.contact for e in run.events if e.reason == "stop"] == [
+            f"clutch-{i}" for i in (2, 3, 4, 1)
+        ]

@@ -61,6 +61,7 @@ from stickslip.kernels.state_layout import (
 )
 
 __all__ = [
+    "WITHIN",
     "accelerate",
     "add_normals",
     "ask_law",
@@ -72,6 +73,11 @@ __all__ = [
     "set_row",
     "side_of",
 ]
+
+
+WITHIN = 1e-13
+"""Share of its level by which needed friction may exceed it, in decisions as in guards: where both
+are equal, rounding would let it break away and stop without end."""
 
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:

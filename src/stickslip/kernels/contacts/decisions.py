@@ -14,7 +14,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import ask_law, refresh
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, refresh
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.state_layout import (
     ACCELERATION,
@@ -49,8 +49,6 @@ BROKEN = 2
 """One that slips from now on."""
 PATIENCE = 4
 """Trials without fewer violations after which one coordinate is changed at a time."""
-RELATIVE = 1e-13
-"""Share of its level by which needed friction may exceed it."""
 STILL = 1e-10
 """Acceleration, over the largest there is, below which what is pushed to its level stays."""
 AGAINST = 1e-9
@@ -66,7 +64,7 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
         needed = w[whole[NEEDED] + i]
         back = 0 if needed >= 0.0 else 1
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
-        return abs(needed) > w[levels + 2 * i + back] * (1.0 + RELATIVE)
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN)
     sign = 1.0 if mode > 0 else -1.0
     return sign * w[whole[ACCELERATION] + i] < -tolerance
 
@@ -177,7 +175,7 @@ def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
     worst = 0
     while worst >= 0:
         refresh(t, w, whole, whole[Y])
-        worst, excess = -1, RELATIVE
+        worst, excess = -1, WITHIN
         for i in range(n):
             if whole[candidates + i] == WAITING and whole[modes + i] == HELD_FAST:
                 needed = w[whole[NEEDED] + i]

@@ -7,7 +7,7 @@ determinant of the reactions' equations, which ends the run.
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import assemble, side_of
+from stickslip.kernels.contacts.assembly import WITHIN, assemble, side_of
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
@@ -77,9 +77,9 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
         if mode in (FORWARD, BACKWARD):
             w[to + 2 * i] = mode * w[at + n + i]
         elif mode == HELD_FAST:
-            needed = w[whole[NEEDED] + i]
-            w[to + 2 * i] = w[whole[LEVELS] + 2 * i] - needed
-            w[to + 2 * i + 1] = w[whole[LEVELS] + 2 * i + 1] + needed
+            needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
+            w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
+            w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
     for c in range(whole[N_CONTACTS]):
         own_guards(c, t, w, whole, at, to + 2 * n + c * (whole[LAW_SWITCHES] + 1))
     if whole[N_SWITCHES] > 0:
