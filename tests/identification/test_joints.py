@@ -16,6 +16,7 @@ from stickslip import (
     TwoLinkArm,
     check,
     fit,
+    load_rig,
     plots,
     select,
 )
@@ -308,8 +309,14 @@ def test_routes_and_laws_of_one_contact_keep_apart_from_those_of_joints(measured
         fit(Axis(inertia=1.0), BOTH, one)
     with pytest.raises(InputError, match="route 'joints' applies to records of several joints"):
         fit(Axis(inertia=1.0), Coulomb, one, route="joints")
-    with pytest.raises(InputError, match="not written to a rig file"):
-        found.to_toml()
+
+
+def test_the_fitted_laws_are_written_and_read_by_contact(found, tmp_path):
+    found.save(tmp_path / "arm.toml")
+    rig = load_rig(tmp_path / "arm.toml")
+    assert rig.law_by_contact() == dict(found.law.members)
+    for name in ("upper_inertia", "lower_centre"):
+        assert getattr(rig.mechanism, name) == getattr(found.mechanism, name)
 
 
 def test_a_name_or_a_type_alone_stands_for_each_joint(measured):

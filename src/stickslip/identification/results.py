@@ -158,25 +158,27 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
     def to_toml(self) -> str:
         """Return mechanism, law and estimates as the text of a rig file, which `load_rig` reads.
 
+        Laws by contact are written without their intervals.
+
         Raises
         ------
         InputError
-            If the law is none that a rig file can have: rate-and-state friction, or laws by
-            contact.
+            If the law is none that a rig file can have: rate-and-state friction.
         """
-        if isinstance(self.law, Laws):
-            raise InputError(
-                "laws of several contacts are not written to a rig file yet: `to_dict()` has the"
-                " numbers, and `simulate` takes the laws as they are."
-            )
         if isinstance(self.law, RateState):
             raise InputError(
                 f"{self.law.title.lower()} is no law of a rig file: the logarithm of the speed"
                 " knows no rest, so `simulate` cannot run it. `to_dict()` has its numbers, and"
                 " `simulate_velocity_steps` runs it."
             )
+        if isinstance(self.law, Laws):  # how well they are known is in `to_dict` alone
+            text = rig_toml(self.mechanism, self.law, title="Laws by contact, fitted")
+            return self._remarked(text)
         title = f"{self.law.title}, fitted"
         text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
+        return self._remarked(text)
+
+    def _remarked(self, text: str) -> str:
         return "".join(f"# {printable(remark)}\n" for remark in self.remarks) + text
 
     @final

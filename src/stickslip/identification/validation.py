@@ -335,7 +335,9 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
         raise InputError(
             f"{verb} takes a mechanism such as Axis(inertia=1.0), got {called(mechanism)}."
         )
-    slip_of(mechanism)  # of several contacts nothing is identified yet, and they are named
+    if isinstance(measurement, Measurement) and measurement.joint_names():
+        return
+    slip_of(mechanism)  # several contacts are identified by records of joints alone
     if isinstance(measurement, Measurement):
         return
     cure = "read a file with load_measurement, or make a Measurement of arrays"

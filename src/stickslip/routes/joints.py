@@ -35,7 +35,6 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
     uses = frozenset({"validate"})
     settings = frozenset({"hold", "starts", "seed"})
     by_contact = True
-    simulated = False
 
     @override
     def serves(self, measurement: Measurement) -> bool:
