@@ -2,7 +2,15 @@
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST, LIFT_OFF, STOP
+from stickslip.kernels.enums import (
+    BACKWARD,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    FORWARD,
+    HELD_FAST,
+    LIFT_OFF,
+    STOP,
+)
 from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
@@ -321,6 +329,18 @@ def is_held(whole: Wholes) -> bool:
     return held
 
 
+def opposite(guard: int, whole: Wholes) -> int:
+    """Return the guard of the other direction, where both are of one level; else itself.
+
+    Their sum is twice the level, which tells how large the rounding of either is.
+    """
+    if whole[N_CONTACTS] > 0:
+        return guard + 1 - 2 * (guard % 2) if guard < 2 * whole[N_COORDINATES] else guard
+    if guard in (BREAK_FORWARD, BREAK_BACKWARD):
+        return BREAK_FORWARD + BREAK_BACKWARD - guard
+    return guard
+
+
 def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return how badly the samples of a step show the course of the guards; up to 1 they do.
 
@@ -354,7 +374,9 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         at = sampled + guard
         a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
-        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * w[whole[REACHED] + guard])
+        other = w[sampled + opposite(guard, whole)]
+        known = NEGLIGIBLE * max(w[whole[REACHED] + guard], abs(other))
+        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), known)
         other = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
         difference = abs(other - 128.0 * w[at + n_guards])
         other = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
