@@ -23,10 +23,11 @@ __all__ = [
     "check_given",
     "check_varied",
     "covers",
+    "fixed_values",
     "law_quantities",
     "laws_of",
     "names_of",
-    "varied_path",
+    "varied_paths",
 ]
 
 P = ParamSpec("P")
@@ -160,26 +161,60 @@ def _fixed_values(
     fixed: Fixed,
 ) -> dict[str, float]:
     """Return fixed values by full path, each within the range of its parameter."""
+    if law is None and isinstance(fixed, Mapping):
+        for name in fixed:
+            if str(name).startswith("friction."):
+                raise InputError(
+                    "fixed takes only parameters of the mechanism when laws are compared, got"
+                    f" {name}: give the law with its values, or fit it alone."
+                )
+    known = {**of_law, **all_paths(mechanism, "mechanism")}
+    kind = law if isinstance(law, type) else type(law)
+    return fixed_values(
+        fixed, known, lambda path: (kind if path in of_law else type(mechanism)).__name__
+    )
+
+
+def fixed_values(
+    fixed: Fixed, known: Mapping[str, Quantity], owner: Callable[[str], str]
+) -> dict[str, float]:
+    """Return fixed values by full path, each within the range of its parameter.
+
+    Parameters
+    ----------
+    fixed : mapping of str to float, optional
+        Values by path, or by last name where only one has it.
+    known : mapping of str to Quantity
+        All parameters by full path.
+    owner : callable
+        Returns whose parameter a path is, for errors.
+
+    Returns
+    -------
+    dict of str to float
+        Values by full path [SI].
+
+    Raises
+    ------
+    InputError
+        If there are no names, or one is given twice.
+    ParameterError
+        If a value is out of range.
+    UnknownNameError
+        If there is no such parameter.
+    """
     if fixed is None:
         return {}
     if not isinstance(fixed, Mapping):
         raise InputError(
             f"fixed takes values by name, such as {{'viscous_coefficient': 0.4}}, got {fixed!r}."
         )
-    known = {**of_law, **all_paths(mechanism, "mechanism")}
-    kind = law if isinstance(law, type) else type(law)
     values: dict[str, float] = {}
     for name, value in fixed.items():
-        if law is None and str(name).startswith("friction."):
-            raise InputError(
-                f"fixed takes only parameters of the mechanism when laws are compared, got {name}:"
-                " give the law with its values, or fit it alone."
-            )
         path = full_path(name, known, "parameter in fixed")
         if path in values:
             raise InputError(f"fixed names {path} twice.")
-        owner = kind if path in of_law else type(mechanism)
-        values[path] = known[path].check(owner.__name__, path.partition(".")[2], value)
+        values[path] = known[path].check(owner(path), path.partition(".")[2], value)
     return values
 
 
@@ -197,54 +232,65 @@ def _varied(
             f"vary must contain {LAW!r} when laws are compared, because each is fitted:"
             f" vary={[LAW, *names]!r}."
         )
-    known = [*of_law, *(path for path, _, _ in parameters(mechanism, "mechanism"))]
-    found: list[str] = []
     for name in names:
-        if name == LAW:
-            found.append(LAW)
-        elif any(letter in name for letter in "*?["):
-            hits = [path for path in known if covers(name, path)]
-            if not hits:
-                raise UnknownNameError("parameter in vary", name, known)
-            found += [path for path in hits if path not in values]
-        else:
-            if law is None and name.startswith("friction."):
-                raise InputError(
-                    f"vary takes {LAW!r} and parameters of the mechanism when laws are compared,"
-                    f" got {name}: fit that law alone."
-                )
-            found.append(varied_path(name, known, values))
-    return list(dict.fromkeys(found))
+        named = name != LAW and not is_pattern(name)
+        if law is None and named and name.startswith("friction."):
+            raise InputError(
+                f"vary takes {LAW!r} and parameters of the mechanism when laws are compared,"
+                f" got {name}: fit that law alone."
+            )
+    known = [*of_law, *(path for path, _, _ in parameters(mechanism, "mechanism"))]
+    return varied_paths(names, known, values, (LAW,))
 
 
-def varied_path(name: str, known: Collection[str], fixed: Collection[str]) -> str:
-    """Return the full path of one parameter that is varied.
+def varied_paths(
+    names: Sequence[str], known: Collection[str], fixed: Collection[str], kept: Collection[str]
+) -> list[str]:
+    """Return the full paths of what is varied, each once.
 
     Parameters
     ----------
-    name : str
-        Its path, or its last name where only one has it.
+    names : sequence of str
+        Paths, last names where only one has them, and patterns.
     known : collection of str
         Full paths of all parameters.
     fixed : collection of str
-        Full paths of those that are fixed.
+        Full paths of those that are fixed, which patterns leave out.
+    kept : collection of str
+        Patterns that stay as they are.
 
     Returns
     -------
-    str
-        The path.
+    list of str
+        The paths, and the patterns that are kept.
 
     Raises
     ------
     InputError
-        If it is fixed, too.
+        If a parameter that is named is fixed, too.
     UnknownNameError
         If there is no such parameter.
     """
-    path = full_path(name, known, "parameter in vary")
-    if path in fixed:
-        raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
-    return path
+    found: list[str] = []
+    for name in names:
+        if name in kept:
+            found.append(name)
+        elif is_pattern(name):
+            hits = [path for path in known if covers(name, path)]
+            if not hits:
+                raise UnknownNameError("parameter in vary", name, known)
+            found += [path for path in hits if path not in fixed]
+        else:
+            path = full_path(name, known, "parameter in vary")
+            if path in fixed:
+                raise InputError(f"{path} is in both vary and fixed: remove it from one of them.")
+            found.append(path)
+    return list(dict.fromkeys(found))
+
+
+def is_pattern(name: str) -> bool:
+    """Whether a name may stand for several parameters."""
+    return any(letter in name for letter in "*?[")
 
 
 def covers(name: str, path: str) -> bool:

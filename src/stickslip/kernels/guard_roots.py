@@ -374,20 +374,19 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         at = sampled + guard
         a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
-        other = w[sampled + opposite(guard, whole)]
-        known = NEGLIGIBLE * max(w[whole[REACHED] + guard], abs(other))
-        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), known)
-        other = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
-        difference = abs(other - 128.0 * w[at + n_guards])
-        other = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
-        difference = max(difference, abs(other - 128.0 * w[at + 3 * n_guards]))
-        other = 3.0 * a - 20.0 * b + 90.0 * c + 60.0 * d - 5.0 * e
-        difference = max(difference, abs(other - 128.0 * w[at + 5 * n_guards]))
-        other = -5.0 * a + 28.0 * b - 70.0 * c + 140.0 * d + 35.0 * e
-        difference = max(difference, abs(other - 128.0 * w[at + 7 * n_guards])) / 128.0
-        other = AT_GOLDEN_0 * a + AT_GOLDEN_1 * b + AT_GOLDEN_2 * c
-        other += AT_GOLDEN_3 * d + AT_GOLDEN_4 * e
-        difference = max(difference, abs(other - w[values + guard]))
+        known = max(w[whole[REACHED] + guard], abs(w[sampled + opposite(guard, whole)]))
+        size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
+        through = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
+        difference = abs(through - 128.0 * w[at + n_guards])
+        through = -5.0 * a + 60.0 * b + 90.0 * c - 20.0 * d + 3.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 3 * n_guards]))
+        through = 3.0 * a - 20.0 * b + 90.0 * c + 60.0 * d - 5.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 5 * n_guards]))
+        through = -5.0 * a + 28.0 * b - 70.0 * c + 140.0 * d + 35.0 * e
+        difference = max(difference, abs(through - 128.0 * w[at + 7 * n_guards])) / 128.0
+        through = AT_GOLDEN_0 * a + AT_GOLDEN_1 * b + AT_GOLDEN_2 * c
+        through += AT_GOLDEN_3 * d + AT_GOLDEN_4 * e
+        difference = max(difference, abs(through - w[values + guard]))
         if size > LEAST_SIZE and difference > worst * RESOLVED * size:
             worst = difference / (RESOLVED * size)
     return worst

@@ -292,8 +292,8 @@ class ContactSizes(Sizes):
 
     @property
     def _law_slopes(self) -> int:
-        """Slopes of a law in one direction."""
-        return (4 + self._most_bristles) * self._most_variables
+        """Slopes of a law in one direction, or of its margins."""
+        return max(4 + self._most_bristles, self.law_switches) * self._most_variables
 
     @property
     def _part_rows(self) -> int:
@@ -398,7 +398,7 @@ class ContactSizes(Sizes):
         return {
             at.SLOPE_POINT: self.states + n,
             at.PART_SLOPES: sum(map(len, self.part_slopes)),
-            at.LAW_SLOPES: 2 * c * self._law_slopes,
+            at.LAW_SLOPES: 3 * c * self._law_slopes,
             at.PART_COLUMN: self._part_rows,
             at.ACCELERATION_SLOPES: n,
             at.NEEDED_SLOPES: n,
@@ -406,7 +406,6 @@ class ContactSizes(Sizes):
             at.FRICTION_SLOPES: c,
             at.LEVEL_SLOPES: 2 * n,
             at.BRISTLE_SLOPES: self.bristles,
-            at.MARGIN_SLOPES: self.law_switches * self._most_variables,
         }
 
     @override

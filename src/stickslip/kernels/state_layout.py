@@ -91,7 +91,6 @@ __all__ = [
     "LOAD_SLOPES",
     "LOST",
     "LOWEST",
-    "MARGIN_SLOPES",
     "MASS",
     "MASS_COLUMNS",
     "MASS_ROWS",
@@ -396,8 +395,8 @@ PART_ROWS = 117
 VARIABLE_PLACES = 118
 
 # Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's
-# law forward and backward; along one variable, slopes of the parts, of accelerations, needed
-# friction, loads, friction, levels, rates of bristles; slopes of the margins of a law.
+# law forward and backward and of its margins; along one variable, slopes of the parts, of
+# accelerations, needed friction, loads, friction, levels, rates of bristles.
 SLOPE_POINT = 119
 PART_SLOPES = 120
 LAW_SLOPES = 121
@@ -408,9 +407,8 @@ LOAD_SLOPES = 125
 FRICTION_SLOPES = 126
 LEVEL_SLOPES = 127
 BRISTLE_SLOPES = 128
-MARGIN_SLOPES = 129
 
-HEADER = 130
+HEADER = 129
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

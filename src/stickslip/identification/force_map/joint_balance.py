@@ -65,9 +65,9 @@ def joint_stretches(
     *,
     hold: Hold,
     segment: float | None = None,
-    samples: float = SAMPLES,
+    samples: Sequence[float] = (SAMPLES,),
     slipping: bool = False,
-) -> tuple[Stretches, ...]:
+) -> tuple[tuple[Stretches, ...], ...]:
     """Return stretches of the friction of each joint, which all have the same times and segments.
 
     All that stands in the balances passes one filter, since every balance has the accelerations of
@@ -88,15 +88,15 @@ def joint_stretches(
         Whether a force keeps its value until the next sample or goes straight to it.
     segment : float, optional
         Length of segments [s]; a fortieth of each record if not given.
-    samples : float
+    samples : sequence of float
         Samples of a record along which friction is predicted, unless the filter asks for more.
     slipping : bool
         Whether rows that see much of what is at rest are left out.
 
     Returns
     -------
-    tuple of tuple of MotionSegment
-        Stretches by coordinate, in the order of the mechanism's.
+    tuple of tuple of tuple of MotionSegment
+        For each of `samples`: stretches by coordinate, in the order of the mechanism's.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def joint_stretches(
         If a joint is missing or one of them has no position or force; or a record is too short, or
         never moves.
     """
-    found: list[list[MotionSegment]] = [[] for _ in torques.coordinates]
+    pieces: list[tuple[int, _Piece, NDArray[np.intp]]] = []
     first = 0
     for number, record in enumerate(measurement.records()):
         check_joints(record, torques.coordinates)
@@ -117,11 +117,27 @@ def joint_stretches(
             own = _Piece.of(torques, set_up, piece, hold)
             count = max(1, round(own.span / length))
             share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
-            numbers = first + share.astype(np.intp)
-            for i, stretches in enumerate(found):
-                one = own.stretch(i, numbers, samples=samples, slipping=slipping)
-                stretches.append(replace(one, record=number))
+            pieces.append((number, own, first + share.astype(np.intp)))
             first += count
+    joints = range(len(torques.coordinates))
+    return tuple(_cut(pieces, joints, count, slipping=slipping) for count in samples)
+
+
+def _cut(
+    pieces: Sequence[tuple[int, "_Piece", NDArray[np.intp]]],
+    joints: Sequence[int],
+    samples: float,
+    *,
+    slipping: bool,
+) -> tuple[Stretches, ...]:
+    """Return the stretches of each joint, from pieces with their record and segment numbers."""
+    found = [
+        [
+            replace(own.stretch(i, numbers, samples=samples, slipping=slipping), record=record)
+            for record, own, numbers in pieces
+        ]
+        for i in joints
+    ]
     kept = [one.segment[one.segment >= 0] for stretches in found for one in stretches]
     used = np.unique(np.concatenate(kept)) if kept else np.zeros(0, dtype=np.intp)
     if not used.size:
@@ -570,13 +586,13 @@ class JointBalanceBuilder:
         return self._built(record, length, slipping=True)
 
     def _built(self, record: Measurement, length: float | None, *, slipping: bool) -> JointBalance:
-        own = joint_stretches(
+        (own,) = joint_stretches(
             self.torques,
             self.mechanism,
             record,
             hold=self.hold,
             segment=length,
-            samples=self.samples,
+            samples=(self.samples,),
             slipping=slipping,
         )
         values = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}

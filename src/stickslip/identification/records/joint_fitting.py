@@ -1,13 +1,13 @@
 """Fits laws to several joints at once, from one record of positions and forces."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import percent
 from stickslip.formulation import JointTorques
@@ -33,13 +33,13 @@ from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import (
     LAW,
-    covers,
+    fixed_values,
     law_quantities,
     names_of,
-    varied_path,
+    varied_paths,
 )
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import Quantity, full_path, parameters, vary
+from stickslip.quantities import Quantity, parameters, vary
 
 __all__ = ["JOINTS", "fit_joints"]
 
@@ -112,7 +112,6 @@ def fit_joints(
     ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
     ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
     ... )  # fmt: skip
-    >>> motion = [np.column_stack(np.gradient([upper, bend], t, axis=1)) for _ in "v"]
     >>> rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
     >>> places = np.column_stack([upper, bend])
     >>> takes = JointTorques.of(arm, [])
@@ -224,11 +223,10 @@ class _Asked:
         known: dict[str, Quantity] = {
             **quantities, **own, **dict.fromkeys(held, Quantity("o", "N"))
         }  # fmt: skip
-        values: dict[str, float] = {}
-        for name, value in (fixed or {}).items():
-            path = full_path(name, known, "parameter in fixed")
-            values[path] = known[path].check("fixed", path, value)
-        varied = _varied(vary_, [*quantities, *own], values)
+        values = fixed_values(fixed, known, lambda path: path.partition(".")[0])
+        names = (LAW,) if vary_ is None else names_of(vary_)
+        whole_laws = (LAW, *(f"friction.{name}.*" for name in kinds))
+        varied = varied_paths(names, [*quantities, *own], values, whole_laws)
         linear = tuple(path for path in varied if path in own)
         for record in measurement.records():
             for path in record.overrides:
@@ -279,34 +277,17 @@ def _law_of(
     return cast("FrictionLaw | type[FrictionLaw]", given), (LAW,)
 
 
-def _varied(
-    names: str | Sequence[str] | None, known: Collection[str], fixed: Collection[str]
-) -> list[str]:
-    """Return the full paths of what is varied; `LAW` stands for the usual ones of all laws."""
-    found: list[str] = []
-    for name in (LAW,) if names is None else names_of(names):
-        if name == LAW:
-            found.append(LAW)
-        elif any(letter in name for letter in "*?["):
-            hits = [path for path in known if covers(name, path)]
-            if not hits:
-                raise UnknownNameError("parameter in vary", name, known)
-            whole = name.startswith("friction.") and name.endswith(".*")
-            found += [name] if whole else [path for path in hits if path not in fixed]
-        else:
-            found.append(varied_path(name, known, fixed))
-    return list(dict.fromkeys(found))
-
-
 def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[JointBalance]:
     """Return the problem of all joints, with start values from the record."""
     torques = JointTorques.of(asked.mechanism, asked.linear)
     samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
-    stretches, few = (
-        joint_stretches(
-            torques, asked.mechanism, measurement, hold=hold, samples=count, slipping=True
-        )
-        for count in (samples, min(samples, SOME))
+    stretches, few = joint_stretches(
+        torques,
+        asked.mechanism,
+        measurement,
+        hold=hold,
+        samples=(samples, min(samples, SOME)),
+        slipping=True,
     )
     linear, left = _start(asked, torques, stretches)
     first = np.array([item.start for item in linear])

@@ -63,17 +63,18 @@ from stickslip.kernels.state_layout import (
 __all__ = [
     "WITHIN",
     "accelerate",
-    "add_normals",
     "ask_law",
     "assemble",
-    "determinant",
+    "balance",
+    "equal_part",
+    "note_surplus",
     "prepare",
+    "put_loads",
     "refactor",
     "refresh",
     "set_row",
     "side_of",
 ]
-
 
 WITHIN = 1e-13
 """Share of its level by which needed friction may exceed it, in decisions as in guards: where both
@@ -206,23 +207,11 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     return row
 
 
-def bend(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the rates of all bristles, with loads that are reactions; open contacts keep theirs."""
-    for c in range(whole[N_CONTACTS]):
-        bristle = whole[whole[BRISTLES] + c]
-        if bristle >= 0:
-            closed = not whole[whole[OPEN] + c]
-            if closed:
-                ask_law(c, side_of(c, w, whole, at), t, w, whole, at)
-            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
-                rate = w[whole[LAW_VALUES] + 7 + k] if closed else 0.0
-                w[whole[BRISTLE_RATES] + bristle + k] = rate
-
-
 def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and levels of all contacts as constants and factors of their loads.
 
-    A contact that is pushed to its static level, in a decision, has that as its friction.
+    A contact that is pushed to its static level, in a decision, has that as its friction. Rates of
+    bristles are written too, with the loads at hand; those of open contacts rest.
     """
     constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
     values = whole[LAW_VALUES]
@@ -235,15 +224,19 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
         for k in range(2):
             w[levels + k] = 0.0
             w[level_factors + k] = 0.0
+        bristle = whole[whole[BRISTLES] + c]
         if whole[whole[OPEN] + c]:
+            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+                w[whole[BRISTLE_RATES] + bristle + k] = 0.0
             continue
         mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
         side = side_of(c, w, whole, at)
         ask_law(c, side, t, w, whole, at)
-        bristle = whole[whole[BRISTLES] + c]
         if bristle >= 0:
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
+            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+                w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
             continue
         if mode in (FORWARD, BACKWARD):
             w[constant + c] = side * w[values]
@@ -333,22 +326,42 @@ def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
     return total
 
 
-def split(w: Vector, whole: Wholes) -> None:
-    """Write the needed friction of held coordinates by contact, in equal parts.
+def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
+    """Return the part that a held contact has in a force along its coordinate, in equal parts.
 
     This is affine in the loads, as shares in proportion to the levels are not. It makes no
     difference to the reactions where contacts of one coordinate slip at the same height.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    force : float
+        Force along the coordinate.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Friction of the contact.
     """
-    contacts = whole[N_CONTACTS]
-    for c in range(contacts):
+    i, partners = whole[whole[SLIPS] + contact], 0
+    for d in range(whole[N_CONTACTS]):
+        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+        partners += 1 if together and not whole[whole[OPEN] + d] else 0
+    return force / max(partners, 1) / w[whole[SLIP_FACTORS] + contact]
+
+
+def split(w: Vector, whole: Wholes) -> None:
+    """Write the needed friction of held coordinates by contact, in equal parts."""
+    for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
-            partners = 0
-            for d in range(contacts):
-                together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
-                partners += 1 if together and not whole[whole[OPEN] + d] else 0
-            part = w[whole[NEEDED] + i] / max(partners, 1)
-            own = 0.0 if whole[whole[OPEN] + c] else part / w[whole[SLIP_FACTORS] + c]
+            is_open = whole[whole[OPEN] + c]
+            own = 0.0 if is_open else equal_part(c, w[whole[NEEDED] + i], w, whole)
             w[whole[FRICTION] + c] = own
 
 
@@ -359,49 +372,94 @@ def react(w: Vector, whole: Wholes) -> None:
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
     """
-    count = whole[N_REACTIONS]
-    rows, wide = whole[REACTION_ROWS], whole[N_REACTIONS] + 1
-    bare = rows + count * wide
-    for trial in range(count + 1):
-        put_loads(trial - 1, w, whole)
+    for trial in range(whole[N_REACTIONS] + 1):
+        put_loads(trial - 1, whole[LOAD], w, whole)
         accelerate(w, whole)
         split(w, whole)
-        for row in range(count):
-            surplus = held_surplus(row, w, whole)
-            if trial == 0:
-                w[bare + row] = surplus
-            else:
-                w[rows + row * wide + trial - 1] = w[bare + row] - surplus
-    for row in range(count):
-        w[rows + row * wide + count] = w[bare + row]
-    add_normals(w, whole)
-    w[PIVOT] = determinant(w, rows, count) / w[FRICTIONLESS]
-    k = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
-            w[whole[LOAD] + c] = w[rows + k * wide + count]
-            k += 1
+        for row in range(whole[N_REACTIONS]):
+            note_surplus(trial, row, held_surplus(row, w, whole), w, whole)
+    w[PIVOT] = balance(whole[LOAD], w, whole) / w[FRICTIONLESS]
 
 
-def put_loads(unit: int, w: Vector, whole: Wholes) -> None:
-    """Set the reactions to 0, but one of them to 1."""
-    k = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
-            w[whole[LOAD] + c] = 1.0 if k == unit else 0.0
-            k += 1
-
-
-def add_normals(w: Vector, whole: Wholes) -> None:
-    """Add to each row of the reactions what a unit of each load does to it by itself.
+def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Set the reactions to 0, but one of them to 1.
 
     Parameters
     ----------
+    unit : int
+        Which of them, from 0; -1 for none.
+    to : int
+        Place in `w` of the loads, or of their slopes, of all contacts.
     w : array (SIZE,)
         Vector of the run.
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
+    k = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            w[to + c] = 1.0 if k == unit else 0.0
+            k += 1
+
+
+def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes) -> None:
+    """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one.
+
+    Parameters
+    ----------
+    trial : int
+        0, then 1 for each reaction in turn.
+    row : int
+        Index of the held coordinate.
+    surplus : float
+        Force that it needs beside those that act on it.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
+    rows = whole[REACTION_ROWS]
+    bare = rows + count * wide + row
+    if trial == 0:
+        w[bare] = surplus
+    else:
+        w[rows + row * wide + trial - 1] = w[bare] - surplus
+
+
+def balance(to: int, w: Vector, whole: Wholes) -> float:
+    """Write the reactions that leave no surplus; return the determinant of their equations.
+
+    Parameters
+    ----------
+    to : int
+        Place in `w` of the loads, or of their slopes, of all contacts.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        The determinant.
+    """
+    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
+    rows = whole[REACTION_ROWS]
+    for row in range(count):
+        w[rows + row * wide + count] = w[rows + count * wide + row]
+    add_normals(w, whole)
+    found = determinant(w, rows, count)
+    k = 0
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[REACTS] + c]:
+            w[to + c] = w[rows + k * wide + count]
+            k += 1
+    return found
+
+
+def add_normals(w: Vector, whole: Wholes) -> None:
+    """Add to each row of the reactions what a unit of each load does to it by itself."""
     count, held = whole[N_REACTIONS], whole[N_HELD]
     k = 0
     for c in range(whole[N_CONTACTS]):
@@ -416,20 +474,6 @@ def determinant(w: Vector, rows: int, count: int) -> float:
     """Solve a system of `count` equations by elimination; return its determinant.
 
     The right-hand side, in the last column, becomes the solution.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    rows : int
-        Place in `w` of the rows (count, count + 1).
-    count : int
-        Number of equations.
-
-    Returns
-    -------
-    float
-        The determinant.
     """
     wide = count + 1
     product = 1.0
@@ -511,7 +555,7 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     ask_laws(t, w, whole, at)
     if whole[N_REACTIONS] > 0:
         react(w, whole)
-    if whole[HAS_BRISTLES]:
-        bend(t, w, whole, at)
+        if whole[HAS_BRISTLES]:
+            ask_laws(t, w, whole, at)  # rates of bristles depend on the loads
     accelerate(w, whole)
     share(w, whole)

@@ -8,9 +8,11 @@ Loads that are reactions change with them, as in `assembly.react`.
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import (
-    add_normals,
     assemble,
-    determinant,
+    balance,
+    equal_part,
+    note_surplus,
+    put_loads,
     set_row,
     side_of,
 )
@@ -49,7 +51,6 @@ from stickslip.kernels.state_layout import (
     LEVEL_SLOPES,
     LOAD,
     LOAD_SLOPES,
-    MARGIN_SLOPES,
     MASS,
     MODES,
     N_CONTACTS,
@@ -66,7 +67,6 @@ from stickslip.kernels.state_layout import (
     PART_ROWS,
     PART_SLOPES,
     PART_STARTS,
-    REACTION_ROWS,
     REACTS,
     SLIP_FACTORS,
     SLIPS,
@@ -92,10 +92,10 @@ def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the slopes of a contact's law, of its level in both directions where they differ."""
+    """Write the slopes of a contact's law in both directions, then those of its margins."""
     kind, flags = whole[whole[KINDS] + contact], whole[whole[LAW_FLAGS] + contact]
     room = whole[LAW_SLOPE_ROOM]
-    place = whole[LAW_SLOPES] + 2 * contact * room
+    place = whole[LAW_SLOPES] + 3 * contact * room
     side = side_of(contact, w, whole, at)
     row = set_row(contact, side, w, whole, at)
     evaluate(LAW_SLOPES_OF + kind, side, flags, t, w, row, place)
@@ -104,6 +104,13 @@ def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> Non
     else:
         for k in range(room):
             w[place + room + k] = w[place + k]
+    if whole[LAW_SWITCHES] > 0:
+        evaluate(LAW_MARGIN_SLOPES + kind, side, flags, t, w, row, place + 2 * room)
+
+
+def variables_of(contact: int, whole: Wholes) -> int:
+    """Return along how many variables a contact's law has slopes."""
+    return whole[whole[LAW_BRISTLES] + contact] + whole[whole[BRISTLE_COUNTS] + contact] + 1
 
 
 def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
@@ -112,12 +119,22 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
     `which` is 0 and 1 for constant and factor of friction, 2 and 3 for those of the level, and from
     4 on the rates of its bristles; `back` is 1 for the direction against which it slips.
     """
-    n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
-    i = whole[whole[SLIPS] + contact]
-    wide = whole[whole[LAW_BRISTLES] + contact] + whole[whole[BRISTLE_COUNTS] + contact] + 1
-    row = whole[LAW_SLOPES] + (2 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
+    wide = variables_of(contact, whole)
+    row = whole[LAW_SLOPES] + (3 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
     own = w[row + wide - 1] if which >= 4 else 0.0
-    total = own * w[whole[LOAD_SLOPES] + contact]
+    return own * w[whole[LOAD_SLOPES] + contact] + own_slope(contact, row, k, w, whole)
+
+
+def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
+    """Return the slope of the margin of a switch of a contact's law along a variable."""
+    room = whole[LAW_SLOPES] + (3 * contact + 2) * whole[LAW_SLOPE_ROOM]
+    return own_slope(contact, room + which * variables_of(contact, whole), k, w, whole)
+
+
+def own_slope(contact: int, row: int, k: int, w: Vector, whole: Wholes) -> float:
+    """Return a slope along a variable from those along speed, parameters and bristles of a law."""
+    n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
+    total = 0.0
     if bristle >= 0:
         first = 2 * n + bristle
         if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
@@ -125,7 +142,7 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
     place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
     if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
         total += w[row + place]
-    if whole[whole[MODES] + i] != HELD_FAST:
+    if whole[whole[MODES] + whole[whole[SLIPS] + contact]] != HELD_FAST:
         total += w[row] * speed_slope(contact, k, w, whole)
     return total
 
@@ -186,8 +203,7 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
         if not whole[whole[OPEN] + c] and not is_rigid(c, whole):
             slope = friction_slope(c, k, w, whole)
             i = whole[whole[SLIPS] + c]
-            load = w[whole[LOAD] + c]
-            own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * load
+            own = sliding_friction(c, w, whole)
             w[found + i] -= w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
         w[whole[FRICTION_SLOPES] + c] = slope
     for i in range(n):
@@ -233,30 +249,24 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
 
 
 def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the part that a held contact has of the needed friction.
-
-    Parts are equal, as in `assembly.split`.
-    """
-    i, partners = whole[whole[SLIPS] + contact], 0
-    for d in range(whole[N_CONTACTS]):
-        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
-        partners += 1 if together and not whole[whole[OPEN] + d] else 0
-    factor = w[whole[SLIP_FACTORS] + contact]
+    """Return the slope of the part that a held contact has of the needed friction."""
+    i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     part = w[whole[NEEDED] + i] / factor
     change = w[whole[NEEDED_SLOPES] + i] - part * factor_slope(contact, w, whole)
-    return change / factor / max(partners, 1)
+    return equal_part(contact, change, w, whole)
 
 
 def shared_part(contact: int, w: Vector, whole: Wholes) -> float:
     """Return the part that a held contact has of the needed friction, or what slides there."""
-    if not is_rigid(contact, whole):
-        load = w[whole[LOAD] + contact]
-        return w[whole[FRICTION_CONSTANT] + contact] + w[whole[FRICTION_FACTOR] + contact] * load
-    i, partners = whole[whole[SLIPS] + contact], 0
-    for d in range(whole[N_CONTACTS]):
-        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
-        partners += 1 if together and not whole[whole[OPEN] + d] else 0
-    return w[whole[NEEDED] + i] / w[whole[SLIP_FACTORS] + contact] / max(partners, 1)
+    if is_rigid(contact, whole):
+        return equal_part(contact, w[whole[NEEDED] + whole[whole[SLIPS] + contact]], w, whole)
+    return sliding_friction(contact, w, whole)
+
+
+def sliding_friction(contact: int, w: Vector, whole: Wholes) -> float:
+    """Return the friction of a contact that slips, or that has bristles."""
+    factor, load = w[whole[FRICTION_FACTOR] + contact], w[whole[LOAD] + contact]
+    return w[whole[FRICTION_CONSTANT] + contact] + factor * load
 
 
 def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
@@ -282,31 +292,12 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
 
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of the loads that are reactions."""
-    count, wide = whole[N_REACTIONS], whole[N_REACTIONS] + 1
-    rows = whole[REACTION_ROWS]
-    bare = rows + count * wide
-    for trial in range(count + 1):
-        unit = 0
-        for c in range(whole[N_CONTACTS]):
-            if whole[whole[REACTS] + c]:
-                w[whole[LOAD_SLOPES] + c] = 1.0 if unit == trial - 1 else 0.0
-                unit += 1
+    for trial in range(whole[N_REACTIONS] + 1):
+        put_loads(trial - 1, whole[LOAD_SLOPES], w, whole)
         respond(k, w, whole)
-        for row in range(count):
-            surplus = surplus_slope(row, w, whole)
-            if trial == 0:
-                w[bare + row] = surplus
-            else:
-                w[rows + row * wide + trial - 1] = w[bare + row] - surplus
-    for row in range(count):
-        w[rows + row * wide + count] = w[bare + row]
-    add_normals(w, whole)
-    determinant(w, rows, count)
-    unit = 0
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[REACTS] + c]:
-            w[whole[LOAD_SLOPES] + c] = w[rows + unit * wide + count]
-            unit += 1
+        for row in range(whole[N_REACTIONS]):
+            note_surplus(trial, row, surplus_slope(row, w, whole), w, whole)
+    balance(whole[LOAD_SLOPES], w, whole)
 
 
 def rate_slopes_along(
@@ -388,42 +379,12 @@ def guard_slopes_along(
             if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + c]:
                 load = w[whole[LOAD_SLOPES] + c]
                 w[to + row * count + j] = -load if whole[whole[OPEN] + c] else load
+            if whole[whole[MODES] + whole[whole[SLIPS] + c]] in (FORWARD, BACKWARD):
+                for s in range(whole[LAW_SWITCHES]):
+                    sign = 1.0 if whole[whole[LAW_FLAGS] + c] & (1 << s) else -1.0
+                    slope = margin_slope(c, s, k, w, whole)
+                    w[to + (row - whole[LAW_SWITCHES] + s) * count + j] = sign * slope
         margins = whole[PART_COLUMN] + n + whole[N_HELD] + 2 * contacts * (1 + whole[N_HELD])
         for s in range(whole[N_SWITCHES]):
             sign = 1.0 if whole[FLAGS] & (1 << s) else -1.0
             w[to + (first_own_switch(whole) + s) * count + j] = sign * w[margins + s]
-    for c in range(contacts):
-        switch_slopes(c, first, count, t, w, whole, at, to)
-
-
-def switch_slopes(
-    contact: int,
-    first: int,
-    count: int,
-    t: float,
-    w: Vector,
-    whole: Wholes,
-    at: int,
-    to: int,
-) -> None:
-    """Write the slopes of the guards that are switches of a contact's law."""
-    i, switches = whole[whole[SLIPS] + contact], whole[LAW_SWITCHES]
-    if switches == 0 or whole[whole[MODES] + i] not in (FORWARD, BACKWARD):
-        return
-    flags, kind = whole[whole[LAW_FLAGS] + contact], whole[whole[KINDS] + contact]
-    wide = whole[whole[LAW_BRISTLES] + contact] + whole[whole[BRISTLE_COUNTS] + contact] + 1
-    slopes = whole[MARGIN_SLOPES]
-    row = set_row(contact, side_of(contact, w, whole, at), w, whole, at)
-    for s in range(switches * wide):
-        w[slopes + s] = 0.0
-    evaluate(LAW_MARGIN_SLOPES + kind, 0, flags, t, w, row, slopes)
-    for j in range(count):
-        along(first + j, w, whole)
-        speed = speed_slope(contact, first + j, w, whole)
-        place = whole[whole[VARIABLE_PLACES] + first + j] - whole[whole[LAW_ROWS] + contact]
-        for s in range(switches):
-            total = w[slopes + s * wide] * speed
-            if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
-                total += w[slopes + s * wide + place]
-            guard = first_contact_guard(whole) + contact * (switches + 1) + s
-            w[to + guard * count + j] = total if flags & (1 << s) else -total

@@ -6,7 +6,7 @@ from functools import partial
 from typing import final
 
 from stickslip.experiments import Rig
-from stickslip.formatting import capital, count, joined, number, quantity
+from stickslip.formatting import capital, count, joined, number, percent, quantity
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.plots import (
     MOST_PANELS,
@@ -25,6 +25,7 @@ from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.core.versions import colophon
 from stickslip.report.runs.appendix import certificate_of
+from stickslip.report.runs.motion import event_table
 from stickslip.trajectory import Trajectory
 
 __all__ = ["ContactsReport", "contacts_page"]
@@ -167,7 +168,7 @@ def contacts_section(about: ContactsReport) -> Section:
     for name, own in about.views.items():
         held = sum(end - begin for begin, end in own.stick_spans())
         work = run.certificate.work.get(name, run.certificate.work_friction)
-        share = f"{number(100.0 * held / (last - first), 3)} %" if last > first else "none"
+        share = percent(held / (last - first)) if last > first else "none"
         rows.append(Row(cells=(name, f"{len(own.events):,}", share, number(work, 4))))
     columns = (
         Column(head="contact"),
@@ -181,23 +182,9 @@ def contacts_section(about: ContactsReport) -> Section:
 
 def events_section(about: ContactsReport) -> Section:
     """Return what happened how often at each contact, first and last."""
-    rows = []
-    for name, own in about.views.items():
-        for kind in dict.fromkeys(event.reason for event in own.events):
-            times = [event.t for event in own.events if event.reason == kind]
-            cells = (name, kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")
-            rows.append(Row(cells=cells))
-    blocks: tuple[Block, ...] = (Caption(text="No events."),)
-    if rows:
-        columns = (
-            Column(head="contact"),
-            Column(head="event", phone="label", label="event:"),
-            Column(head="count", numeric=True, phone="label", label="count:"),
-            Column(head="first\ns", numeric=True, phone="label", label="first, s"),
-            Column(head="last\ns", numeric=True, phone="label", label="last, s"),
-        )
-        blocks = (Table(columns=columns, rows=tuple(rows)),)
-    return Section(id="events", nav="Events", heading="Events", blocks=blocks)
+    events = {name: own.events for name, own in about.views.items()}
+    block: Block = event_table(events) if any(events.values()) else Caption(text="No events.")
+    return Section(id="events", nav="Events", heading="Events", blocks=(block,))
 
 
 def laws_section(about: ContactsReport) -> Section:

@@ -1,7 +1,7 @@
 """The motion in figures and tables: run, cycles, events, criteria."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -24,12 +24,13 @@ from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.runs.subject import RunReport
 from stickslip.sweep import DrivenCycle
-from stickslip.trajectory import Trajectory
+from stickslip.trajectory import Event, Trajectory
 
 __all__ = [
     "animation_section",
     "criteria_section",
     "cycles_section",
+    "event_table",
     "events_section",
     "motion_section",
 ]
@@ -227,19 +228,35 @@ def events_section(about: RunReport) -> Section:
         blocks: Sequence[Block] = (Caption(text=text),)
         return Section(id="events", nav="Events", heading="Events", blocks=tuple(blocks))
     kinds = list(dict.fromkeys(event.reason for event in events))
+    heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
+    table = event_table({"": events})
+    return Section(id="events", nav="Events", heading=heading, blocks=(table,))
+
+
+def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
+    """Return how often, and when first and last, each kind of event was seen at each contact.
+
+    Contacts without a name have no column.
+    """
+    named = any(seen)
     rows = []
-    for kind in kinds:
-        times = [event.t for event in events if event.reason == kind]
-        rows.append(Row(cells=(kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")))
+    for name, events in seen.items():
+        for kind in dict.fromkeys(event.reason for event in events):
+            times = [event.t for event in events if event.reason == kind]
+            cells = (kind, f"{len(times):,}", f"{times[0]:.6f}", f"{times[-1]:.6f}")
+            rows.append(Row(cells=(name, *cells) if named else cells))
+    first = (
+        (Column(head="contact"), Column(head="event", phone="label", label="event:"))
+        if named
+        else (Column(head="event"),)
+    )
     columns = (
-        Column(head="event"),
+        *first,
         Column(head="count", numeric=True, phone="label", label="count:"),
         Column(head="first\ns", numeric=True, phone="label", label="first, s"),
         Column(head="last\ns", numeric=True, phone="label", label="last, s"),
     )
-    heading = f"{capital(count(len(events), 'event'))}: {joined(kinds)}"
-    table = Table(columns=columns, rows=tuple(rows))
-    return Section(id="events", nav="Events", heading=heading, blocks=(table,))
+    return Table(columns=columns, rows=tuple(rows))
 
 
 def criteria_section(about: RunReport) -> Section:
