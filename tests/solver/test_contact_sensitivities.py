@@ -1,6 +1,8 @@
 """Sensitivities of runs with several contacts, against differences of neighbouring runs."""
 
 import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
@@ -18,10 +20,11 @@ from tests.contact_cases import (
 
 from stickslip import EventDriven, LuGre, Stribeck, ensemble, simulate
 from stickslip.drives import Sampled
-from stickslip.friction import Laws
+from stickslip.friction import Laws, SetValuedLaw
+from stickslip.maths import where
 from stickslip.mechanisms import Contact
 from stickslip.outputs import Final
-from stickslip.quantities import parameters, vary
+from stickslip.quantities import Quantity, parameters, vary
 from stickslip.results import Sensitivity
 
 PLAIN = EventDriven(tier="python")
@@ -156,6 +159,34 @@ def test_a_drive_that_jumps_is_followed():
     laws = {"a": coulomb(0.5, 0.7), "b": coulomb(0.6, 0.8)}
     paths = ("friction.a.kinetic_coefficient", "friction.b.static_coefficient")
     assert_slopes(Pushed(), laws, 1.5, None, paths)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepped(SetValuedLaw):
+    """A law with a switch: a higher level below a speed."""
+
+    name: ClassVar[str] = "stepped"
+    title: ClassVar[str] = "stepped"
+    formula: ClassVar[str] = "F"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("level",)
+    level: Annotated[float, Quantity("mu", above=0)]
+    border: Annotated[float, Quantity("v_b", "m/s", above=0)]
+
+    def sliding(self, speed, load):
+        return where(speed < self.border, 2.0 * self.level, self.level) * load
+
+    def break_away(self, load):
+        return 2.0 * self.level * load
+
+
+def test_the_moment_at_which_the_switch_of_a_law_turns():
+    law = {
+        "shoulder": Stepped(level=0.15, border=0.4),
+        "elbow": Stepped(level=0.1, border=0.6),
+    }
+    paths = ("friction.shoulder.border", "friction.elbow.level", "mechanism.gravity")
+    assert_slopes(Arm(), law, 0.8, BENT, paths)
 
 
 @pytest.mark.slow
