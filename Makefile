@@ -19,6 +19,8 @@ endif
 
 # Tests, examples and pages share their machine code, so that nothing is compiled twice.
 unit docs slow: export STICKSLIP_CACHE ?= $(or $(TMPDIR),/tmp)/stickslip/tests
+# The cores are taken by the workers: more threads of linear algebra only wait for each other.
+unit docs slow: export OPENBLAS_NUM_THREADS ?= 1
 # Nor is Python text compiled anew by each process, or are assertions rewritten by each worker.
 unit docs slow: export PYTHONDONTWRITEBYTECODE :=
 
@@ -33,7 +35,7 @@ select: $(RUN) ## run the main job on the bundled rig; the report goes to sticks
 
 # Side by side: what waits for one compiler would leave cores idle.
 test: $(DEV) ## run every check but the slow tests
-	$(MAKE) --no-print-directory --jobs 2 --output-sync=line lint types architecture unit docs
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=line lint types architecture docs unit
 
 stubs: $(DEV) ## write the stubs of packages that load their names lazily
 	$(BIN)/python tools/stubs.py
@@ -54,7 +56,7 @@ architecture: $(DEV) ## import contracts
 	$(call heading,lint-imports)
 	$(BIN)/lint-imports
 
-unit: $(DEV) ## tests and the examples in docstrings
+unit: $(DEV) | types ## tests and the examples in docstrings
 	$(call heading,pytest)
 	$(PYTEST) --doctest-modules tests src
 
@@ -70,8 +72,8 @@ bench: $(DEV) ## benchmarks
 golden: $(DEV) ## compare what twelve rigs and records give with tests/golden (minutes)
 	$(BIN)/python -m benchmarks.golden compare tests/golden --jobs $(WORKERS)
 
-slow: $(DEV) ## tests that compile much or take long, which `make test` leaves out
-	$(PYTEST) -m slow
+slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
+	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'
 
 fuzz: $(DEV) ## 20,000 random simulations (half an hour); tests run 150 of their kind
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1

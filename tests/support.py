@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from hypothesis import strategies as st
 
 from stickslip import (
@@ -51,6 +52,12 @@ DECADES: Mapping[str, tuple[float, float]] = {
 
 SHAPES = st.sampled_from([1.0, 2.0, 0.7, 1.5])
 """Exponents: whole ones, which shape the equations, and others, which stand in them."""
+
+
+def examples(count: int) -> settings:
+    """Let hypothesis draw so many examples in `make slow`, and a quarter in quick tests."""
+    thorough = settings.get_current_profile_name() == "thorough"
+    return settings(max_examples=count if thorough else max(3, count // 4))
 
 
 def decade(low: float, high: float) -> st.SearchStrategy[float]:

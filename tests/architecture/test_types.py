@@ -6,6 +6,7 @@ import importlib
 import inspect
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -264,18 +265,19 @@ EXAMPLES = {
 }
 
 CONFIG = """
-[mypy]
-strict = true
-follow_imports = silent
-[mypy-examples.*]
+[[tool.mypy.overrides]]
+module = ["examples.*"]
 # an example may use a name for two things, needs no types of its own, and finds what it looks for
 allow_redefinition = true
 disallow_untyped_defs = false
+disallow_incomplete_defs = false
 disallow_untyped_calls = false
 strict_optional = false
+warn_unreachable = false
 ignore_missing_imports = true
-disable_error_code = assignment
+disable_error_code = ["assignment", "explicit-override"]
 """
+"""What examples need beside the options of the project, whose results mypy may then use again."""
 
 
 @pytest.fixture(scope="module")
@@ -290,12 +292,16 @@ def reported(
         scripts[f"names_{name.replace('.', '_')}"] = "\n".join(lines)
     folder = tmp_path_factory.mktemp("scripts")
     scripts["examples.__init__"] = ""
-    (folder / "mypy.ini").write_text(CONFIG, encoding="utf-8")
+    known = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    options = known[known.index("[tool.mypy]") : known.index("[tool.pytest")]
+    (folder / "pyproject.toml").write_text(options + CONFIG, encoding="utf-8")
     for name, text in scripts.items():
         path = folder / f"{name.replace('.', '/')}.py"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text.lstrip("\n"), encoding="utf-8")
     cache = request.config.cache.mkdir("mypy-of-users")
+    if (ROOT / ".mypy_cache").is_dir():
+        shutil.copytree(ROOT / ".mypy_cache", cache, dirs_exist_ok=True)
     done = subprocess.run(
         [
             *(sys.executable, "-m", "mypy", f"--cache-dir={cache}", "--no-error-summary"),

@@ -130,6 +130,7 @@ def test_the_record_itself_is_no_second_record(run, write, tmp_path, command):
     assert not (tmp_path / "stickslip-report").exists()
 
 
+@pytest.mark.slow
 def test_purpose_and_horizon_set_what_is_scored(run):
     _, out, _ = run("select", "axis.toml", *FAST, "--purpose", "compensate", "--json")
     assert json.loads(out)["quantity"] == "friction"

@@ -1,10 +1,10 @@
 """What every law with bristles must do."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-from tests.support import BRISTLE, decade, laws
+from tests.support import BRISTLE, decade, examples, laws
 
 from stickslip.friction.power_viscous import viscous_force
 
@@ -14,7 +14,7 @@ speeds = st.builds(lambda size, sense: size * sense, decade(-5, 1), either_way)
 shares = st.floats(-1, 1)
 """Deflections over the one at break-away."""
 each_law = pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
-EVERY = settings(max_examples=30)
+EVERY = examples(30)
 ROUNDING = 1e-12
 """Roundings of the largest part; the parts are up to 1e3 times their sum."""
 
@@ -42,7 +42,7 @@ def test_bristles_and_force_are_odd(kind, data, v, share, load):
 
 
 @each_law
-@settings(max_examples=12)
+@examples(12)
 @given(data=st.data(), v=speeds, load=loads)
 def test_long_sliding_gives_the_steady_force(kind, data, v, load):
     law = data.draw(laws(kind, plain=True))

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from tests.support import decade, laws, mirrored_law
+from tests.support import decade, examples, laws, mirrored_law
 
 from stickslip.friction import LAWS, DirectionalLaw, SetValuedLaw
 
 DIRECTIONAL = [law for law in LAWS.values() if issubclass(law, DirectionalLaw)]
 each_law = pytest.mark.parametrize("kind", DIRECTIONAL, ids=lambda kind: kind.name)
-FEW = settings(max_examples=50)
+FEW = examples(50)
 
 
 @each_law

@@ -6,9 +6,9 @@ import random
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from tests.support import RIGS, SHOWN, Generated, example_of
+from tests.support import RIGS, SHOWN, Generated, example_of, examples
 
 from stickslip import simulate
 from stickslip.drives import Drive
@@ -28,7 +28,7 @@ SPEEDS = st.floats(-10, 10).filter(lambda v: v == 0 or abs(v) > 1e-100)
 
 
 @each_mechanism
-@settings(max_examples=20)
+@examples(20)
 @given(data=st.data(), v=SPEEDS, x=st.floats(-10, 10))
 def test_kinetic_energy_is_positive_and_quadratic_in_the_rates(name, data, v, x):
     rig = data.draw(RIGS[name])

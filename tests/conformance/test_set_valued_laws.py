@@ -4,16 +4,16 @@ import dataclasses
 import itertools
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from tests.support import SET_VALUED, decade, laws
+from tests.support import SET_VALUED, decade, examples, laws
 
 from stickslip.quantities import fields_of
 
 speeds = decade(-9, 2)
 loads = st.just(0.0) | decade(-3, 4)
 each_law = pytest.mark.parametrize("kind", SET_VALUED, ids=lambda kind: kind.name)
-EVERY = settings(max_examples=40)
+EVERY = examples(40)
 ROUNDING = 1e-14
 """A few dozen roundings of the result."""
 

@@ -8,19 +8,24 @@ from stickslip.friction import LAWS
 from stickslip.testing import check_friction, check_mechanism
 
 
+def quick(names, *long):
+    """Return names, of which some are slow."""
+    return [pytest.param(name, marks=[pytest.mark.slow] * (name in long)) for name in names]
+
+
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
 def test_every_law_passes_the_suite_for_laws(kind):
     report = check_friction(example_of(kind), compiled=False)
     assert report.ok, report
 
 
-@pytest.mark.parametrize("name", SHOWN)
+@pytest.mark.parametrize("name", quick(SHOWN, "two-link-arm"))
 def test_every_mechanism_passes_the_suite_for_mechanisms(name):
     report = check_mechanism(SHOWN[name], t_end=0.8, compiled=False)
     assert report.ok, report
 
 
-@pytest.mark.parametrize("name", SEVERAL)
+@pytest.mark.parametrize("name", quick(SEVERAL, "clutch-train", "pendulum-cart"))
 def test_mechanisms_with_several_contacts_pass_the_suite_too(name):
     law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
     report = check_mechanism(SEVERAL[name], law, compiled=False, draws=5)

@@ -3,9 +3,9 @@
 import itertools
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from tests.support import broken_lines, drives, nearly, pulses
+from tests.support import broken_lines, drives, examples, nearly, pulses
 
 from stickslip import Axis, Coulomb, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
@@ -21,7 +21,7 @@ samples = st.builds(
 any_drive = st.one_of(drives, sines, ramps, samples, st.builds(lambda a, b: a + b, sines, pulses))
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(drive=any_drive)
 def test_a_free_body_gains_the_momentum_that_the_drive_gives(drive):
     inertia, t_end = 2.0, 1.7
@@ -40,7 +40,7 @@ def test_a_free_body_gains_the_momentum_that_the_drive_gives(drive):
     assert abs(run["v"][-1] * inertia - impulse) <= 1e-10 * size
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(drive=st.one_of(pulses, broken_lines, ramps, samples, drives), t=st.floats(0.01, 1.69))
 def test_the_force_that_holds_a_body_is_the_drive_at_every_time(drive, t):
     firm = Coulomb(kinetic_coefficient=1e3)

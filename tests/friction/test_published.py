@@ -3,8 +3,9 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tests.support import examples
 
 from stickslip import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
 from stickslip.friction import PRINTED_FORMS
@@ -87,7 +88,7 @@ def test_there_is_a_right_form_for_every_printed_one():
 
 
 @pytest.mark.parametrize("name", PRINTED_FORMS)
-@settings(max_examples=30)
+@examples(30)
 @given(v=forward, z=deflection)
 def test_moving_forward_every_printed_form_is_right(name, v, z):
     form, law = printed(name), RIGHT[name]

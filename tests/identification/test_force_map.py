@@ -147,7 +147,9 @@ def test_a_law_of_speed_alone_gives_its_parameters_back(name):
     assert found.best.rms < 1e-3
 
 
-@pytest.mark.parametrize(("name", "tolerance"), [("dahl", 0.01), ("lugre", 0.03)])
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [pytest.param("dahl", 0.01, marks=pytest.mark.slow), ("lugre", 0.03)]
+)
 def test_a_law_of_bristles_gives_its_parameters_back(name, tolerance):
     # the velocity is constant within a step here and not in the truth: an error of second order,
     # most of it in the damping, which shows for some samples after each reversal only
@@ -477,7 +479,9 @@ def relative_error(record: Measurement, problem: ForceMap, values: Array) -> flo
     [
         (Coulomb, 0.90, 0.97),  # published 94.5 %
         (Dahl(kinetic_coefficient=0.4, bristle_stiffness=4e3), 0.10, 0.116),  # published 11.6 %
-        (Dahl, 0.04, 0.05),  # 4.8 % was reached by others; the bar is 5.5 %
+        pytest.param(
+            Dahl, 0.04, 0.05, marks=pytest.mark.slow
+        ),  # 4.8 % was reached by others; the bar is 5.5 %
     ],
 )
 def test_the_tribometer_record_is_predicted_as_well_as_published(tribometer, law, least, most):

@@ -150,6 +150,7 @@ def test_a_load_point_that_stands_has_one_speed_of_nothing():
     assert abs(path.speeds[1]) < 1e-4 * path.speeds[0]
 
 
+@pytest.mark.slow
 def test_slide_hold_slide_is_fitted():
     path = {"knots": np.array([0.0, 20.0, 60.0, 80.0, 120.0])}
     path["places"] = 1e-6 * np.array([0.0, 20.0, 20.0, 40.0, 440.0])
@@ -251,6 +252,7 @@ def test_the_whole_rock_record_has_the_difference_of_its_levels(rock):
     assert any("depends on the length of record" in sentence for sentence in found.sentences)
 
 
+@pytest.mark.slow
 def test_a_fit_is_plain_numbers_and_prints_its_sentences():
     found = fitted(record(law(), noise=3e-4), drift="none")
     assert json.loads(json.dumps(found.to_dict()))["separable"] is True

@@ -9,14 +9,15 @@ import math
 from fractions import Fraction
 
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from tests.support import examples
 
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
 from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SERIES
 
 EPSILON = 2.0**-52
-MANY = settings(max_examples=200)
+MANY = examples(200)
 
 
 def found(coefficients):

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
-from tests.support import Generated, decade, nearly
+from tests.support import Generated, decade, examples, nearly
 
 from stickslip import (
     Axis,
@@ -23,7 +23,7 @@ from stickslip.drives import PiecewiseLinear, Pulse, Sampled, Sine
 from stickslip.kernels.state_layout import DENSE, FLAGS, MODE, SCALE, SERIES, Y1, Y
 from stickslip.kernels.taylor_series import series_step
 
-MANY = settings(max_examples=100)
+MANY = examples(100)
 ROUNDING = 3e-15
 """Each of twenty terms adds a few roundings, and the exponential it is compared with some more."""
 

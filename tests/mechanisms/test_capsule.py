@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tests.support import examples
 
 from stickslip import Capsule, Coulomb, simulate
 from stickslip.drives import Sine, ThreePhase
@@ -47,7 +48,7 @@ def test_the_published_capsule_travels_its_published_way():
     assert run.certificate.energy_error < 1e-9
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(
     share=st.floats(0.05, 0.6),
     mu=st.floats(0.05, 0.8),

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tests.support import examples
 
 from stickslip import (
     Capsule,
@@ -30,7 +31,7 @@ SLOPED = [
     Capsule(capsule_mass=0.8, inner_mass=0.2, stiffness=40.0),
 ]
 each = pytest.mark.parametrize("mechanism", SLOPED, ids=lambda one: one.name)
-EVERY = settings(max_examples=60)
+EVERY = examples(60)
 
 
 @EVERY

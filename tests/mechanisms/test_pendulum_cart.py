@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from tests.support import Generated, decade
+from tests.support import Generated, decade, examples
 
 from stickslip import Coulomb, EventDriven, FixedStep, PendulumCart, ensemble, simulate
 from stickslip.drives import (
@@ -70,7 +70,7 @@ laws = st.builds(
 special = st.sampled_from([0.0, math.pi / 2, -math.pi / 2, math.pi])
 angles = st.floats(-math.pi, math.pi) | special
 rates = st.floats(-5, 5)
-EVERY = settings(max_examples=60)
+EVERY = examples(60)
 
 
 def pivot(cart, mu, s, theta):

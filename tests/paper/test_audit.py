@@ -185,6 +185,7 @@ def test_each_misprint_acts_where_it_is_said_to(found):
     assert free == "(8)"
 
 
+@pytest.mark.slow
 def test_what_is_seen_in_the_tests_is_the_equation_and_not_the_step(found, monkeypatch):
     """Half the step gives the same travels, also where printed bristles drive the block."""
     monkeypatch.setattr(misprints, "STEP", 0.5 * misprints.STEP)

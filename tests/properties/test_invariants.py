@@ -5,12 +5,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from tests.support import (
     RIGID,
     SLIDERS,
     decade,
+    examples,
     held_by,
     laws,
     mirrored_law,
@@ -30,14 +31,14 @@ SCALABLE = [kind for kind in LAWS.values() if kind is not PowerViscous]
 """Laws without a speed of their own that is no parameter; see tests/friction/test_power_viscous."""
 rigs = st.one_of(*SLIDERS.values())
 starts = st.fixed_dictionaries({"x": nearly(-0.1, 0.1), "v": nearly(-0.5, 0.5) | st.just(0.0)})
-FEW = settings(max_examples=12)
+FEW = examples(12)
 T_END = 1.5
 
 
 # Travel formulas
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(mass=decade(-6, 6), mu=decade(-2, 0.5), excess=decade(-2, 2), duration=decade(-6, 3))
 def test_a_push_is_worth_its_work_over_many_decades(mass, mu, excess, duration):
     level = mu * mass * 9.81
@@ -50,7 +51,7 @@ def test_a_push_is_worth_its_work_over_many_decades(mass, mu, excess, duration):
     assert math.isclose(run["x"][-1], travel, rel_tol=1e-9)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(mass=decade(-6, 6), mu=decade(-2, 0.5), share=nearly(0.1, 0.9), stiffness=decade(-3, 6))
 def test_a_spring_is_worth_its_energy_over_many_decades(mass, mu, share, stiffness):
     level = mu * mass * 9.81
@@ -184,7 +185,7 @@ def test_a_run_can_be_continued_from_any_of_its_states(kind, data, share):
 
 
 @each_law
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data(), rig=rigs, y0=starts)
 def test_every_run_is_certified(kind, data, rig, y0):
     law = data.draw(laws(kind))
@@ -198,7 +199,7 @@ def test_every_run_is_certified(kind, data, rig, y0):
 
 
 @rigid
-@settings(max_examples=20)
+@examples(20)
 @given(data=st.data(), rig=rigs, y0=starts)
 def test_friction_stays_in_its_cone_and_a_stuck_body_does_not_move(kind, data, rig, y0):
     law = data.draw(laws(kind))
@@ -214,7 +215,7 @@ def test_friction_stays_in_its_cone_and_a_stuck_body_does_not_move(kind, data, r
 
 
 @rigid
-@settings(max_examples=20)
+@examples(20)
 @given(data=st.data(), y0=starts)
 def test_without_a_drive_friction_only_takes_energy(kind, data, y0):
     law = data.draw(laws(kind))

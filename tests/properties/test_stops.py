@@ -4,9 +4,19 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
-from tests.support import RIGID, axes, held_by, laws, mirrored_law, mirrors, nearly, spring_blocks
+from tests.support import (
+    RIGID,
+    axes,
+    examples,
+    held_by,
+    laws,
+    mirrored_law,
+    mirrors,
+    nearly,
+    spring_blocks,
+)
 
 from stickslip import SpringBlock, simulate
 from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
@@ -52,7 +62,7 @@ def mirrored(value):
 
 
 @each_law
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data(), rig=bounded(), y0=starts)
 def test_every_run_is_certified_and_stays_within_its_stops(kind, data, rig, y0):
     law = data.draw(laws(kind, plain=True))
@@ -73,7 +83,7 @@ def test_every_run_is_certified_and_stays_within_its_stops(kind, data, rig, y0):
 
 
 @each_law
-@settings(max_examples=12)
+@examples(12)
 @given(data=st.data(), rig=bounded(), y0=starts)
 def test_a_mirrored_rig_bounces_in_mirror_image(kind, data, rig, y0):
     # which way bristles face at rest without a force is a convention, and their turning an event
@@ -87,7 +97,7 @@ def test_a_mirrored_rig_bounces_in_mirror_image(kind, data, rig, y0):
 
 
 @pytest.mark.parametrize("kind", RIGID, ids=lambda kind: kind.name)
-@settings(max_examples=25)
+@examples(25)
 @given(data=st.data(), rig=bounded(), y0=starts)
 def test_friction_stays_in_its_cone_at_a_stop_too(kind, data, rig, y0):
     law = data.draw(laws(kind, plain=True))
@@ -98,7 +108,7 @@ def test_friction_stays_in_its_cone_at_a_stop_too(kind, data, rig, y0):
     assert np.all(np.abs(run["friction"][still]) <= level[still] * (1 + 1e-9) + 1e-12)
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(level=nearly(-20, 20), duration=nearly(0.05, 0.5), share=nearly(0.1, 0.9))
 def test_a_stop_that_is_never_reached_changes_nothing(level, duration, share):
     free = SpringBlock(mass=1.0, drive=Pulse(level=level, duration=duration))

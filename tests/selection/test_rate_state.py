@@ -1,5 +1,6 @@
 """`select_rate_state`: made-up records of known laws, a rock, and what is said of each."""
 
+import functools
 import json
 import math
 from concurrent.futures import ProcessPoolExecutor
@@ -60,16 +61,21 @@ def pulled(truth, path=THREE, *, seed=0, noise=5e-4, memory=0.3, stiffness=2e3, 
 
 @pytest.fixture(scope="module")
 def verdicts():
-    """Verdicts on records of each law, by its name."""
-    return {
-        name: select_rate_state(MACHINE, None, pulled(law(**truth)), settings=SETTINGS)
-        for name, truth in TRUTHS.items()
-    }
+    """Return a function from the name of a law to the verdict on its record, made once."""
+
+    @functools.cache
+    def verdict_on(name):
+        record = pulled(law(**TRUTHS[name]))
+        return select_rate_state(MACHINE, None, record, settings=SETTINGS)
+
+    return verdict_on
 
 
-@pytest.mark.parametrize("name", TRUTHS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * n.endswith("slip")) for n in TRUTHS]
+)
 def test_three_steps_name_the_law_that_made_them(verdicts, name):
-    verdict = verdicts[name]
+    verdict = verdicts(name)
     assert verdict.best.name == name
     # the law predicts to the noise: 600 rows of 3 per correlation time know it to some 5 %
     assert verdict.best.score == pytest.approx(5e-4, rel=0.15)
@@ -78,16 +84,16 @@ def test_three_steps_name_the_law_that_made_them(verdicts, name):
 
 @pytest.mark.parametrize("name", ["logarithmic", "constant-coefficient"])
 def test_no_parameters_are_invented_where_nothing_evolves(verdicts, name):
-    symbols = {e.quantity.symbol for e in verdicts[name].best.fit.estimates}
+    symbols = {e.quantity.symbol for e in verdicts(name).best.fit.estimates}
     assert not symbols & {"b", "D_c"}
-    richer = [c for c in verdicts[name].candidates if name in c.simpler]
+    richer = [c for c in verdicts(name).candidates if name in c.simpler]
     assert richer
     assert all("not established" in c.outcome for c in richer)
 
 
 def test_a_record_of_the_wrong_law_is_worse_by_far(verdicts):
-    slip = next(c for c in verdicts["rate-and-state"].candidates if c.name == "rate-and-state-slip")
-    assert slip.score > 5.0 * verdicts["rate-and-state"].best.score
+    slip = next(c for c in verdicts("rate-and-state").candidates if c.name == "rate-and-state-slip")
+    assert slip.score > 5.0 * verdicts("rate-and-state").best.score
 
 
 @pytest.mark.slow
@@ -103,7 +109,7 @@ def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
 
 
 def test_held_out_steps_are_predicted_without_them(verdicts):
-    fit = verdicts["rate-and-state"].best.fit
+    fit = verdicts("rate-and-state").best.fit
     unseen = held_out(fit)
     segments = fit.problem.segments
     assert np.isnan(unseen[segments == 0]).all()
@@ -131,12 +137,12 @@ def test_a_drift_is_fitted_to_all_laws_or_to_none():
 def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     up = ([0.0, 10.0, 50.0, 70.0], [0.0, 30.0, 150.0, 550.0])
     second = pulled(law(), up, seed=5)
-    assert verdicts["rate-and-state"].best.fit.judged(second) == pytest.approx(5e-4, rel=0.2)
+    assert verdicts("rate-and-state").best.fit.judged(second) == pytest.approx(5e-4, rel=0.2)
     verdict = select_rate_state(
         MACHINE, ["constant-coefficient"], pulled(law()), validate=second, settings=SETTINGS
     )
     known = next(
-        c for c in verdicts["rate-and-state"].candidates if c.name == "constant-coefficient"
+        c for c in verdicts("rate-and-state").candidates if c.name == "constant-coefficient"
     )
     assert verdict.closest.fit.law == known.fit.law
     assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
@@ -144,7 +150,7 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
 
 
 def test_a_verdict_is_plain_numbers_and_a_table(verdicts):
-    for verdict in verdicts.values():
+    for verdict in map(verdicts, ("rate-and-state", "logarithmic", "constant-coefficient")):
         assert isinstance(verdict, RateStateVerdict)
         told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
         assert told["route"] == "rate-state"
@@ -190,6 +196,7 @@ def test_stick_slip_under_a_load_point_is_explained_by_no_law():
     assert verdict.best is None or verdict.best.name == "constant-coefficient"
 
 
+@pytest.mark.slow
 def test_a_machine_that_is_not_the_one_measured_leaves_more_than_noise():
     soft = TowedBlock(mass=1e-3, stiffness=100.0, speed=1e-6, load=1.0)
     laws = ["constant-coefficient", "rate-and-state"]
@@ -232,7 +239,7 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 
 
 def test_pages_have_every_section(verdicts, rock):
-    for verdict in (verdicts["rate-and-state"], verdicts["constant-coefficient"], rock):
+    for verdict in (verdicts("rate-and-state"), verdicts("constant-coefficient"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
         with wide_only():  # a page of its route is drawn whole in `tests/routes`
             made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
@@ -246,7 +253,7 @@ def test_pages_have_every_section(verdicts, rock):
 
 
 def test_fits_and_verdicts_draw_themselves_and_show_in_notebooks(verdicts):
-    verdict = verdicts["logarithmic"]
+    verdict = verdicts("logarithmic")
     assert verdict.plot().get_xlabel() == "held-out error"
     axes = verdict.best.fit.plot()
     assert axes.get_ylabel() == "coefficient of friction"

@@ -115,6 +115,7 @@ def test_loads_and_groups(mechanism, contacts):
     assert_slopes(mechanism, laws, 0.6, start, paths)
 
 
+@pytest.mark.slow
 def test_a_set_valued_joint_beside_one_with_bristles():
     laws = {"shoulder": ARM["shoulder"], "elbow": BRISTLES}
     paths = ("friction.shoulder.kinetic_coefficient", "friction.elbow.stribeck_velocity")

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from tests.support import decade, nearly
+from tests.support import decade, examples, nearly
 
 from stickslip import Axis, Coulomb, CoulombViscous, SpringBlock, TowedBlock, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Sampled
 from stickslip.results import Status
 
-SOME = settings(max_examples=40)
+SOME = examples(40)
 TINY = 2e-14
 """A hundred roundings: those of some tens of steps, or of hundreds where they mostly cancel."""
 

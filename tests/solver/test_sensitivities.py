@@ -96,7 +96,7 @@ def test_sensitivities_of_bristle_laws_are_those_of_the_variational_equations(ri
     assert mismatch(Case(rig, law, 0.15, (0.01, 0.1, 0.0))) <= 1e-6
 
 
-@pytest.mark.parametrize("name", quick(BRISTLE_LAWS, "dahl, switch", "lugre"))
+@pytest.mark.parametrize("name", quick(BRISTLE_LAWS, "dahl, switch"))
 def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_aways(name):
     drive = Sine(amplitude=12.0, frequency=3.0, phase=0.5)
     axis = Axis(inertia=1.0, drive=drive, load=10.0)
@@ -105,7 +105,7 @@ def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_awa
     assert mismatch(case) <= 1e-5  # as above; events follow each other through still bristles
 
 
-@pytest.mark.parametrize("name", quick(["dahl", "lugre"], "lugre"))
+@pytest.mark.parametrize("name", quick(["dahl", "lugre"], "dahl"))
 def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name):
     case = Case(RIGS["towed-block"], BRISTLE_LAWS[name], 0.1, (0.01, 0.1, 0.0))
     errors = [
