@@ -107,6 +107,7 @@ def test_a_mass_is_one_of_the_unknowns_and_has_a_profile():
     assert costs[1] < min(costs[0], costs[2])
 
 
+@pytest.mark.slow
 def test_intervals_cover_level_slope_and_mass_under_noise_that_lasts():
     clean, covered = record_of(), []
     for seed in range(10):
@@ -266,7 +267,7 @@ def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     assert found.law.bristle_stiffness == pytest.approx(BRISTLES.bristle_stiffness, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)])
 def test_where_a_body_rests_bristles_predict_no_better_than_a_cone(seed):
     record = swayed(TRUTH, seed)
     found, cone = held_out(record, CoulombViscous)

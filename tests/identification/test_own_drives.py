@@ -50,7 +50,9 @@ def fitted(mechanism, measurement, *others, **options):
     return fit(mechanism, Coulomb, measurement, vary=names, **options)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "torque")) for n in CASES]
+)
 def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name):
     mechanism, length, rate, noise = CASES[name]
     found = fitted(mechanism, record(mechanism, length, rate, noise))

@@ -165,7 +165,7 @@ def test_a_steady_pull_has_no_change_of_speed():
     assert len(path_of(t, 1e-6 * t + scatter).steps) == 0
 
 
-@pytest.mark.parametrize("evolution", ["ageing", "slip"])
+@pytest.mark.parametrize("evolution", ["ageing", pytest.param("slip", marks=pytest.mark.slow)])
 def test_parameters_are_recovered_where_friction_overshoots(evolution):
     found = fitted(record(law(evolution=evolution), noise=3e-4), FORMS[evolution], drift="none")
     # intervals are some per cent wide; means over short stretches bias by less than 2 %

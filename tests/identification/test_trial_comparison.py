@@ -83,6 +83,7 @@ def test_a_viscous_part_that_falls_is_found():
     assert "sigma_2 falls from" in found.sentences[0]
 
 
+@pytest.mark.slow
 def test_intervals_of_slopes_cover_the_truth_beside_scatter_between_trials():
     covered, count = 0, 0
     for seed in range(40):

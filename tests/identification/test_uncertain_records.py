@@ -93,7 +93,9 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=[pytest.mark.slow] * (c == "cart")) for c in CASES]
+)
 def test_estimates_follow_the_mechanism_as_refits_do(case):
     mechanism, make, law, options, errors = CASES[case]
     record = make()
