@@ -460,6 +460,7 @@ def test_interrupts_are_as_ever_afterwards():
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.slow
 def test_processes_come_to_the_same_verdict(run):
     alone, together = (run("select", "axis.toml", *FAST, "--json", "--jobs", n) for n in "12")
     assert alone[0] == 0

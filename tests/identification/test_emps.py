@@ -88,6 +88,7 @@ def test_naive_intervals_are_several_times_too_narrow(emps):
     )
 
 
+@pytest.mark.slow
 def test_selection_picks_the_law_with_levels_of_each_direction(emps):
     verdict = select(
         AXIS,

@@ -94,7 +94,9 @@ def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
 
 
 @pytest.mark.parametrize("records", [3, pytest.param(8, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("route", ["inverse-dynamics", "shooting"])
+@pytest.mark.parametrize(
+    "route", ["inverse-dynamics", pytest.param("shooting", marks=pytest.mark.slow)]
+)
 def test_residuals_of_the_right_law_name_nothing(route, records):
     said = [faults.clean(number, 206, route)["said"] for number in range(records)]
     # one of 20 may by the level of the tests: two of three with a probability of 1 %, of eight 6 %

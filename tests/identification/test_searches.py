@@ -73,6 +73,7 @@ def test_the_route_of_a_slow_closed_loop_is_inverse_dynamics(lugre_record):
     assert "unexplained" in chosen.reason or "contradict" in chosen.reason
 
 
+@pytest.mark.slow
 def test_all_eight_parameters_of_lugre_are_found_from_no_start_values(lugre_record):
     found = fit(Axis(inertia=4.0), LuGre, lugre_record, vary=["friction.*", "mechanism.inertia"])
     assert found.route == "inverse-dynamics"

@@ -197,6 +197,7 @@ def test_stored_results_are_chosen_from_by_the_present_rule():
     assert synthetic_truth.repicked({"rig": 1, "failed": "why"}) == {"rig": 1, "failed": "why"}
 
 
+@pytest.mark.slow
 def test_selection_finds_drag_that_the_usual_choice_regrets():
     random = np.random.default_rng([3, 9])
     rig = rigs.draw(random, "quadratic-drag")

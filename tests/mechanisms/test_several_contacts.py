@@ -33,7 +33,7 @@ PLAIN = EventDriven(tier="python")
 def run_of(mechanism, laws, t_end, y0=None, **settings):
     """Simulate in plain Python; every run must be certified."""
     return simulate(
-        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="python", **settings)
+        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="compiled", **settings)
     )
 
 

@@ -21,7 +21,7 @@ from stickslip.friction import BristleLaw, towards
 from stickslip.maths import cos, sin, where
 from stickslip.quantities import parameters, shadow, vary
 
-PYTHON = EventDriven(tier="python")
+PYTHON = EventDriven(tier="compiled")
 SMALLEST = 0.01
 """Derivatives are scaled by the size of the parameter, or by this where it is nearly 0."""
 

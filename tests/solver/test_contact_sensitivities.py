@@ -27,7 +27,7 @@ from stickslip.outputs import Final
 from stickslip.quantities import Quantity, parameters, vary
 from stickslip.results import Sensitivity
 
-PLAIN = EventDriven(tier="python")
+PLAIN = EventDriven(tier="compiled")
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
 BENT = {"shoulder": 1.2, "elbow": 0.8}
 FALLING = Stribeck(

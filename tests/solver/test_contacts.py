@@ -37,7 +37,7 @@ ROUNDING = 5e-13
 def run_of(mechanism, laws, t_end, y0=None, **settings):
     """Simulate in plain Python; every run must be certified."""
     run = simulate(
-        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="python", **settings)
+        mechanism, laws, t_end=t_end, y0=y0, solver=EventDriven(tier="compiled", **settings)
     )
     assert run.certificate.stick_drift == 0.0
     return run
@@ -473,7 +473,7 @@ def assert_mixed(run, until, rel):
 
 def test_a_joint_with_bristles_beside_a_set_valued_one():
     settings = {"t_end": 2.0, "y0": BENT}
-    run = simulate(Arm(), MIXED, solver=EventDriven(tier="python"), **settings)
+    run = simulate(Arm(), MIXED, solver=EventDriven(tier="compiled"), **settings)
     assert_mixed(run, 2.0, 1e-9)
     assert run.certificate.certified
     assert run.certificate.steps < 2_000  # DOP853 would take 8,500
