@@ -55,6 +55,16 @@ def law_table() -> Iterator[str]:
     yield from table(("law", "name", "kind", "parameters"), rows)
 
 
+def requested_laws() -> Iterator[str]:
+    """What is tried on travels only on request."""
+    *names, last = (f"`{name}`" for name, law in LAWS.items() if law.on_request)
+    yield (
+        f"The laws {', '.join(names)} and {last} are tried on travels only on request: by their own"
+        " table in a rig file, by a parameter that only they have, or by name in a call. A few"
+        " travels cannot distinguish them from simpler laws."
+    )
+
+
 def laws() -> Iterator[str]:
     """All registered laws, a section for each."""
     for name, law in LAWS.items():
@@ -268,6 +278,7 @@ def route_table() -> Iterator[str]:
 CONTENT = {
     "law-table": law_table,
     "laws": laws,
+    "requested-laws": requested_laws,
     "printed-forms": printed_forms,
     "commands": commands,
     "rig-file": rig_file,

@@ -373,6 +373,14 @@ def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
     assert "8 µm" in out
 
 
+def test_a_rig_with_values_for_several_laws_says_which_one_is_run(run):
+    _, out, err = run("simulate", "--t-end", "0.1")
+    assert "Coulomb" in out
+    assert "has values for several laws; coulomb is used" in " ".join(err.split())
+    _, _, err = run("simulate", "--t-end", "0.1", "--law", "stribeck")
+    assert "several laws" not in err
+
+
 def test_nothing_to_measure_next_has_no_heading(run):
     _, out, _ = run("select", "--laws", "coulomb")
     assert "Limitations" in out
@@ -380,7 +388,7 @@ def test_nothing_to_measure_next_has_no_heading(run):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize("command", [["simulate"], ["schema"], ["--version"]])
+@pytest.mark.parametrize("command", [["simulate", "--law", "stribeck"], ["schema"], ["--version"]])
 def test_a_full_device_is_one_message_and_exit_code_2(command):
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(

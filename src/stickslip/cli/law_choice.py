@@ -326,4 +326,7 @@ def _name(rig: Rig) -> str:
         raise InputError(
             f"{rig.path} has values for several laws, {', '.join(rig.laws)}: choose one with --law."
         )
+    if rig.laws:
+        others = ", ".join(name for name in rig.laws if name != USUAL)
+        note(f"{rig.path} has values for several laws; {USUAL} is used. --law chooses {others}.")
     return USUAL
