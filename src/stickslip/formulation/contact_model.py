@@ -6,7 +6,14 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.formulation.code_printer import function
-from stickslip.formulation.contact_parts import ContactParts, LawParts, derive_parts, law_parts
+from stickslip.formulation.contact_parts import (
+    ContactParts,
+    LawParts,
+    Motion,
+    derive_parts,
+    law_parts,
+)
+from stickslip.formulation.hard_stops import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.symbols import Symbols, symbols_of
@@ -85,6 +92,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
         dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
         symbols.drives,
+        _motion(symbols, len(own.contacts)),
         board,
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
@@ -120,9 +128,9 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(events),
-        impact_events=(),
-        limits=(PAINLEVE,) * sizes.limits,
-        channels=(),
+        impact_events=impact_events(parts.walls, mechanism.coordinates, None),
+        limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        channels=tuple(parts.efforts),
         contacts=own.contacts,
         alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
@@ -130,6 +138,13 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
             for kind in own.kinds
         ),
     )
+
+
+def _motion(symbols: Symbols, contacts: int) -> Motion:
+    """Return symbols of the accelerations, and of the friction, that stand behind a state."""
+    first, n = len(symbols.states), len(symbols.coordinates)
+    behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
+    return Motion(behind[:n], behind[n:])
 
 
 def _titles(own: _Own) -> str:
@@ -148,6 +163,8 @@ class _Equations:
         self.given_forces = [e.subs(symbols.given) for e in parts.forces[:n]]
         self.loads = [closed(e) for e in parts.loads]
         self.supplied = closed(parts.supplied)
+        self.efforts = [closed(e) for e in parts.efforts.values()]
+        self.limits = [closed(e) for e in parts.limits.values()]
         states = [*symbols.coordinates, *symbols.rates]
         self.slopes = {
             (i, k): slope
@@ -176,12 +193,12 @@ class _Equations:
         Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
         and of held ones; then come loads, how contacts slip, and margins of switches.
         """
-        first = len(self.symbols.states)
+        behind = _motion(self.symbols, 0).accelerations
         rows = [-e for e in self.forces]
         for (i, j), entry in self.parts.mass.items():
-            rows[i] += entry * se.Symbol(f"y{first + j}")
+            rows[i] += entry * behind[j]
             if j < i < len(self.parts.coordinates):
-                rows[j] += entry * se.Symbol(f"y{first + i}")
+                rows[j] += entry * behind[i]
         rows += [*self.loads, *self.geometry, *self.margins]
         names = [_names(e) for e in rows]
         return [
@@ -221,15 +238,15 @@ class _Equations:
             and self.constant_mass()
             and self.constant_loads()
             and not any(self.parts.reacts)
+            and not self.limits
             and not any(self.varies(e) for e in slopes)
         )
 
     def rest_is_final(self) -> bool:
         """Whether nothing but the drives can move what is held."""
         timed = any("t" in _names(e) for e in self.given_forces)
-        return (
-            not timed and not self.switched and self.constant_loads() and not any(self.parts.reacts)
-        )
+        ends = any(self.parts.reacts) or bool(self.limits)
+        return not timed and not self.switched and self.constant_loads() and not ends
 
 
 def _names(e: se.Expr) -> set[str]:
@@ -266,6 +283,9 @@ def _sizes(
         directional=tuple(isinstance(one, DirectionalLaw) for one in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),
+        channels=len(parts.efforts),
+        own_limits=len(parts.limits),
+        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
         mass=tuple(parts.mass),
         slopes=tuple(equations.slopes),
         time_slopes=tuple(equations.time_slopes),
@@ -297,6 +317,12 @@ def _text(
         "margins": equations.margins,
         "rest": equations.given_forces,
     }
+    some: Mapping[str, Sequence[se.Expr]] = {
+        "efforts": equations.efforts,
+        "limits": equations.limits,
+        "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],
+    }
+    same = {**same, **{name: case for name, case in some.items() if case}}
     if columns:
         same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
     texts = [function(name, {None: list(case)}) for name, case in same.items()]

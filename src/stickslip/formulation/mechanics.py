@@ -353,7 +353,7 @@ def derive_mechanics(
         slip=list(q).index(slip_of(mechanism)),
         mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
         forces=rows.forces,
-        guides=guides_of(mechanism, contact, drives),
+        guides=guides_of(mechanism, contact.slips, drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
         load=None if contact.normal is not None else expression(contact.load),

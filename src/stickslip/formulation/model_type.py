@@ -48,7 +48,8 @@ class Model:
         if not self.contacts:
             return ("friction", "normal_force", *self.channels)
         kinds = ("friction", "normal_force", "mode")
-        return tuple(self.column(kind, name) for kind in kinds for name in self.contacts)
+        own = (self.column(kind, name) for kind in kinds for name in self.contacts)
+        return (*own, *self.channels)
 
     def column(self, kind: str, contact: str) -> str:
         """Return the column of a contact: its name stands in it where there are several.

@@ -33,6 +33,7 @@ from stickslip.kernels.state_layout import (
     N_GUARDS,
     N_STATES,
     N_SWITCHES,
+    N_WALLS,
     RHYTHM,
     ROW_COLUMNS,
     STATUS,
@@ -124,7 +125,7 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
-    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES]
+    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
         for i in range(EVENT_COLUMNS):
@@ -174,6 +175,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     enter_pieces(table, w, whole)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)
+        take_changes(w, whole, events)
         ask(FIRST_SIZES, t_end, w, whole)
         w[RHYTHM] = math.inf
     else:

@@ -15,6 +15,8 @@ __all__ = ["LAW_NUMBERS", "ContactSizes", "ModeSizes", "Sizes"]
 
 LAW_NUMBERS = 7
 """Numbers that a law writes before the rates of its bristles."""
+WALL_NUMBERS = 2
+"""Numbers of a hard stop where several contacts rub: position, restitution."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,6 +220,12 @@ class ContactSizes(Sizes):
     """Whether each contact's load is a reaction."""
     held: int
     """Held coordinates."""
+    channels: int
+    """Efforts of guided coordinates."""
+    own_limits: int
+    """Conditions of the mechanism that end a run."""
+    walls: tuple[tuple[int, int], ...]
+    """Index of the coordinate and side, 1 above and -1 below, of each hard stop."""
     mass: tuple[tuple[int, int], ...]
     """Row and column of each entry of the mass matrix."""
     slopes: tuple[tuple[int, int], ...]
@@ -248,20 +256,20 @@ class ContactSizes(Sizes):
     @property
     @override
     def guards(self) -> int:
-        """Two of each coordinate, switches and opening of each contact, switches, the pivot."""
+        """Two of each coordinate, switches and opening of each contact, switches, limits, stops."""
         own = 2 * self.coordinates + self.contacts * (self.law_switches + 1)
-        return own + self.switches + self.limits
+        return own + self.switches + self.limits + len(self.walls)
 
     @property
     def limits(self) -> int:
-        """Conditions that end a run: the pivot of reactions that depend on friction."""
-        return int(any(self.reacts))
+        """Conditions that end a run: the pivot of reactions that depend on friction, then own."""
+        return int(any(self.reacts)) + self.own_limits
 
     @property
     @override
     def columns(self) -> int:
-        """Friction, load and mode of each contact."""
-        return 3 * self.contacts
+        """Friction, load and mode of each contact, efforts."""
+        return 3 * self.contacts + self.channels
 
     @override
     def lengths(self) -> dict[str, int]:
@@ -278,6 +286,12 @@ class ContactSizes(Sizes):
             "force_slopes": len(self.slopes) + len(self.time_slopes),
             "part_slopes": sum(map(len, self.part_slopes)),
         }
+        some = {
+            "efforts": self.channels,
+            "limits": self.own_limits,
+            "walls": WALL_NUMBERS * len(self.walls),
+        }
+        own |= {name: length for name, length in some.items() if length}
         for kind in set(self.kinds):
             own[f"law_{kind}"] = LAW_NUMBERS + self._most_bristles
             own[f"law_margins_{kind}"] = self.law_switches
@@ -323,12 +337,15 @@ class ContactSizes(Sizes):
         diagonal = self.constant_mass and all(
             row == column for row, column in self.mass if row < self.coordinates
         )
-        first_limit = self.guards - self.limits
+        first_wall = self.guards - len(self.walls)
         return {
             at.N_LIMITS: self.limits,
-            at.FIRST_LIMIT: first_limit,
-            at.FIRST_WALL: self.guards,
-            at.MOST_EVENTS: self.contacts + 4,
+            at.N_WALLS: len(self.walls),
+            at.N_CHANNELS: self.channels,
+            at.WALL_COLUMNS: WALL_NUMBERS,
+            at.FIRST_LIMIT: first_wall - self.limits,
+            at.FIRST_WALL: first_wall,
+            at.MOST_EVENTS: self._most_changes,
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
             + (1 if self.exact else at.TERMS + 1) * self.states
@@ -389,14 +406,20 @@ class ContactSizes(Sizes):
             at.REACTION_ROWS: (reacting + 2) * (self.held + reacting + 2),
             at.WORKS: c,
             at.BOX: 2 * self.drives,
-            at.CHANGES: (c + 4) * at.EVENT_COLUMNS,
+            at.CHANGES: self._most_changes * at.EVENT_COLUMNS,
+            at.WALLS: WALL_NUMBERS * len(self.walls),
+            at.MOTION_POINT: self.states + n + c,
             **(self._slope_rooms() if self.part_slopes else {}),
         }
+
+    @property
+    def _most_changes(self) -> int:
+        """Most events of an instant: of each contact, each stop, a switch, what ends the run."""
+        return self.contacts + len(self.walls) + 4
 
     def _slope_rooms(self) -> dict[int, int]:
         n, c = self.coordinates, self.contacts
         return {
-            at.SLOPE_POINT: self.states + n,
             at.PART_SLOPES: sum(map(len, self.part_slopes)),
             at.LAW_SLOPES: 3 * c * self._law_slopes,
             at.PART_COLUMN: self._part_rows,
@@ -419,6 +442,7 @@ class ContactSizes(Sizes):
         rigid = [0] * n
         for slip, count in zip(self.slips, self.bristles_of, strict=True):
             rigid[slip] |= int(not count)
+        yield None, tuple(number for wall in self.walls for number in wall)
         yield at.MASS_ROWS, tuple(row for row, _ in self.mass)
         yield at.MASS_COLUMNS, tuple(column for _, column in self.mass)
         yield at.SLOPE_ROWS, tuple(row for row, _ in self.slopes)
@@ -440,6 +464,7 @@ class ContactSizes(Sizes):
         yield at.FORCED, (0,) * n
         yield at.BEFORE, (0,) * n
         yield at.KEPT, (0,) * n
+        yield at.STRUCK, (0,) * n
         yield at.CLOSED, (0,) * c
         ends = accumulate(map(len, self.part_slopes), initial=0)
         yield at.PART_STARTS, tuple(ends)

@@ -204,10 +204,15 @@ def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
     if guard < 0:
         if UNLOADED in (before, after):
             return OPENED if after == UNLOADED else CLOSED_AGAIN
-        if after == HELD_FAST:
+        if abs(before) == 2.0:
+            return LEFT_STOP
+        if after == HELD_FAST or abs(after) == 2.0:
             return STOPPED
         return BROKE_AWAY if before == HELD_FAST else REVERSED
     first = CLOSED_AGAIN + 1
+    if guard >= whole[FIRST_WALL]:
+        return first + wall_coordinate(guard - whole[FIRST_WALL], whole)
+    first += whole[N_COORDINATES]
     if guard >= whole[FIRST_LIMIT]:
         return first + guard - whole[FIRST_LIMIT]
     first += whole[N_LIMITS]

@@ -21,6 +21,7 @@ from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import (
     field,
@@ -47,6 +48,7 @@ from stickslip.kernels.state_layout import (
     N_DRIVES,
     N_GUARDS,
     N_STATES,
+    N_WALLS,
     POINT,
     ROW_COLUMNS,
     ROW_DENSE,
@@ -56,6 +58,8 @@ from stickslip.kernels.state_layout import (
     SLOPES,
     TIME,
     VALUES,
+    WALL_COLUMNS,
+    WALLS,
     Y1,
     Y,
 )
@@ -414,6 +418,8 @@ def pass_instant(
         guard = first_guard(events, first, number, t)
         pass_contacts(log, row, guard, table, dtable, w, whole, own, q, m)
         while first < number and events[first * EVENT_COLUMNS] <= t:
+            if events[first * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
+                lose(w, whole, q, m)
             first += 1
         return first
     following = int(log[at + width + 5])
@@ -554,6 +560,20 @@ def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
                 w[now + (n + i) * m + c] = 0.0
 
 
+def at_stop(w: Vector, whole: Wholes) -> bool:
+    """Whether something is held at its stop: what follows depends on what an impact would do.
+
+    Reads: Y, WALLS.
+    """
+    found = False
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        held = whole[whole[MODES] + i] == HELD_FAST
+        position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+        found = found or (held and w[whole[Y] + i] == position)
+    return found
+
+
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away what a body that is held at the start does not do.
 
@@ -630,6 +650,8 @@ def sense(
         ask(PREPARE, log[0], w, whole)
         restore(log, 0, table, w, whole)
         hold_contacts(w, whole, q, m)
+        if at_stop(w, whole):
+            lose(w, whole, q, m)
     else:
         hold(int(log[3]), w, whole, q, m)
     for row in range(count):

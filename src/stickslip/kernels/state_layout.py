@@ -98,10 +98,12 @@ __all__ = [
     "MODE",
     "MODES",
     "MOST_EVENTS",
+    "MOTION_POINT",
     "NEEDED",
     "NEEDED_SERIES",
     "NEEDED_SLOPES",
     "NUMBERS",
+    "N_CHANNELS",
     "N_COLUMNS",
     "N_CONTACTS",
     "N_COORDINATES",
@@ -152,7 +154,6 @@ __all__ = [
     "SLIP_FACTORS",
     "SLOPES",
     "SLOPE_COLUMNS",
-    "SLOPE_POINT",
     "SLOPE_ROWS",
     "SLOPE_VALUES",
     "SLOW",
@@ -163,6 +164,7 @@ __all__ = [
     "STEPPER",
     "STEPS",
     "STRIDE",
+    "STRUCK",
     "SUPPLIED",
     "SUPPLIES",
     "TAKEN",
@@ -270,8 +272,8 @@ FIRST_LIMIT = 29
 FIRST_WALL = 30
 MOST_EVENTS = 31
 WALL_COLUMNS = 32
-"""Columns of a hard stop: position, restitution, mass that its impulse meets, then for each
-coordinate the change of its rate over that of the stopped one."""
+"""Columns of a hard stop: position, restitution; with one contact then the mass that its impulse
+meets, and for each coordinate the change of its rate over that of the stopped one."""
 DENSE_SIZE = 33
 ROW_COLUMNS = 34
 
@@ -394,10 +396,10 @@ PART_STARTS = 116
 PART_ROWS = 117
 VARIABLE_PLACES = 118
 
-# Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's
-# law forward and backward and of its margins; along one variable, slopes of the parts, of
-# accelerations, needed friction, loads, friction, levels, rates of bristles.
-SLOPE_POINT = 119
+# Places in `w`: a state with its accelerations and the friction of contacts behind it; slopes of
+# the parts, of each contact's law forward and backward and of its margins; along one variable,
+# slopes of the parts, of accelerations, needed friction, loads, friction, levels, rates of bristles.
+MOTION_POINT = 119
 PART_SLOPES = 120
 LAW_SLOPES = 121
 PART_COLUMN = 122
@@ -408,7 +410,12 @@ FRICTION_SLOPES = 126
 LEVEL_SLOPES = 127
 BRISTLE_SLOPES = 128
 
-HEADER = 129
+N_CHANNELS = 129
+"""With several contacts: efforts of guided coordinates."""
+STRUCK = 130
+"""Place in `whole` of how each coordinate meets its stop in an impact."""
+
+HEADER = 131
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

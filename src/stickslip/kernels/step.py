@@ -186,7 +186,11 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     if guard < whole[FIRST_WALL] or fraction >= BOUNCE:
         return 0.0
     shorter = 2.0 * fraction * h
-    if fraction == 0.0:
+    if fraction == 0.0 and whole[N_CONTACTS] > 0:
+        if approach(guard, w, whole) > 0.0:
+            return 0.0
+        shorter = h / 8.0
+    elif fraction == 0.0:
         k = POLYNOMIAL
         while w[k] == 0.0:
             k += 1
@@ -241,10 +245,9 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         if exact:
             if whole[N_CONTACTS] > 0:
                 guard = ask_here(CROSSING, w, whole)
-                shorter = 0.0
             else:
                 guard = first_crossing(w[TIME], h, w, whole)
-                shorter = bounce_length(guard, h, w, whole)
+            shorter = bounce_length(guard, h, w, whole)
         else:
             guard = first_violation(w[TIME], h, w, whole)
             shorter = finer(h, slot, w, whole) if is_held(whole) else 0.0

@@ -11,8 +11,9 @@ they share in proportion to their levels: they reach these together.
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.factors import factorise, solve_free
+from stickslip.kernels.contacts.stops import raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import FORCES, GEOMETRY, LAW, LOADS, MASSES, evaluate
+from stickslip.kernels.equations import FORCES, GEOMETRY, LAW, LOADS, MASSES, WALLS_OF, evaluate
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_COUNTS,
@@ -45,11 +46,14 @@ from stickslip.kernels.state_layout import (
     MASS_COLUMNS,
     MASS_ROWS,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_HELD,
     N_MASSES,
     N_REACTIONS,
+    N_STATES,
+    N_WALLS,
     NEEDED,
     OPEN,
     PIVOT,
@@ -57,6 +61,7 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    WALLS,
     Y,
 )
 
@@ -70,6 +75,8 @@ __all__ = [
     "note_surplus",
     "prepare",
     "put_loads",
+    "put_mass",
+    "put_motion",
     "refactor",
     "refresh",
     "set_row",
@@ -94,6 +101,8 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
+    if whole[N_WALLS] > 0:
+        evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])
     count, rows = whole[N_REACTIONS], whole[REACTION_ROWS]
     for i in range(count * (count + 1)):
@@ -104,7 +113,19 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
 
 
 def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the mass matrix, of held coordinates below it."""
+    """Write the mass matrix, of held coordinates below it.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
     n = whole[N_COORDINATES]
     mass = whole[MASS]
     values = whole[LAW_VALUES]
@@ -288,10 +309,11 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             w[needed + i] = total
 
 
-def share(w: Vector, whole: Wholes) -> None:
+def share(w: Vector, whole: Wholes, at: int) -> None:
     """Write the levels of each coordinate, and the needed friction by contact.
 
-    Reads loads, accelerations and needed friction.
+    At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
+    loads, accelerations and needed friction.
     """
     n, levels = whole[N_COORDINATES], whole[LEVELS]
     for i in range(2 * n):
@@ -311,8 +333,11 @@ def share(w: Vector, whole: Wholes) -> None:
             place = 2 * c + (back if factor > 0.0 else 1 - back)
             level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
             total = w[levels + 2 * i + back]
+            if whole[N_WALLS] > 0:
+                needed = max(-total, min(total, needed))
             part = needed * level / total if total > 0.0 else 0.0
             w[whole[FRICTION] + c] = part if factor > 0.0 else -part
+    raise_levels(levels, w, whole, at)
 
 
 def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
@@ -558,4 +583,25 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if whole[HAS_BRISTLES]:
             ask_laws(t, w, whole, at)  # rates of bristles depend on the loads
     accelerate(w, whole)
-    share(w, whole)
+    share(w, whole, at)
+
+
+def put_motion(w: Vector, whole: Wholes, at: int) -> None:
+    """Write a state, and behind it the accelerations and the friction that belong to it.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run; everything is worked out at the state.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[MOTION_POINT]
+    for i in range(states):
+        w[point + i] = w[at + i]
+    for i in range(n):
+        w[point + states + i] = w[whole[ACCELERATION] + i]
+    for c in range(whole[N_CONTACTS]):
+        w[point + states + n + c] = w[whole[FRICTION] + c]

@@ -15,6 +15,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, refresh
+from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.state_layout import (
     ACCELERATION,
@@ -87,6 +88,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
             level = w[values] + w[values + 1] * w[whole[LOAD] + c]
             w[bounds + 2 * i + k] += abs(factor) * level
         whole[whole[MODES] + i] = mode
+    raise_levels(bounds, w, whole, whole[Y])
 
 
 def scale_of(w: Vector, whole: Wholes) -> float:
@@ -95,7 +97,7 @@ def scale_of(w: Vector, whole: Wholes) -> float:
     for i in range(n):
         scale = max(scale, abs(w[whole[ACCELERATION] + i]))
         if whole[whole[CANDIDATES] + i] == WAITING:
-            level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+            level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
             scale = max(scale, level / w[whole[MASS] + i * n + i])
     return scale
 

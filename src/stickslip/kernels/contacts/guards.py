@@ -2,14 +2,18 @@
 
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
 the level ahead less the needed friction, and the level back plus it. Then each contact has its
-law's switches, as far as it slips, and its load; then come the mechanism's own switches, and the
-determinant of the reactions' equations, which ends the run.
+law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
+the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
+the distances from hard stops.
 """
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, assemble, side_of
+from stickslip.kernels.contacts.assembly import WITHIN, assemble, put_motion, side_of
+from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
-from stickslip.kernels.equations import LAW_MARGINS, MARGINS, evaluate
+from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     FIRST_LIMIT,
@@ -22,9 +26,11 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LOAD,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_LIMITS,
+    N_REACTIONS,
     N_SWITCHES,
     NEEDED,
     OPEN,
@@ -78,8 +84,10 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
             w[to + 2 * i] = mode * w[at + n + i]
         elif mode == HELD_FAST:
             needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
-            w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
-            w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
+            if w[levels] < math.inf:
+                w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
+            if w[levels + 1] < math.inf:
+                w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
     for c in range(whole[N_CONTACTS]):
         own_guards(c, t, w, whole, at, to + 2 * n + c * (whole[LAW_SWITCHES] + 1))
     if whole[N_SWITCHES] > 0:
@@ -90,7 +98,18 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
             margin = w[values + j]
             w[place + j] = margin if whole[FLAGS] & (1 << j) else -margin
     if whole[N_LIMITS] > 0:
-        w[to + whole[FIRST_LIMIT]] = w[PIVOT] - LEAST_PIVOT
+        limits_at(t, w, whole, at, to + whole[FIRST_LIMIT])
+    stop_guards(w, whole, at, to, ALWAYS)
+
+
+def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write what ends a run as it falls below 0, at a state of which everything is worked out."""
+    pivots = 1 if whole[N_REACTIONS] > 0 else 0
+    if pivots > 0:
+        w[to] = w[PIVOT] - LEAST_PIVOT
+    if whole[N_LIMITS] > pivots:
+        put_motion(w, whole, at)
+        evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], to + pivots)
 
 
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

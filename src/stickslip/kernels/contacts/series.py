@@ -11,11 +11,13 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
 from stickslip.kernels.contacts.assembly import assemble
 from stickslip.kernels.contacts.factors import solve_free
+from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BOUNDS,
@@ -23,6 +25,7 @@ from stickslip.kernels.state_layout import (
     DENSE,
     DIAGONAL,
     DRIFT,
+    FIRST_WALL,
     FLAGS,
     FORCE,
     FRACTION,
@@ -35,6 +38,7 @@ from stickslip.kernels.state_layout import (
     N_SLOPES,
     N_STATES,
     N_TIME_SLOPES,
+    N_WALLS,
     NEEDED,
     NEEDED_SERIES,
     POINT,
@@ -49,6 +53,7 @@ from stickslip.kernels.state_layout import (
     SLOPE_VALUES,
     TIME,
     TIME_ROWS,
+    VALUES,
     Y1,
     Y,
 )
@@ -259,6 +264,8 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
             best = note_root(2 * i, x, best, w, whole)
         elif mode == HELD_FAST:
             for side in range(2):
+                if w[whole[LEVELS] + 2 * i + side] == math.inf:
+                    continue
                 sign = -1.0 if side == 0 else 1.0
                 spare = w[whole[LEVELS] + 2 * i + side] + sign * w[whole[NEEDED_SERIES] + i]
                 guard = 2 * i + side
@@ -270,6 +277,29 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
                 best = note_root(guard, x, best, w, whole)
         if w[FRACTION] == 0.0:
             return best
+    return first_stop(best, w, whole) if whole[N_WALLS] > 0 else best
+
+
+def first_stop(best: int, w: Vector, whole: Wholes) -> int:
+    """Return the guard that falls first, those of hard stops included."""
+    states, terms = whole[N_STATES], int(w[whole[DENSE]])
+    first, values = whole[FIRST_WALL], whole[VALUES]
+    stop_guards(w, whole, whole[Y], values, math.inf)
+    for wall in range(whole[N_WALLS]):
+        margin = w[values + first + wall]
+        if margin == math.inf:
+            continue
+        reached = whole[REACHED] + first + wall
+        w[reached] = max(w[reached], abs(margin))
+        w[POLYNOMIAL + 1] = 1.0
+        row = whole[DENSE] + 1 + states + wall_coordinate(wall, whole)
+        x = search(margin, row, states, -wall_side(wall, whole), terms, w)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return first + wall
+        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[FRACTION] = x
+            best = first + wall
     return best
 
 

@@ -13,6 +13,7 @@ from stickslip.kernels.contacts.assembly import (
     equal_part,
     note_surplus,
     put_loads,
+    put_motion,
     set_row,
     side_of,
 )
@@ -26,7 +27,6 @@ from stickslip.kernels.equations import (
     evaluate,
 )
 from stickslip.kernels.state_layout import (
-    ACCELERATION,
     ACCELERATION_SLOPES,
     BRISTLE_COUNTS,
     BRISTLE_SLOPES,
@@ -53,6 +53,7 @@ from stickslip.kernels.state_layout import (
     LOAD_SLOPES,
     MASS,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_GUARDS,
@@ -70,7 +71,6 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
-    SLOPE_POINT,
     VARIABLE_PLACES,
 )
 
@@ -79,13 +79,9 @@ __all__ = ["guard_slopes_along", "rate_slopes_along"]
 
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write what the slopes along all variables are made of."""
-    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[SLOPE_POINT]
     assemble(t, w, whole, at)
-    for i in range(states):
-        w[point + i] = w[at + i]
-    for i in range(n):
-        w[point + states + i] = w[whole[ACCELERATION] + i]
-    evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, point, whole[PART_SLOPES])
+    put_motion(w, whole, at)
+    evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[PART_SLOPES])
     for c in range(whole[N_CONTACTS]):
         if not whole[whole[OPEN] + c]:
             ask_slopes(c, t, w, whole, at)
@@ -150,11 +146,11 @@ def own_slope(contact: int, row: int, k: int, w: Vector, whole: Wholes) -> float
 def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of a contact's slip speed along a variable."""
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
-    rate = w[whole[SLOPE_POINT] + n + i]
+    rate = w[whole[MOTION_POINT] + n + i]
     slope = factor_slope(contact, w, whole) * rate
     if k == n + i:
         slope += w[whole[SLIP_FACTORS] + contact]
-    return side_of(contact, w, whole, whole[SLOPE_POINT]) * slope
+    return side_of(contact, w, whole, whole[MOTION_POINT]) * slope
 
 
 def factor_slope(contact: int, w: Vector, whole: Wholes) -> float:
@@ -225,7 +221,7 @@ def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
         return 0.0
     load = w[whole[LOAD] + contact]
     own = law_slope(contact, 0, 0, k, w, whole) + load * law_slope(contact, 0, 1, k, w, whole)
-    side = side_of(contact, w, whole, whole[SLOPE_POINT])
+    side = side_of(contact, w, whole, whole[MOTION_POINT])
     return side * own + w[whole[FRICTION_FACTOR] + contact] * w[whole[LOAD_SLOPES] + contact]
 
 
@@ -234,7 +230,7 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
     if whole[whole[BRISTLES] + contact] >= 0:
         return
     factor, load = w[whole[SLIP_FACTORS] + contact], w[whole[LOAD] + contact]
-    ahead = 0 if side_of(contact, w, whole, whole[SLOPE_POINT]) > 0 else 1
+    ahead = 0 if side_of(contact, w, whole, whole[MOTION_POINT]) > 0 else 1
     for which in range(2):
         back = 0 if which == ahead else 1
         place = 2 * contact + which

@@ -10,6 +10,9 @@ from stickslip.kernels.contacts.guards import (
     first_own_switch,
     law_flags,
 )
+from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
+from stickslip.kernels.contacts.motion import mode_of
+from stickslip.kernels.contacts.stops import margin_of, stopped_side
 from stickslip.kernels.enums import (
     BACKWARD,
     EXACT,
@@ -18,10 +21,11 @@ from stickslip.kernels.enums import (
     HELD_FAST,
     LIFTED_OFF,
     LIMITED,
-    UNLOADED,
+    RUNNING,
 )
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.state_layout import (
     BEFORE,
     CANDIDATES,
@@ -31,6 +35,7 @@ from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     EVENT_COLUMNS,
     FIRST_LIMIT,
+    FIRST_WALL,
     FLAGS,
     FORCED,
     FRACTION,
@@ -43,7 +48,9 @@ from stickslip.kernels.state_layout import (
     N_CONTACTS,
     N_COORDINATES,
     N_LIMITS,
+    N_REACTIONS,
     N_SWITCHES,
+    N_WALLS,
     NEEDED,
     OPEN,
     PIVOT,
@@ -51,10 +58,10 @@ from stickslip.kernels.state_layout import (
     REACTS,
     RIGID,
     ROOTS,
-    SLIP_FACTORS,
     SLIPS,
     STATUS,
     STEPPER,
+    STRUCK,
     TIME,
     VALUES,
     Y,
@@ -80,27 +87,47 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n, y = whole[N_COORDINATES], whole[Y]
+    n = whole[N_COORDINATES]
     for _ in range(whole[N_SWITCHES]):
         set_own_flags(w, whole)
     prepare(w[TIME], w, whole)
-    for i in range(n):
-        whole[whole[MODES] + i] = FREE
     for c in range(whole[N_CONTACTS]):
         closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
         whole[whole[OPEN] + c] = 0 if closed else 1
         whole[whole[LAW_FLAGS] + c] = 0
-        if closed:
-            i = whole[whole[SLIPS] + c]
-            rate = w[y + n + i]
-            whole[whole[MODES] + i] = FORWARD if rate > 0.0 else (BACKWARD if rate < 0.0 else 0)
-    only_bristles(whole)
-    law_flags(w[TIME], w, whole, y)
+    for i in range(n):
+        whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
+    law_flags(w[TIME], w, whole, whole[Y])
+    whole[CHANGED] = 0
     remember(whole)
     none_forced(whole)
     settle_modes(w, whole)
+    end_beyond_limits(w, whole)
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
+
+
+def rubs(i: int, whole: Wholes) -> bool:
+    """Whether a contact along a coordinate is closed."""
+    found = False
+    for c in range(whole[N_CONTACTS]):
+        found = found or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
+    return found
+
+
+def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
+    """Return the mode of a coordinate; one at rest that anything may hold is to be decided.
+
+    What nothing but bristles holds slips: their forces need no decision.
+    """
+    rate = w[whole[Y] + whole[N_COORDINATES] + i]
+    if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
+        return HELD_FAST
+    if not rubs(i, whole):
+        return FREE
+    if rate == 0.0 and whole[whole[RIGID] + i]:
+        return HELD_FAST
+    return BACKWARD if rate < 0.0 else FORWARD
 
 
 def set_own_flags(w: Vector, whole: Wholes) -> None:
@@ -111,13 +138,6 @@ def set_own_flags(w: Vector, whole: Wholes) -> None:
     for j in range(whole[N_SWITCHES]):
         if w[values + j] > 0.0:
             whole[FLAGS] |= 1 << j
-
-
-def only_bristles(whole: Wholes) -> None:
-    """Let coordinates slip that nothing but bristles holds: their forces need no decision."""
-    for i in range(whole[N_COORDINATES]):
-        if whole[whole[MODES] + i] == HELD_FAST and not whole[whole[RIGID] + i]:
-            whole[whole[MODES] + i] = FORWARD
 
 
 def remember(whole: Wholes) -> None:
@@ -140,11 +160,31 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     solved = decide(w, whole)
-    if not solved or (whole[N_LIMITS] > 0 and w[PIVOT] < LEAST_PIVOT):
+    if whole[N_REACTIONS] > 0 and (not solved or w[PIVOT] < LEAST_PIVOT):
         whole[STATUS] = LIMITED
+    for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
+        left = whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST
+        if left and not rubs(i, whole):
+            whole[whole[MODES] + i] = FREE
     if whole[LAW_SWITCHES] > 0:
         law_flags(w[TIME], w, whole, whole[Y])
         refresh(w[TIME], w, whole, whole[Y])
+
+
+def end_beyond_limits(w: Vector, whole: Wholes) -> None:
+    """End a run whose modes begin beyond one of the mechanism's own limits.
+
+    Guards are looked at for a fall from above zero, which would miss one that begins below it.
+    """
+    pivots = 1 if whole[N_REACTIONS] > 0 else 0
+    if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
+        return
+    contact_guards(w[TIME], w, whole, whole[Y], whole[VALUES])
+    for limit in range(pivots, whole[N_LIMITS]):
+        guard = whole[FIRST_LIMIT] + limit
+        if w[whole[VALUES] + guard] < 0.0 and whole[STATUS] == RUNNING:
+            whole[STATUS] = LIMITED + limit
+            write_event(guard, 0, 0, 0, 0.0, w, whole)
 
 
 def open_and_close(w: Vector, whole: Wholes) -> None:
@@ -163,17 +203,9 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
 
 def follow_openings(w: Vector, whole: Wholes) -> None:
     """Free coordinates whose contacts are all open; take up those with one that has closed."""
-    n = whole[N_COORDINATES]
-    for i in range(n):
-        rubs = False
-        for c in range(whole[N_CONTACTS]):
-            rubs = rubs or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
-        if not rubs:
-            whole[whole[MODES] + i] = FREE
-        elif whole[whole[MODES] + i] == FREE:
-            rate = w[whole[Y] + n + i]
-            whole[whole[MODES] + i] = FORWARD if rate > 0.0 else (BACKWARD if rate < 0.0 else 0)
-    only_bristles(whole)
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
+            whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
 
 
 def settle_contacts(w: Vector, whole: Wholes) -> None:
@@ -192,6 +224,7 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
     none_forced(whole)
     settle_modes(w, whole)
     write_changes(NO_GUARD, w, whole)
+    end_beyond_limits(w, whole)
 
 
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
@@ -207,7 +240,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     whole[CHANGED] = 0
-    if guard >= whole[FIRST_LIMIT]:
+    if whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
         whole[STATUS] = LIMITED + guard - whole[FIRST_LIMIT]
         write_event(guard, 0, 0, 0, 0.0, w, whole)
         return
@@ -220,7 +253,9 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         if other == guard or fires_too(other, exact, w, whole):
             stop_or_break(other, w, whole)
     lifted = -1
-    if guard >= first_own_switch(whole):
+    if guard >= whole[FIRST_WALL]:
+        bounce(guard, w, whole)
+    elif guard >= first_own_switch(whole):
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
         write_event(guard, 0, 0, 0, 0.0, w, whole)
@@ -233,9 +268,20 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
+    write_impacts(guard, w, whole)
     write_changes(guard, w, whole)
+    end_beyond_limits(w, whole)
     if lifted >= 0:
         whole[STATUS] = LIFTED_OFF
+
+
+def bounce(guard: int, w: Vector, whole: Wholes) -> None:
+    """Make the impacts of an instant; what has another rate then slips, or is to be decided."""
+    strike_stops(guard, w, whole)
+    for i in range(whole[N_COORDINATES]):
+        whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
+    for _ in range(whole[N_SWITCHES]):
+        set_own_flags(w, whole)
 
 
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
@@ -271,26 +317,56 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         return -1
     if whole[whole[REACTS] + contact]:
         mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-        now = mode_of(contact, mode, 0, w, whole)
+        now = mode_of(contact, mode, 0, w, whole, whole[Y])
         write_event(guard, contact, now, now, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1
 
 
-def mode_of(contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes) -> int:
-    """Return the mode of a contact, which may slip against its coordinate."""
-    if is_open or coordinate_mode == FREE:
-        return UNLOADED
-    return coordinate_mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -coordinate_mode
+def modes_about(contact: int, w: Vector, whole: Wholes) -> tuple[int, int]:
+    """Return the modes of a contact before and after the changes of an instant."""
+    i, y = whole[whole[SLIPS] + contact], whole[Y]
+    was_open = 1 - whole[whole[CLOSED] + contact]
+    before = mode_of(contact, whole[whole[BEFORE] + i], was_open, w, whole, y)
+    after = mode_of(contact, whole[whole[MODES] + i], whole[whole[OPEN] + contact], w, whole, y)
+    return before, after
+
+
+def first_contact_of(i: int, whole: Wholes) -> int:
+    """Return the first contact along a coordinate, or the number of contacts if there is none."""
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[SLIPS] + c] == i:
+            return c
+    return whole[N_CONTACTS]
+
+
+def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
+    """Write an event for each coordinate that has reached a stop, told of its first contact.
+
+    Where no contact is along the coordinate, the first of all is named, whose mode is as it was.
+    """
+    if guard < whole[FIRST_WALL]:
+        return
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        strikes = whole[whole[STRUCK] + i] == STRIKES
+        if strikes and margin_of(wall, w, whole, whole[Y]) == 0.0:
+            c = first_contact_of(i, whole)
+            own = c < whole[N_CONTACTS]
+            before, after = modes_about(c if own else 0, w, whole)
+            now = after if own else before
+            write_event(whole[FIRST_WALL] + wall, c if own else 0, before, now, 0.0, w, whole)
 
 
 def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
     """Write an event for each contact whose mode has changed, in their order."""
+    impact = guard >= whole[FIRST_WALL]
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        before = mode_of(c, whole[whole[BEFORE] + i], 1 - whole[whole[CLOSED] + c], w, whole)
-        after = mode_of(c, whole[whole[MODES] + i], whole[whole[OPEN] + c], w, whole)
+        if impact and whole[whole[STRUCK] + i] == STRIKES and first_contact_of(i, whole) == c:
+            continue  # the impact's event tells
+        before, after = modes_about(c, w, whole)
         if before != after:
             margin = 0.0
             if after == HELD_FAST:
