@@ -232,7 +232,9 @@ def _numbers(run: Trajectory) -> str:
     for name in (name for name, kind in kinds.items() if kind == "normal_force"):
         contact = name.partition(":")[2]
         shown[name] = f"normal force of {contact}" if contact else "normal force"
-    values = [f"{word} {quantity(last[name][0], run.units[name], 4)}" for name, word in shown.items()]
+    values = [
+        f"{word} {quantity(last[name][0], run.units[name], 4)}" for name, word in shown.items()
+    ]
     return f" Limit: {run.events[-1].reason} ({', '.join(values)})."
 
 

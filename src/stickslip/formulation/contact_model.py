@@ -131,6 +131,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         impact_events=impact_events(parts.walls, mechanism.coordinates, None),
         limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
         channels=tuple(parts.efforts),
+        turning=_turning(parts, index),
         contacts=own.contacts,
         alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
@@ -145,6 +146,12 @@ def _motion(symbols: Symbols, contacts: int) -> Motion:
     first, n = len(symbols.states), len(symbols.coordinates)
     behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
     return Motion(behind[:n], behind[n:])
+
+
+def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
+    """Return the paths of the parameters on which the change of coordinates depends."""
+    names = {name for row in parts.directions.forward for e in row for name in _names(e)}
+    return tuple(path for path, i in index.items() if f"p{i}" in names)
 
 
 def _titles(own: _Own) -> str:
@@ -182,7 +189,7 @@ class _Equations:
         self.moving = {str(s) for s in states} | {"t"}
         self.margins = [closed(switch.margin) for switch in board.switches.values()]
         self.geometry = [
-            *parts.factors,
+            *parts.directions.factors,
             *[e for row in parts.held_slips for e in row],
             *[e for row in parts.held_normals for e in row],
         ]
@@ -275,7 +282,8 @@ def _sizes(
         drives=len(equations.symbols.drives),
         parameters=parameter_count,
         rest_is_final=equations.rest_is_final(),
-        slips=parts.slips,
+        slips=parts.directions.slips,
+        turned=bool(parts.directions.forward),
         kinds=own.kinds,
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
@@ -317,7 +325,9 @@ def _text(
         "margins": equations.margins,
         "rest": equations.given_forces,
     }
+    turning = (*parts.directions.forward, *parts.directions.backward)
     some: Mapping[str, Sequence[se.Expr]] = {
+        "turning": [e for row in turning for e in row],
         "efforts": equations.efforts,
         "limits": equations.limits,
         "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],

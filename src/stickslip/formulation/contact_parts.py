@@ -16,6 +16,7 @@ from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.load_factor import load_factor, unknown_kind
 from stickslip.formulation.mechanics import Rows, lagrange_rows
 from stickslip.formulation.prescribed_motion import guides_of, own_limits
+from stickslip.formulation.slip_directions import SlipDirections, direction_of, slip_directions
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.kernels.header import LAW_NUMBERS
@@ -35,10 +36,8 @@ class ContactParts:
     """Names of the held ones, those that normal forces act on first."""
     contacts: tuple[str, ...]
     """Names of the contacts that rub."""
-    slips: tuple[int, ...]
-    """Index of the coordinate along which each of them slips."""
-    factors: tuple[se.Expr, ...]
-    """Slip velocity of each over the rate of its coordinate."""
+    directions: SlipDirections
+    """What each of them slips along."""
     held_slips: tuple[tuple[se.Expr, ...], ...]
     """How friction of each acts on each held coordinate."""
     held_normals: tuple[tuple[se.Expr, ...], ...]
@@ -117,13 +116,15 @@ def derive_parts(
     """
     contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
     held = _held(mechanism, contacts)
-    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
-    loads = _loads(mechanism, contacts, t, q, q_dot, drives, board)
-    slips = [_slip(mechanism, one, list(q)) for one in contacts]
-    _check_shares(mechanism, contacts, slips, held)
-    moving = [name for one in mechanism.contacts() for name in one.slips]
-    guides = guides_of(mechanism, moving, drives)
-    arms = [_along(_table(one.slip), held) for one in contacts]
+    directions = slip_directions(mechanism, contacts)
+    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
+    seen = (
+        dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
+    )
+    loads = _loads(mechanism, contacts, t, *seen, drives, board)
+    _check_shares(mechanism, contacts, directions, held)
+    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips], drives)
+    arms = [_along(direction_of(one.slip), held) for one in contacts]
     places = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in places.items()}
     forces, mass = _guided(rows, guides)
@@ -136,10 +137,9 @@ def derive_parts(
         coordinates=tuple(q),
         held=held,
         contacts=tuple(one.name for one in contacts),
-        slips=tuple(index for index, _ in slips),
-        factors=tuple(factor for _, factor in slips),
+        directions=directions,
         held_slips=tuple(arms),
-        held_normals=tuple(_along(_table(one.normal), held) for one in contacts),
+        held_normals=tuple(_along(direction_of(one.normal), held) for one in contacts),
         reacts=tuple(one.normal is not None for one in contacts),
         mass=mass,
         forces=forces,
@@ -203,22 +203,13 @@ def _guided(
     return tuple(forces), mass
 
 
-def _table(direction: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
-    """Return a direction as factors by coordinate."""
-    if direction is None:
-        return {}
-    if isinstance(direction, str):
-        return {direction: se.Integer(1)}
-    return {name: expression(factor) for name, factor in direction.items()}
-
-
 def _along(table: Mapping[str, se.Expr], held: Sequence[str]) -> tuple[se.Expr, ...]:
     return tuple(table.get(name, se.Integer(0)) for name in held)
 
 
 def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     """Return the held coordinates, those that normal forces act on first."""
-    normals = dict.fromkeys(name for one in contacts for name in _table(one.normal))
+    normals = dict.fromkeys(name for one in contacts for name in direction_of(one.normal))
     others = [name for name in mechanism.held() if name not in normals]
     owner = type(mechanism).__name__
     for name in (*normals, *others):
@@ -247,43 +238,18 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     return (*normals, *others)
 
 
-def _slip(mechanism: Mechanism, contact: Contact, coordinates: list[str]) -> tuple[int, se.Expr]:
-    """Return the coordinate along which a contact slips, and the factor of its rate."""
-    table = _table(contact.slip)
-    for name in table:
-        if (
-            name not in coordinates
-            and name not in _table(contact.normal)
-            and (name not in mechanism.held())
-        ):
-            raise UnknownNameError(f"coordinate in the slip of {contact.name}", name, coordinates)
-    moving = [name for name in table if name in coordinates]
-    owner = f"{type(mechanism).__name__}: the contact {contact.name!r}"
-    if not moving:
-        raise InputError(f"{owner} slips along no moving coordinate.")
-    if len(moving) > 1:
-        raise InputError(
-            f"{owner} slips along {' and '.join(moving)}; this version needs its slip to be a"
-            " coordinate: use relative coordinates."
-        )
-    factor = table[moving[0]]
-    if factor == 0:
-        raise InputError(f"{owner} has the factor 0 for {moving[0]}: leave the contact out.")
-    return coordinates.index(moving[0]), factor
-
-
 def _check_shares(
     mechanism: Mechanism,
     contacts: Sequence[Contact],
-    slips: Sequence[tuple[int, se.Expr]],
+    directions: SlipDirections,
     held: Sequence[str],
 ) -> None:
     """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
     if all(one.normal is None for one in contacts):
         return
     known: dict[int, tuple[str, list[se.Expr]]] = {}
-    for one, (index, factor) in zip(contacts, slips, strict=True):
-        arms = [se.expand(e / factor) for e in _along(_table(one.slip), held)]
+    for one, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
+        arms = [se.expand(e / factor) for e in _along(direction_of(one.slip), held)]
         other, expected = known.setdefault(index, (one.name, arms))
         if arms != expected:
             raise InputError(
@@ -297,9 +263,9 @@ def _loads(
     mechanism: Mechanism,
     contacts: Sequence[Contact],
     t: se.Symbol,
-    q: Mapping[str, se.Symbol],
-    q_dot: Mapping[str, se.Symbol],
-    drives: Mapping[str, se.Symbol],
+    q: Mapping[str, se.Expr],
+    q_dot: Mapping[str, se.Expr],
+    drives: Mapping[str, se.Expr],
     board: Switchboard,
 ) -> tuple[se.Expr, ...]:
     """Return the prescribed loads, 0 where a load is a reaction."""

@@ -39,6 +39,8 @@ class Model:
     """Names of the contacts, where several rub: the equations are parts then."""
     alone: bool = False
     """Whether there is but one contact, whose equations are parts all the same."""
+    turning: tuple[str, ...] = ()
+    """Paths of the parameters on which the change of coordinates depends, where slips are sums."""
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 

@@ -1,6 +1,7 @@
 """Many runs one after the other, of each of which some numbers are kept."""
 
 from stickslip.kernels.backend import Vector, Wholes, vector
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.driver import run
 from stickslip.kernels.model_interface import energy
@@ -89,7 +90,7 @@ def keep_evidence(
     end = whole[END]
     y = whole[Y]
     for i in range(n):
-        w[end + i] = w[y + i]
+        w[end + i] = state_seen(y, i, w, whole)
     last = energy_at(w[TIME], w, whole)
     restore(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)

@@ -1,6 +1,7 @@
 """A recorded run at any times: its rows hold all that is needed."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.model_interface import recorded
@@ -218,7 +219,7 @@ def play(
         load_piece(table, piece, w, whole)
         recorded(t, w, whole, point, values)
         for j in range(n):
-            states[i * n + j] = w[point + j]
+            states[i * n + j] = state_seen(point, j, w, whole)
         for j in range(columns):
             forces[columns * i + j] = w[values + j]
         rows[i] = row

@@ -37,6 +37,7 @@ __all__ = [
     "POWER",
     "REST",
     "TIME_SLOPE",
+    "TURNING",
     "WALLS_OF",
     "evaluate",
 ]
@@ -63,6 +64,7 @@ FORCE_SLOPES = 18
 PART_SLOPES_OF = 19
 EFFORTS = 20
 LIMITS = 21
+TURNING = 22
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -86,6 +88,7 @@ CALLED: tuple[str, ...] = (
     "part_slopes",
     "efforts",
     "limits",
+    "turning",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000

@@ -206,6 +206,8 @@ class ContactSizes(Sizes):
 
     slips: tuple[int, ...]
     """Index of the coordinate along which each contact slips."""
+    turned: bool
+    """Whether the coordinates are not those of the mechanism."""
     kinds: tuple[int, ...]
     """Index of each contact's law among those of different structure."""
     shared: tuple[int, ...]
@@ -287,6 +289,7 @@ class ContactSizes(Sizes):
             "part_slopes": sum(map(len, self.part_slopes)),
         }
         some = {
+            "turning": 2 * self.coordinates**2 * self.turned,
             "efforts": self.channels,
             "limits": self.own_limits,
             "walls": WALL_NUMBERS * len(self.walls),
@@ -342,6 +345,7 @@ class ContactSizes(Sizes):
             at.N_LIMITS: self.limits,
             at.N_WALLS: len(self.walls),
             at.N_CHANNELS: self.channels,
+            at.IS_TURNED: int(self.turned),
             at.WALL_COLUMNS: WALL_NUMBERS,
             at.FIRST_LIMIT: first_wall - self.limits,
             at.FIRST_WALL: first_wall,
@@ -409,6 +413,7 @@ class ContactSizes(Sizes):
             at.CHANGES: self._most_changes * at.EVENT_COLUMNS,
             at.WALLS: WALL_NUMBERS * len(self.walls),
             at.MOTION_POINT: self.states + n + c,
+            at.TURN: 2 * n * n * self.turned,
             **(self._slope_rooms() if self.part_slopes else {}),
         }
 

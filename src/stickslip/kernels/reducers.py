@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_evaluation import restore, row_at
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import (
@@ -62,7 +63,7 @@ def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
     """
     point = whole[POINT]
     interpolate(w, whole, x, point)
-    return w[point + state]
+    return state_seen(point, state, w, whole)
 
 
 def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:

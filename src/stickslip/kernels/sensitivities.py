@@ -16,6 +16,7 @@ those of the functions of these names.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.coordinates import turn_columns
 from stickslip.kernels.dense_evaluation import restore, restore_modes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
@@ -648,6 +649,7 @@ def sense(
         k += 1
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, log[0], w, whole)
+        turn_columns(now, m, 0, w, whole)
         restore(log, 0, table, w, whole)
         hold_contacts(w, whole, q, m)
         if at_stop(w, whole):
@@ -661,6 +663,7 @@ def sense(
         while asked < len(times) and (last or times[asked] < log[at + 1]):
             restore(log, row, table, w, whole)
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
+            turn_columns(result, m, 1, w, whole)
             for i in range(n * m):
                 out[asked * n * m + i] = w[result + i]
             asked += 1

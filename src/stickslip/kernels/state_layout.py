@@ -72,6 +72,7 @@ __all__ = [
     "HELD_NORMALS",
     "HELD_SLIPS",
     "INTERVAL",
+    "IS_TURNED",
     "KEPT",
     "KINDS",
     "LAW_BRISTLES",
@@ -171,6 +172,7 @@ __all__ = [
     "TERMS",
     "TIME",
     "TIME_ROWS",
+    "TURN",
     "VALUES",
     "VARIABLE_PLACES",
     "VIOLATION",
@@ -398,7 +400,7 @@ VARIABLE_PLACES = 118
 
 # Places in `w`: a state with its accelerations and the friction of contacts behind it; slopes of
 # the parts, of each contact's law forward and backward and of its margins; along one variable,
-# slopes of the parts, of accelerations, needed friction, loads, friction, levels, rates of bristles.
+# those of the parts, of accelerations, needed friction, loads, friction, levels, bristle rates.
 MOTION_POINT = 119
 PART_SLOPES = 120
 LAW_SLOPES = 121
@@ -415,7 +417,12 @@ N_CHANNELS = 129
 STRUCK = 130
 """Place in `whole` of how each coordinate meets its stop in an impact."""
 
-HEADER = 131
+IS_TURNED = 131
+"""Place in `whole` of whether the coordinates are not those of the mechanism, 1 or 0."""
+TURN = 132
+"""Place in `w` of the matrix that gives them by those of the mechanism, and of its inverse."""
+
+HEADER = 133
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -13,7 +13,16 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.factors import factorise, solve_free
 from stickslip.kernels.contacts.stops import raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import FORCES, GEOMETRY, LAW, LOADS, MASSES, WALLS_OF, evaluate
+from stickslip.kernels.equations import (
+    FORCES,
+    GEOMETRY,
+    LAW,
+    LOADS,
+    MASSES,
+    TURNING,
+    WALLS_OF,
+    evaluate,
+)
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_COUNTS,
@@ -33,6 +42,7 @@ from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
     HELD_NORMALS,
     HELD_SLIPS,
+    IS_TURNED,
     KINDS,
     LAW_BRISTLES,
     LAW_FLAGS,
@@ -61,6 +71,7 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    TURN,
     WALLS,
     Y,
 )
@@ -101,6 +112,8 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
+    if whole[IS_TURNED]:
+        evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
     if whole[N_WALLS] > 0:
         evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])

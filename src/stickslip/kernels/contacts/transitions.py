@@ -13,6 +13,7 @@ from stickslip.kernels.contacts.guards import (
 from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
 from stickslip.kernels.contacts.motion import mode_of
 from stickslip.kernels.contacts.stops import margin_of, stopped_side
+from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.enums import (
     BACKWARD,
     EXACT,
@@ -27,6 +28,7 @@ from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.state_layout import (
+    ACCELERATION,
     BEFORE,
     CANDIDATES,
     CHANGED,
@@ -39,6 +41,7 @@ from stickslip.kernels.state_layout import (
     FLAGS,
     FORCED,
     FRACTION,
+    IS_TURNED,
     LAW_FLAGS,
     LAW_SWITCHES,
     LENGTH,
@@ -88,6 +91,9 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     n = whole[N_COORDINATES]
+    if whole[IS_TURNED]:
+        prepare(w[TIME], w, whole)
+        turn_states(whole[Y], 0, w, whole)
     for _ in range(whole[N_SWITCHES]):
         set_own_flags(w, whole)
     prepare(w[TIME], w, whole)
@@ -102,6 +108,11 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     remember(whole)
     none_forced(whole)
     settle_modes(w, whole)
+    for i in range(n):
+        rests = w[whole[Y] + n + i] == 0.0 and whole[whole[MODES] + i] == FORWARD
+        if rests and not whole[whole[RIGID] + i] and w[whole[ACCELERATION] + i] < 0.0:
+            whole[whole[MODES] + i] = BACKWARD  # as bristles begin to bend
+            refresh(w[TIME], w, whole, whole[Y])
     end_beyond_limits(w, whole)
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
@@ -285,7 +296,12 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
-    """Whether a guard of a coordinate falls in the instant at hand, too."""
+    """Whether a guard of a coordinate falls in the instant at hand, too.
+
+    What bristles alone carry only turns, and by its own guard: at rest its speed says nothing.
+    """
+    if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
+        return False
     if exact:
         h = w[LENGTH]
         return w[whole[ROOTS] + guard] <= w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
