@@ -118,22 +118,22 @@ def derive_parts(
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
     rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
-    seen = (
+    places, rates = (
         dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
     )
-    loads = _loads(mechanism, contacts, t, *seen, drives, board)
+    loads = _loads(mechanism, contacts, t, places, rates, drives, board)
     _check_shares(mechanism, contacts, directions, held)
     guides = guides_of(mechanism, [list(q)[i] for i in directions.slips], drives)
     arms = [_along(direction_of(one.slip), held) for one in contacts]
-    places = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
-    reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in places.items()}
+    needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
+    reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
     forces, mass = _guided(rows, guides)
     traced = {name: Traced(force, board) for name, force in reactions.items()}
     limits = own_limits(mechanism, traced)
     _check_switches(mechanism, motion, board)
     guided = mechanism.guided()
     work = [reactions[name] * q_dot[name] for name in guided]
-    return ContactParts(
+    parts = ContactParts(
         coordinates=tuple(q),
         held=held,
         contacts=tuple(one.name for one in contacts),
@@ -150,6 +150,8 @@ def derive_parts(
         limits={name: expression(margin) for name, margin in limits.items()},
         walls=derive_walls(mechanism, q),
     )
+    _check_stops(mechanism, parts)
+    return parts
 
 
 def _check_switches(mechanism: Mechanism, motion: Motion, board: Switchboard) -> None:
@@ -256,6 +258,21 @@ def _check_shares(
                 f"{type(mechanism).__name__}: the contacts {other!r} and {one.name!r} slip along"
                 " one coordinate but act differently on the held ones, so that the loads depend on"
                 " how they share friction while they stick: let them slip at the same height."
+            )
+
+
+def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:
+    """Refuse stops that carry a part of what friction holds, where that presses on a contact."""
+    stopped = {wall.coordinate for wall in parts.walls}
+    for name, index, arms in zip(
+        parts.contacts, parts.directions.slips, parts.held_slips, strict=True
+    ):
+        if any(parts.reacts) and index in stopped and any(arm != 0 for arm in arms):
+            raise InputError(
+                f"{type(mechanism).__name__}: the coordinate {parts.coordinates[index]!r} has a"
+                f" hard stop, and friction of the contact {name!r} along it acts on held"
+                " coordinates, so that the loads depend on how stop and friction share a force:"
+                " give the contacts loads, or leave out the stop."
             )
 
 

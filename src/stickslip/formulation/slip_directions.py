@@ -16,7 +16,8 @@ from stickslip.mechanisms import Contact, Mechanism, stops_of
 
 __all__ = ["SlipDirections", "direction_of", "slip_directions"]
 
-Row = tuple[se.Expr, ...]
+Row = Mapping[int, se.Expr]
+Entries = tuple[se.Expr, ...]
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,9 @@ class SlipDirections:
     """Index of the coordinate along which each contact slips."""
     factors: tuple[se.Expr, ...]
     """Slip velocity of each over the rate of its coordinate."""
-    forward: tuple[Row, ...]
+    forward: tuple[Entries, ...]
     """Coordinates of the equations, a row each over those of the mechanism; empty if the same."""
-    backward: tuple[Row, ...]
+    backward: tuple[Entries, ...]
     """Coordinates of the mechanism, a row each over those of the equations; empty if the same."""
 
     def seen(self, symbols: Sequence[se.Symbol]) -> list[se.Expr]:
@@ -135,51 +136,49 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         If a contact slips along no moving coordinate, if slips depend on each other, or if no
         coordinate can be replaced by a slip.
     """
-    names = list(mechanism.coordinates)
+    names, owner = list(mechanism.coordinates), type(mechanism).__name__
     rows = [_row(mechanism, one, names) for one in contacts]
-    owner = type(mechanism).__name__
     kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
     # index of the coordinate that stands for each direction, the direction, whose slip it is
     found: dict[int, tuple[Row, str]] = {}
-    order = sorted(range(len(rows)), key=lambda c: _width(rows[c]) > 1)
-    for c in order:
-        row = rows[c]
-        if any(_multiple(row, other, i) for i, (other, _) in found.items()):
+    echelon: dict[int, Row] = {}
+    slips, factors = [0] * len(rows), [se.Integer(1)] * len(rows)
+    for c in sorted(range(len(rows)), key=lambda c: len(rows[c]) > 1):
+        row, name = rows[c], contacts[c].name
+        if len(row) == 1:
+            ((slips[c], factors[c]),) = row.items()
+            echelon[slips[c]] = {slips[c]: se.Integer(1)}
+            found.setdefault(slips[c], (echelon[slips[c]], name))
             continue
-        if _width(row) == 1:
-            own = next(i for i, factor in enumerate(row) if factor != 0)
-            unit = tuple(se.Integer(i == own) for i in range(len(row)))
-            found[own] = (unit, contacts[c].name)
+        ratios = ((i, _ratio(row, other)) for i, (other, _) in found.items())
+        same = next(((i, ratio) for i, ratio in ratios if ratio is not None), None)
+        if same is not None:
+            slips[c], factors[c] = same
             continue
-        rest = _reduced(row, found)
-        free = [i for i, factor in enumerate(rest) if not _is_zero(factor)]
+        free = _reduced(row, echelon)
         if not free:
-            others = ", ".join(name for _, name in found.values())
+            others = ", ".join(other for _, other in found.values())
             raise InputError(
-                f"{owner}: the slip of the contact {contacts[c].name!r} follows from those of"
-                f" {others}: while all of them hold, forces are not determined, and neither is who"
-                f" slips first. Give {contacts[c].name!r} or one of them no law (None), or let its"
-                " support move by a coordinate of its own."
+                f"{owner}: the slip of the contact {name!r} follows from those of {others}: while"
+                " all of them hold, forces are not determined, and neither is who slips first."
+                f" Give {name!r} or one of them no law (None), or let its support move by a"
+                " coordinate of its own."
             )
         replaced = [i for i in free if names[i] not in kept]
         if not replaced:
             raise InputError(
-                f"{owner}: the contact {contacts[c].name!r} slips along a sum of"
+                f"{owner}: the contact {name!r} slips along a sum of"
                 f" {' and '.join(names[i] for i in free)}, all of which have hard stops or"
                 " prescribed motions: use relative coordinates, of which the slip is one."
             )
-        found[replaced[-1]] = (row, contacts[c].name)
-    slips, factors = [], []
-    for row in rows:
-        i = next(i for i, (other, _) in found.items() if _multiple(row, other, i))
-        slips.append(i)
-        factors.append(row[i] / found[i][0][i])
-    changed = {i: row for i, (row, _) in found.items() if _width(row) > 1}
+        slips[c] = replaced[-1]
+        found[replaced[-1]], echelon[replaced[-1]] = (row, name), free
+    changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
     return SlipDirections(tuple(slips), tuple(factors), *_change(changed, len(names)))
 
 
 def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
-    """Return the factors of the moving coordinates in a contact's slip."""
+    """Return the factors of the moving coordinates in a contact's slip, by their indices."""
     table = direction_of(contact.slip)
     for name in table:
         if name not in names and name not in (*contact.normals, *mechanism.held()):
@@ -191,67 +190,59 @@ def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
     for name in moving:
         if table[name] == 0:
             raise InputError(f"{owner} has the factor 0 for {name}: leave it out.")
-    return tuple(table.get(name, se.Integer(0)) for name in names)
-
-
-def _width(row: Row) -> int:
-    return sum(factor != 0 for factor in row)
+    return {names.index(name): table[name] for name in moving}
 
 
 def _is_zero(e: se.Expr) -> bool:
     """Whether an expression of parameters is 0, whatever these are: tried for two sets of them."""
     if se.expand(e) == 0:
         return True
+    symbols = sorted(e.free_symbols, key=str)
     for seed in (0.7548776662, 0.5698402909):  # irrational, so that nothing cancels by chance
-        numbers = {
-            s: 1.0 + (k * seed) % 1.0 for k, s in enumerate(sorted(e.free_symbols, key=str), 1)
-        }
+        numbers = {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
         if abs(complex(e.subs(numbers))) > 1e-9:
             return False
     return True
 
 
-def _multiple(row: Row, other: Row, pivot: int) -> bool:
-    """Whether a row is a multiple of another, whose entry at `pivot` is not 0."""
-    factor = row[pivot] / other[pivot]
-    return factor != 0 and all(_is_zero(a - factor * b) for a, b in zip(row, other, strict=True))
+def _ratio(row: Row, other: Row) -> se.Expr | None:
+    """Return the factor of a row that is a multiple of another, or None."""
+    if row.keys() != other.keys():
+        return None
+    first = next(iter(row))
+    factor = row[first] / other[first]
+    same = all(_is_zero(entry - factor * other[j]) for j, entry in row.items())
+    return factor if same else None
 
 
-def _reduced(row: Row, found: Mapping[int, tuple[Row, str]]) -> Row:
-    """Return what is left of a row beside those found, at whose coordinates it vanishes then."""
-    pivots = list(found)
-    if not pivots:
-        return row
-    matrix = se.DenseMatrix([[found[i][0][j] for j in pivots] for i in pivots])
-    right = se.DenseMatrix(len(pivots), 1, [row[j] for j in pivots])
-    weights = matrix.transpose().LUsolve(right)
-    rest = list(row)
-    for k, i in enumerate(pivots):
-        for j, factor in enumerate(found[i][0]):
-            rest[j] -= weights[k, 0] * factor
-    return tuple(rest)
+def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
+    """Return what is left of a row beside others, at whose pivots it vanishes then."""
+    rest = dict(row)
+    for pivot, other in echelon.items():
+        weight = rest.get(pivot, se.Integer(0)) / other[pivot]
+        if weight != 0:
+            for j, factor in other.items():
+                rest[j] = se.expand(rest.get(j, se.Integer(0)) - weight * factor)
+    return {j: rest[j] for j in sorted(rest) if not _is_zero(rest[j])}
 
 
-def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Row, ...], tuple[Row, ...]]:
+def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tuple[Entries, ...]]:
     """Return the change of coordinates that replaces some by rows, and its inverse."""
     if not changed:
         return (), ()
+    zero, new = se.Integer(0), list(changed)
     identity = [tuple(se.Integer(i == j) for j in range(n)) for i in range(n)]
-    forward = tuple(changed.get(i, identity[i]) for i in range(n))
-    new = list(changed)
-    inner = se.DenseMatrix([[changed[i][j] for j in new] for i in new])
-    backward = list(identity)
-    solved = [
-        inner.LUsolve(se.DenseMatrix(len(new), 1, [se.Integer(i == k) for i in range(len(new))]))
-        for k in range(len(new))
-    ]
+    forward, backward = list(identity), list(identity)
+    for i, row in changed.items():
+        forward[i] = tuple(row.get(j, zero) for j in range(n))
+    inverse = se.DenseMatrix([[changed[i].get(j, zero) for j in new] for i in new]).inv()
     for place, i in enumerate(new):
-        row = [se.Integer(0)] * n
+        own = [zero] * n
         for k, other in enumerate(new):
-            weight = se.expand(solved[k][place, 0])
-            row[other] += weight
-            for j, factor in enumerate(changed[other]):
+            weight = inverse[place, k]
+            own[other] += weight
+            for j, factor in changed[other].items():
                 if j not in changed:
-                    row[j] -= weight * factor
-        backward[i] = tuple(se.expand(e) for e in row)
-    return forward, tuple(backward)
+                    own[j] -= weight * factor
+        backward[i] = tuple(se.expand(e) for e in own)
+    return tuple(forward), tuple(backward)
