@@ -18,7 +18,14 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed
-from stickslip.friction import DirectionalLaw, FrictionLaw, Laws, bristle_names, bristles_of
+from stickslip.friction import (
+    BristleLaw,
+    DirectionalLaw,
+    FrictionLaw,
+    Laws,
+    bristle_names,
+    bristles_of,
+)
 from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
@@ -288,6 +295,7 @@ def _sizes(
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
         bristles_of=tuple(bristles),
+        holds=tuple(not isinstance(one, BristleLaw) or one.static_switch for one in own.laws),
         directional=tuple(isinstance(one, DirectionalLaw) for one in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),

@@ -350,16 +350,9 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     Raises
     ------
-    InputError
-        If the law holds its contact by a rule of its own beside its bristles.
     TracingError
         If friction is not affine in the load.
     """
-    if isinstance(law, BristleLaw) and law.static_switch:
-        raise InputError(
-            f"{type(law).__name__}(static_switch=True) holds one contact; with several, use"
-            " static_switch=False."
-        )
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}

@@ -216,6 +216,8 @@ class ContactSizes(Sizes):
     """How many parameters each of these has."""
     bristles_of: tuple[int, ...]
     """How many bristle states each contact has."""
+    holds: tuple[bool, ...]
+    """Whether each contact's law holds it: it is set-valued, or has a rule for rest."""
     directional: tuple[bool, ...]
     """Whether each contact's law depends on the direction."""
     reacts: tuple[bool, ...]
@@ -445,8 +447,8 @@ class ContactSizes(Sizes):
             bristles.append(first if count else -1)
             first += count
         rigid = [0] * n
-        for slip, count in zip(self.slips, self.bristles_of, strict=True):
-            rigid[slip] |= int(not count)
+        for slip, holds in zip(self.slips, self.holds, strict=True):
+            rigid[slip] |= int(holds)
         yield None, tuple(number for wall in self.walls for number in wall)
         yield at.MASS_ROWS, tuple(row for row, _ in self.mass)
         yield at.MASS_COLUMNS, tuple(column for _, column in self.mass)
@@ -461,6 +463,7 @@ class ContactSizes(Sizes):
         yield at.LAW_ROWS, tuple(places[index] for index in self.shared)
         yield at.LAW_BRISTLES, tuple(1 + self.numbers[index] for index in self.shared)
         yield at.DIRECTIONAL, tuple(map(int, self.directional))
+        yield at.HOLDS, tuple(map(int, self.holds))
         yield at.RIGID, tuple(rigid)
         yield at.MODES, (0,) * n
         yield at.LAW_FLAGS, (0,) * c

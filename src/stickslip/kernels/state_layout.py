@@ -71,6 +71,7 @@ __all__ = [
     "HEADER",
     "HELD_NORMALS",
     "HELD_SLIPS",
+    "HOLDS",
     "INTERVAL",
     "IS_TURNED",
     "KEPT",
@@ -421,8 +422,10 @@ IS_TURNED = 131
 """Place in `whole` of whether the coordinates are not those of the mechanism, 1 or 0."""
 TURN = 132
 """Place in `w` of the matrix that gives them by those of the mechanism, and of its inverse."""
+HOLDS = 133
+"""Place in `whole` of whether each contact's law may hold it, 1 or 0."""
 
-HEADER = 133
+HEADER = 134
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -42,6 +42,7 @@ from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
     HELD_NORMALS,
     HELD_SLIPS,
+    HOLDS,
     IS_TURNED,
     KINDS,
     LAW_BRISTLES,
@@ -82,6 +83,7 @@ __all__ = [
     "ask_law",
     "assemble",
     "balance",
+    "bends",
     "equal_part",
     "note_surplus",
     "prepare",
@@ -241,6 +243,26 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     return row
 
 
+def bends(contact: int, whole: Wholes) -> bool:
+    """Return whether bristles carry the friction of a contact; a rule for rest takes it from them.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether they do.
+    """
+    mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
+    slips = mode in (FORWARD, BACKWARD, FREE)
+    return whole[whole[BRISTLES] + contact] >= 0 and (slips or not whole[whole[HOLDS] + contact])
+
+
 def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and levels of all contacts as constants and factors of their loads.
 
@@ -266,12 +288,14 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
         mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
         side = side_of(c, w, whole, at)
         ask_law(c, side, t, w, whole, at)
-        if bristle >= 0:
+        if bends(c, whole):
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
             for k in range(whole[whole[BRISTLE_COUNTS] + c]):
                 w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
             continue
+        for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+            w[whole[BRISTLE_RATES] + bristle + k] = 0.0
         if mode in (FORWARD, BACKWARD):
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
@@ -339,7 +363,7 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
             w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
             factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
             needed = w[whole[NEEDED] + i]
             back = 0 if needed >= 0.0 else 1
@@ -388,7 +412,7 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
     """
     i, partners = whole[whole[SLIPS] + contact], 0
     for d in range(whole[N_CONTACTS]):
-        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+        together = whole[whole[SLIPS] + d] == i and whole[whole[HOLDS] + d]
         partners += 1 if together and not whole[whole[OPEN] + d] else 0
     return force / max(partners, 1) / w[whole[SLIP_FACTORS] + contact]
 
@@ -397,7 +421,7 @@ def split(w: Vector, whole: Wholes) -> None:
     """Write the needed friction of held coordinates by contact, in equal parts."""
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
             is_open = whole[whole[OPEN] + c]
             own = 0.0 if is_open else equal_part(c, w[whole[NEEDED] + i], w, whole)
             w[whole[FRICTION] + c] = own

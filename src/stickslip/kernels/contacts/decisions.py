@@ -21,10 +21,10 @@ from stickslip.kernels.state_layout import (
     ACCELERATION,
     AMBIGUOUS,
     BOUNDS,
-    BRISTLES,
     CANDIDATES,
     DECISIONS,
     FORCED,
+    HOLDS,
     KEPT,
     LAW_VALUES,
     LEVELS,
@@ -77,7 +77,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
         w[bounds + i] = 0.0
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[OPEN] + c] or whole[whole[BRISTLES] + c] >= 0:
+        if whole[whole[OPEN] + c] or not whole[whole[HOLDS] + c]:
             continue
         factor = w[whole[SLIP_FACTORS] + c]
         mode = whole[whole[MODES] + i]
@@ -86,7 +86,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
             side = 1 if (k == 0) == (factor > 0.0) else -1
             ask_law(c, side, t, w, whole, whole[Y])
             level = w[values] + w[values + 1] * w[whole[LOAD] + c]
-            w[bounds + 2 * i + k] += abs(factor) * level
+            w[bounds + 2 * i + k] += abs(factor) * max(level, 0.0)  # bent bristles may push along
         whole[whole[MODES] + i] = mode
     raise_levels(bounds, w, whole, whole[Y])
 

@@ -10,6 +10,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import (
     assemble,
     balance,
+    bends,
     equal_part,
     note_surplus,
     put_loads,
@@ -39,6 +40,7 @@ from stickslip.kernels.state_layout import (
     FRICTION_FACTOR,
     FRICTION_SLOPES,
     HELD_SLIPS,
+    HOLDS,
     KINDS,
     LAW_BRISTLES,
     LAW_FLAGS,
@@ -160,9 +162,9 @@ def factor_slope(contact: int, w: Vector, whole: Wholes) -> float:
 
 
 def is_rigid(contact: int, whole: Wholes) -> bool:
-    """Whether a contact is held by a set-valued law: its friction is what is needed."""
+    """Whether a contact is held by its law: its friction is what is needed."""
     held = whole[whole[MODES] + whole[whole[SLIPS] + contact]] == HELD_FAST
-    return held and whole[whole[BRISTLES] + contact] < 0
+    return held and whole[whole[HOLDS] + contact] == 1
 
 
 def along(k: int, w: Vector, whole: Wholes) -> None:
@@ -185,7 +187,7 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
             add_levels(c, k, w, whole)
             for b in range(whole[whole[BRISTLE_COUNTS] + c]):
                 place = whole[BRISTLE_SLOPES] + whole[whole[BRISTLES] + c] + b
-                w[place] = law_slope(c, 0, 4 + b, k, w, whole)
+                w[place] = law_slope(c, 0, 4 + b, k, w, whole) if bends(c, whole) else 0.0
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
@@ -227,7 +229,7 @@ def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
 
 def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
     """Add the slopes of a contact's levels to those of its coordinate."""
-    if whole[whole[BRISTLES] + contact] >= 0:
+    if not whole[whole[HOLDS] + contact]:
         return
     factor, load = w[whole[SLIP_FACTORS] + contact], w[whole[LOAD] + contact]
     ahead = 0 if side_of(contact, w, whole, whole[MOTION_POINT]) > 0 else 1
