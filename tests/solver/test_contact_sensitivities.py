@@ -121,12 +121,16 @@ def test_a_set_valued_joint_beside_one_with_bristles():
     assert_slopes(Arm(), laws, 0.6, BENT, paths, by=1e-4, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_bristles_with_a_rule_for_rest():
-    law = replace(BRISTLES, static_switch=True, bristle_stiffness=1e3, bristle_damping=20.0)
+    law = replace(
+        BRISTLES, static_switch=True, bristle_stiffness=1e3, bristle_damping=20.0,
+        viscous_coefficient=0.0,
+    )  # fmt: skip
     pulled = chain(2)(coupling=0.2, stiffness=1.0, speed=0.1)
     laws = {"x1": law, "x2": coulomb(0.3, 0.5)}
     paths = ("mechanism.speed", "friction.x1.static_coefficient", "friction.x2.kinetic_coefficient")
-    run = assert_slopes(pulled, laws, 6.5, None, paths, by=1e-4, rel=1e-4)
+    run = assert_slopes(pulled, laws, 7.3, None, paths, by=1e-4, rel=1e-4)
     assert {"break-away", "stop"} <= {e.reason for e in run.events if e.contact == "x1"}
 
 

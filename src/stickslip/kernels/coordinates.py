@@ -13,7 +13,7 @@ __all__ = ["state_seen", "turn_columns", "turn_states"]
 def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
     """Turn `m` columns of states in place, row by row; bristles stay as they are.
 
-    Reads: `at`.
+    Reads: `at`, TURN.
     Writes: `at`, VALUES.
 
     Parameters
@@ -48,7 +48,7 @@ def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
 def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
     """Turn one state in place, as `turn_columns` does.
 
-    Reads: `at`.
+    Reads: `at`, TURN.
     Writes: `at`, VALUES.
 
     Parameters
@@ -68,7 +68,7 @@ def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
 def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
     """Return one of the states of the mechanism.
 
-    Reads: `at`.
+    Reads: `at`, TURN.
 
     Parameters
     ----------

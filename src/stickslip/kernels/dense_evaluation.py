@@ -92,7 +92,7 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the modes, flags and openings of a row that ends before a place.
 
     Reads: TIME, Y.
-    Writes: ANSWER, CHANGED.
+    Writes: ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -119,7 +119,8 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
     Reads: TIME.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -170,8 +171,9 @@ def play(
 
     A body at rest for good is one row, during which its drives go on.
 
-    Reads: TIME, Y, MODE, FLAGS.
-    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, Y, TURN, MODE, FLAGS.
+    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED,
+    MODES, LAW_FLAGS, OPEN.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ GOLD = 0.6180339887498949
 def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
     """Return a state at a fraction of the restored row.
 
-    Reads: DENSE.
+    Reads: DENSE, TURN.
     Writes: POINT.
     """
     point = whole[POINT]
@@ -69,7 +69,7 @@ def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
 def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:
     """Return the largest `side` times a state within a bracket, by golden section.
 
-    Reads: DENSE.
+    Reads: DENSE, TURN.
     Writes: POINT.
     """
     a = high - GOLD * (high - low)
@@ -104,8 +104,9 @@ def extremum(
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
 
-    Reads: TIME, DENSE.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, DENSE, TURN.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
     """
     width_at = whole[ROW_COLUMNS]
     best = -math.inf
@@ -144,8 +145,9 @@ def mean(
 ) -> float:
     """Return the mean of a state over a stretch of time.
 
-    Reads: TIME, DENSE.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, DENSE, TURN.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
     """
     width = whole[ROW_COLUMNS]
     total = 0.0
@@ -273,8 +275,9 @@ def reduced(
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
     event. Asked for beyond the end of a run that ended early, the output is NaN.
 
-    Reads: TIME, END, DENSE, STEPS, EVENTS.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, END, DENSE, TURN, STEPS, EVENTS.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
 
     Parameters
     ----------

@@ -400,9 +400,9 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, columns 0,
-    columns 3, columns 4, directions, guard slopes.
+    Reads: DENSE, MODE, FLAGS, MODES, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -446,7 +446,7 @@ def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
     """Take over modes, flags and state with which a row begins, of several contacts.
 
     Reads: TIME.
-    Writes: Y, FLAGS, ANSWER, CHANGED.
+    Writes: Y, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
     """
     at = row * whole[ROW_COLUMNS]
     for i in range(whole[N_STATES]):
@@ -483,7 +483,7 @@ def own_moments(
     derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
     as it has reached its level, and not because of another.
 
-    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
+    Reads: Y, Y1, MODE, FLAGS, MODES, columns 0, directions.
     Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
     """
     n, values = whole[N_COORDINATES], whole[VALUES]
@@ -524,9 +524,9 @@ def pass_contacts(
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump.
 
-    Reads: Y, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, columns 0, columns 3,
-    columns 4, directions, guard slopes.
+    Reads: Y, MODE, FLAGS, MODES, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN,
+    columns 0, columns 3, columns 4, directions, guard slopes.
     """
     at = row * whole[ROW_COLUMNS]
     y, t = whole[Y], log[at + 1]
@@ -552,6 +552,7 @@ def pass_contacts(
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away the rates of what is held.
 
+    Reads: MODES.
     Writes: columns 0.
     """
     n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
@@ -564,7 +565,7 @@ def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
 def at_stop(w: Vector, whole: Wholes) -> bool:
     """Whether something is held at its stop: what follows depends on what an impact would do.
 
-    Reads: Y, WALLS.
+    Reads: Y, WALLS, MODES.
     """
     found = False
     for wall in range(whole[N_WALLS]):
@@ -607,10 +608,10 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
 
-    Reads: TIME, Y, DENSE, columns 0.
+    Reads: TIME, Y, DENSE, WALLS, TURN, MODES, columns 0.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
-    guard slopes.
+    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
+    columns 5, directions, guard slopes.
 
     Parameters
     ----------

@@ -12,7 +12,8 @@ Docstrings of kernels list the slots that a function reads and writes, with all 
 reads what must be there when it begins; what it writes and does not read is its result, or scratch
 that nothing may rely on. `drives` are the places before GIVEN. What the equations read whenever
 they are asked, drives, parameters and where they are themselves, is not listed, nor are sizes and
-places. A name in back quotes is an argument that gives a place.
+places, nor what becomes of the slots of several contacts where these are called by their address. A
+name in back quotes is an argument that gives a place.
 """
 
 from stickslip.kernels.backend import Vector, vector

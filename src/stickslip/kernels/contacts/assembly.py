@@ -104,6 +104,9 @@ are equal, rounding would let it break away and stop without end."""
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
     """Write what is the same in a whole run: directions of slip, a constant mass matrix.
 
+    Reads: Y, HELD_NORMALS, FLAGS.
+    Writes: FRICTIONLESS, WALLS, SLIP_FACTORS, MASS, LOAD, LAW_VALUES, REACTION_ROWS, TURN.
+
     Parameters
     ----------
     t : float
@@ -130,6 +133,9 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
 def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write the mass matrix, of held coordinates below it.
 
+    Reads: `at`, FLAGS.
+    Writes: MASS, LAW_VALUES.
+
     Parameters
     ----------
     t : float
@@ -155,6 +161,8 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the direction, 1 or -1, in which a contact slips or is about to.
+
+    Reads: `at`, SLIP_FACTORS, MODES.
 
     Parameters
     ----------
@@ -186,6 +194,9 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
     They are: constant and factor of the load of friction, and of the level; the slopes of the
     first two along the speed; whether friction is affine in the speed; rates of bristles.
 
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_VALUES.
+
     Parameters
     ----------
     contact : int
@@ -208,6 +219,9 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
 
 def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     """Write what the functions of a contact's law read; return the place in `w` where it stands.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES.
+    Writes: LAW_ROWS.
 
     Parameters
     ----------
@@ -246,6 +260,8 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
 def bends(contact: int, whole: Wholes) -> bool:
     """Return whether bristles carry the friction of a contact; a rule for rest takes it from them.
 
+    Reads: MODES.
+
     Parameters
     ----------
     contact : int
@@ -268,6 +284,10 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
     A contact that is pushed to its static level, in a decision, has that as its friction. Rates of
     bristles are written too, with the loads at hand; those of open contacts rest.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES.
     """
     constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
     values = whole[LAW_VALUES]
@@ -316,6 +336,9 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads.
 
+    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES.
+    Writes: ACCELERATION, NEEDED, FRICTION.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -351,6 +374,9 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
 
     At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
     loads, accelerations and needed friction.
+
+    Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
+    Writes: LEVELS, FRICTION.
     """
     n, levels = whole[N_COORDINATES], whole[LEVELS]
     for i in range(2 * n):
@@ -378,7 +404,10 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
 
 
 def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
-    """Return the force that a held coordinate needs beside those that act on it."""
+    """Return the force that a held coordinate needs beside those that act on it.
+
+    Reads: HELD_SLIPS, FORCE, MASS, ACCELERATION, FRICTION.
+    """
     n = whole[N_COORDINATES]
     total = -w[whole[FORCE] + n + row]
     for i in range(n):
@@ -393,6 +422,8 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
 
     This is affine in the loads, as shares in proportion to the levels are not. It makes no
     difference to the reactions where contacts of one coordinate slip at the same height.
+
+    Reads: SLIP_FACTORS, OPEN.
 
     Parameters
     ----------
@@ -418,7 +449,11 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
 
 
 def split(w: Vector, whole: Wholes) -> None:
-    """Write the needed friction of held coordinates by contact, in equal parts."""
+    """Write the needed friction of held coordinates by contact, in equal parts.
+
+    Reads: SLIP_FACTORS, NEEDED, MODES, OPEN.
+    Writes: FRICTION.
+    """
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
@@ -433,6 +468,10 @@ def react(w: Vector, whole: Wholes) -> None:
     All is affine in them, friction included: the rows that they must balance are evaluated without
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
+
+    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
+    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -445,6 +484,8 @@ def react(w: Vector, whole: Wholes) -> None:
 
 def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
     """Set the reactions to 0, but one of them to 1.
+
+    Writes: `to`.
 
     Parameters
     ----------
@@ -466,6 +507,9 @@ def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
 
 def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes) -> None:
     """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one.
+
+    Reads: REACTION_ROWS.
+    Writes: REACTION_ROWS.
 
     Parameters
     ----------
@@ -491,6 +535,9 @@ def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes)
 
 def balance(to: int, w: Vector, whole: Wholes) -> float:
     """Write the reactions that leave no surplus; return the determinant of their equations.
+
+    Reads: HELD_NORMALS, REACTION_ROWS.
+    Writes: `to`, REACTION_ROWS.
 
     Parameters
     ----------
@@ -521,7 +568,11 @@ def balance(to: int, w: Vector, whole: Wholes) -> float:
 
 
 def add_normals(w: Vector, whole: Wholes) -> None:
-    """Add to each row of the reactions what a unit of each load does to it by itself."""
+    """Add to each row of the reactions what a unit of each load does to it by itself.
+
+    Reads: HELD_NORMALS, REACTION_ROWS.
+    Writes: REACTION_ROWS.
+    """
     count, held = whole[N_REACTIONS], whole[N_HELD]
     k = 0
     for c in range(whole[N_CONTACTS]):
@@ -565,6 +616,9 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 def refactor(w: Vector, whole: Wholes) -> None:
     """Factorise a constant mass matrix for the modes at hand.
 
+    Reads: MASS, MODES.
+    Writes: CHOLESKY.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -578,6 +632,12 @@ def refactor(w: Vector, whole: Wholes) -> None:
 
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -596,6 +656,12 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -625,6 +691,9 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def put_motion(w: Vector, whole: Wholes, at: int) -> None:
     """Write a state, and behind it the accelerations and the friction that belong to it.
+
+    Reads: `at`, ACCELERATION, FRICTION.
+    Writes: MOTION_POINT.
 
     Parameters
     ----------

@@ -61,6 +61,12 @@ def first_own_switch(whole: Wholes) -> int:
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write all guards at a state.
 
+    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+
     Parameters
     ----------
     t : float
@@ -103,7 +109,11 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
 
 
 def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write what ends a run as it falls below 0, at a state of which everything is worked out."""
+    """Write what ends a run as it falls below 0, at a state of which everything is worked out.
+
+    Reads: `at`, PIVOT, ACCELERATION, FRICTION, FLAGS.
+    Writes: `to`, MOTION_POINT.
+    """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if pivots > 0:
         w[to] = w[PIVOT] - LEAST_PIVOT
@@ -113,7 +123,11 @@ def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the guards of one contact: its law's switches, its load."""
+    """Write the guards of one contact: its law's switches, its load.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, LAW_ROWS, LAW_VALUES.
+    """
     switches = whole[LAW_SWITCHES]
     for j in range(switches + 1):
         w[to + j] = ALWAYS
@@ -130,7 +144,11 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
 
 def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the margins of the switches of a contact's law, positive where they hold."""
+    """Write the margins of the switches of a contact's law, positive where they hold.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES.
+    Writes: LAW_ROWS, LAW_VALUES.
+    """
     coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
     row = whole[whole[LAW_ROWS] + contact]
@@ -145,6 +163,9 @@ def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at
 
 def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Set the flags of all laws whose contacts slip, nested switches included.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
 
     Parameters
     ----------

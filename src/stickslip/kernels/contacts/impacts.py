@@ -58,6 +58,13 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
 
     STRUCK tells then which coordinates have reached a stop: 2.
 
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STEPS, BOOKS, MODES,
+    LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, MODES, KEPT, STRUCK.
+
     Parameters
     ----------
     guard : int
@@ -99,6 +106,12 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
     """Return the restitution of an impact, 0 where it is so slow that the coordinate stays.
 
     Everything is worked out for the modes at hand, before and after.
+
+    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, ACCELERATION, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES.
     """
     y, modes = whole[Y], whole[MODES]
     i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
@@ -121,7 +134,11 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
 
 
 def energy_now(w: Vector, whole: Wholes) -> float:
-    """Return the energy of the state, where guides may do work in an impact; else 0."""
+    """Return the energy of the state, where guides may do work in an impact; else 0.
+
+    Reads: TIME, Y, FLAGS.
+    Writes: VALUES.
+    """
     if whole[N_CHANNELS] == 0:
         return 0.0
     evaluate(ENERGY, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[VALUES])
@@ -133,6 +150,9 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
 
     A stop that would have to pull gives no impulse; one at which a coordinate rests gives one where
     that would else move into it.
+
+    Reads: TIME, Y, WALLS, MASS, CHOLESKY, BOUNDS, FLAGS, MODES, STRUCK.
+    Writes: MASS, CHOLESKY, ACCELERATION, LAW_VALUES, BOUNDS, MODES, KEPT, STRUCK.
     """
     n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
     if not whole[CONSTANT_MASS]:
@@ -160,7 +180,11 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
 
 
 def follow(w: Vector, whole: Wholes) -> None:
-    """Write the changes of the rates that no stop gives: momentum along them stays."""
+    """Write the changes of the rates that no stop gives: momentum along them stays.
+
+    Reads: MASS, CHOLESKY, BOUNDS, STRUCK.
+    Writes: CHOLESKY, ACCELERATION, BOUNDS, MODES.
+    """
     n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
     for i in range(n):
         whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
@@ -178,7 +202,10 @@ def follow(w: Vector, whole: Wholes) -> None:
 
 
 def impulse(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the impulse along a coordinate that the changes of the rates take."""
+    """Return the impulse along a coordinate that the changes of the rates take.
+
+    Reads: MASS, BOUNDS.
+    """
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
         total += w[whole[MASS] + i * n + j] * w[whole[BOUNDS] + j]
@@ -186,7 +213,11 @@ def impulse(i: int, w: Vector, whole: Wholes) -> float:
 
 
 def book_impacts(w: Vector, whole: Wholes) -> None:
-    """Book what the stops take; books open after what happens as a run begins."""
+    """Book what the stops take; books open after what happens as a run begins.
+
+    Reads: SUPPLIED, GROSS, LOST, Y, MASS, BOUNDS, STEPS, BOOKS, STRUCK.
+    Writes: SUPPLIED, GROSS, LOST.
+    """
     n, y, change = whole[N_COORDINATES], whole[Y], whole[BOUNDS]
     if not whole[BOOKS] or whole[STEPS] == 0:
         return

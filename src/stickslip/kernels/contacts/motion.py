@@ -77,6 +77,12 @@ SHORT_SERIES = 6
 def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the time derivatives of the states.
 
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
+
     Parameters
     ----------
     t : float
@@ -101,6 +107,12 @@ def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write friction, then load, then mode of each contact, then efforts of guided coordinates.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -131,6 +143,8 @@ def mode_of(
     contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes, at: int
 ) -> int:
     """Return the mode of a contact, which may slip against its coordinate.
+
+    Reads: `at`, WALLS, SLIP_FACTORS.
 
     Parameters
     ----------
@@ -163,6 +177,12 @@ def mode_of(
 def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the power supplied and that taken by friction.
 
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, MOTION_POINT, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+
     Parameters
     ----------
     t : float
@@ -184,7 +204,11 @@ def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the power supplied; that of guides asks for accelerations, which are worked out."""
+    """Write the power supplied; that of guides asks for accelerations, which are worked out.
+
+    Reads: `at`, ACCELERATION, FRICTION, MOTION_POINT, FLAGS.
+    Writes: `to`, MOTION_POINT.
+    """
     if whole[N_CHANNELS] > 0:
         put_motion(w, whole, at)
         at = whole[MOTION_POINT]
@@ -192,13 +216,19 @@ def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
-    """Return the slip velocity of a contact."""
+    """Return the slip velocity of a contact.
+
+    Reads: `at`, SLIP_FACTORS.
+    """
     rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
     return w[whole[SLIP_FACTORS] + contact] * w[rate]
 
 
 def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
     """Whether all equations are affine in states and time in the modes at hand.
+
+    Reads: TIME, Y, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, LAW_VALUES.
 
     Parameters
     ----------
@@ -227,6 +257,12 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
 
 def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start; what is at rest has those that the forces at hand give.
+
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: LIVELIEST, PIVOT, SCALE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -260,6 +296,9 @@ def note_motion(w: Vector, whole: Wholes) -> None:
 
     A coordinate that starts from rest has no size of its own yet.
 
+    Reads: LIVELIEST, Y, SCALE, MASS.
+    Writes: LIVELIEST, SCALE.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -287,6 +326,14 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 
     In an exact mode a contact's friction is a constant and its damping: the work of the former is
     that constant times the slip.
+
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, Y, DENSE, WALLS,
+    SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, ACCELERATION, FRICTION, LOAD, DAMPING,
+    REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, TAKEN, GROSS, PIVOT, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, WORKS,
+    MOTION_POINT.
 
     Parameters
     ----------
@@ -324,7 +371,11 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
-    """Add the work of a contact that slips in an exact mode."""
+    """Add the work of a contact that slips in an exact mode.
+
+    Reads: TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, SLIP_FACTORS, FRICTION, DAMPING, WORKS.
+    Writes: TAKEN, GROSS, WORKS.
+    """
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     n, states, dense = whole[N_COORDINATES], whole[N_STATES], whole[DENSE] + 1
     share, h = w[FRACTION], w[LENGTH]
@@ -353,6 +404,12 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
 
     The needed friction is affine in the drives: it is largest at a corner of what they may do from
     now on, which stands in BOX.
+
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, Y, LEVELS, BOX,
+    FLAGS, MODES.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, GIVEN, VALUES.
 
     Parameters
     ----------

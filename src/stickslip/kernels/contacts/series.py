@@ -73,6 +73,12 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
     It begins at TIME.
 
+    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+
     Parameters
     ----------
     h : float
@@ -121,7 +127,11 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
-    """Write one term of the accelerations to DRIFT and one of the needed friction."""
+    """Write one term of the accelerations to DRIFT and one of the needed friction.
+
+    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
+    Writes: DRIFT, NEEDED_SERIES.
+    """
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * n
     slopes = whole[SLOPE_VALUES]
@@ -155,6 +165,12 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
+    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, Y1, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+
     Parameters
     ----------
     h : float
@@ -186,7 +202,10 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
 
 def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
-    """Whether forces on a coordinate that begins to slip balance but for their rounding."""
+    """Whether forces on a coordinate that begins to slip balance but for their rounding.
+
+    Reads: Y, SLIP_FACTORS, FORCE, MASS, ACCELERATION, FRICTION, SLOPE_VALUES.
+    """
     n = whole[N_COORDINATES]
     size = abs(w[whole[FORCE] + i])
     for k in range(whole[N_SLOPES]):
@@ -205,6 +224,9 @@ def search(value: float, row: int, width: int, sign: float, count: int, w: Vecto
 
     The terms stand `width` apart from the place `row` on. The interval that is searched ends at the
     earliest fall known, in FRACTION: coefficients are scaled by its powers.
+
+    Reads: FRACTION, POLYNOMIAL.
+    Writes: POLYNOMIAL, ROOM.
     """
     reach = min(1.0, w[FRACTION] * (1.0 + 1e-12))
     power = 1.0
@@ -229,6 +251,10 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     Guards that cannot fall, for the sum of their terms is less than their value, are passed over;
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
+
+    Reads: Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, ACCELERATION, LEVELS, FRICTION,
+    NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
     ----------
@@ -281,7 +307,11 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
 
 
 def first_stop(best: int, w: Vector, whole: Wholes) -> int:
-    """Return the guard that falls first, those of hard stops included."""
+    """Return the guard that falls first, those of hard stops included.
+
+    Reads: FRACTION, Y, DENSE, REACHED, WALLS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED.
+    """
     states, terms = whole[N_STATES], int(w[whole[DENSE]])
     first, values = whole[FIRST_WALL], whole[VALUES]
     stop_guards(w, whole, whole[Y], values, math.inf)
@@ -304,7 +334,10 @@ def first_stop(best: int, w: Vector, whole: Wholes) -> int:
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
-    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart."""
+    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart.
+
+    Writes: `to`.
+    """
     for i in range(n):
         w[to + i] = 0.0
     for k in range(count):
@@ -313,7 +346,11 @@ def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> N
 
 
 def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
-    """Keep the fall of a guard; return the guard that falls first."""
+    """Keep the fall of a guard; return the guard that falls first.
+
+    Reads: FRACTION.
+    Writes: FRACTION, ROOTS.
+    """
     if x == FALLS_AT_ONCE:
         w[whole[ROOTS] + guard] = 0.0
         w[FRACTION] = 0.0

@@ -24,6 +24,8 @@ __all__ = ["finite", "margin_of", "raise_levels", "stop_guards", "stopped_side"]
 def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:
     """Return the distance of a coordinate from a stop.
 
+    Reads: `at`, WALLS.
+
     Parameters
     ----------
     wall : int
@@ -46,6 +48,8 @@ def margin_of(wall: int, w: Vector, whole: Wholes, at: int) -> float:
 
 def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the side of the stop at which a coordinate is: 1 upper, -1 lower, 0 none.
+
+    Reads: `at`, WALLS.
 
     Parameters
     ----------
@@ -72,6 +76,9 @@ def stopped_side(i: int, w: Vector, whole: Wholes, at: int) -> int:
 def raise_levels(levels: int, w: Vector, whole: Wholes, at: int) -> None:
     """Make the levels of held coordinates infinite towards the stops at which they are.
 
+    Reads: `at`, WALLS, MODES.
+    Writes: `levels`.
+
     Parameters
     ----------
     levels : int
@@ -97,6 +104,9 @@ def finite(level: float) -> float:
 
 def stop_guards(w: Vector, whole: Wholes, at: int, to: int, always: float) -> None:
     """Write the guards of the stops: distances of the coordinates that may reach them.
+
+    Reads: `at`, WALLS, MODES.
+    Writes: `to`.
 
     Parameters
     ----------

@@ -83,6 +83,14 @@ REACHED_ZERO = 1e-13
 def begin_contacts(w: Vector, whole: Wholes) -> None:
     """Set modes, flags and openings for the state at which a run begins.
 
+    Reads: TIME, PIVOT, Y, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY, BOUNDS, TURN, FLAGS,
+    STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS.
+    Writes: PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
+    CHANGES, TURN, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -119,7 +127,10 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def rubs(i: int, whole: Wholes) -> bool:
-    """Whether a contact along a coordinate is closed."""
+    """Whether a contact along a coordinate is closed.
+
+    Reads: OPEN.
+    """
     found = False
     for c in range(whole[N_CONTACTS]):
         found = found or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
@@ -130,6 +141,8 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
     """Return the mode of a coordinate; one at rest that anything may hold is to be decided.
 
     What nothing but bristles holds slips: their forces need no decision.
+
+    Reads: Y, WALLS, OPEN.
     """
     rate = w[whole[Y] + whole[N_COORDINATES] + i]
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
@@ -142,7 +155,11 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
 
 def set_own_flags(w: Vector, whole: Wholes) -> None:
-    """Set the flags of the mechanism's own switches."""
+    """Set the flags of the mechanism's own switches.
+
+    Reads: TIME, Y, FLAGS.
+    Writes: VALUES, FLAGS.
+    """
     values = whole[VALUES]
     evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
     whole[FLAGS] = 0
@@ -152,7 +169,11 @@ def set_own_flags(w: Vector, whole: Wholes) -> None:
 
 
 def remember(whole: Wholes) -> None:
-    """Keep the modes and openings before a change."""
+    """Keep the modes and openings before a change.
+
+    Reads: MODES, OPEN.
+    Writes: BEFORE, CLOSED.
+    """
     for i in range(whole[N_COORDINATES]):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
@@ -160,13 +181,25 @@ def remember(whole: Wholes) -> None:
 
 
 def none_forced(whole: Wholes) -> None:
-    """Begin a decision: nothing is forced to slip."""
+    """Begin a decision: nothing is forced to slip.
+
+    Writes: FORCED.
+    """
     for i in range(whole[N_COORDINATES]):
         whole[whole[FORCED] + i] = 0
 
 
 def settle_modes(w: Vector, whole: Wholes) -> None:
-    """Decide all coordinates that are held, or stopped; set what follows from the answer."""
+    """Decide all coordinates that are held, or stopped; set what follows from the answer.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
+    LAW_FLAGS, OPEN, FORCED.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
+    CANDIDATES, KEPT.
+    """
     for i in range(whole[N_COORDINATES]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
@@ -186,6 +219,12 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
     """End a run whose modes begin beyond one of the mechanism's own limits.
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, CHANGED.
     """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
@@ -199,7 +238,11 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
 
 
 def open_and_close(w: Vector, whole: Wholes) -> None:
-    """Let loads that jumped open or close their contacts, and coordinates follow."""
+    """Let loads that jumped open or close their contacts, and coordinates follow.
+
+    Reads: TIME, Y, WALLS, FLAGS, MODES, OPEN.
+    Writes: LOAD, MODES, OPEN.
+    """
     if not whole[CONSTANT_LOADS]:
         evaluate(LOADS, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[LOAD])
         for c in range(whole[N_CONTACTS]):
@@ -213,7 +256,11 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
 
 
 def follow_openings(w: Vector, whole: Wholes) -> None:
-    """Free coordinates whose contacts are all open; take up those with one that has closed."""
+    """Free coordinates whose contacts are all open; take up those with one that has closed.
+
+    Reads: Y, WALLS, MODES, OPEN.
+    Writes: MODES.
+    """
     for i in range(whole[N_COORDINATES]):
         if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
             whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
@@ -221,6 +268,14 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
 
 def settle_contacts(w: Vector, whole: Wholes) -> None:
     """Decide anew after a jump of forces or loads, and write down what changes.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, OPEN, STRUCK.
+    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, DECISIONS, PIVOTINGS,
+    AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
 
     Parameters
     ----------
@@ -240,6 +295,16 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
 
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
+
+    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
+    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, ROOTS,
+    BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, OPEN, STRUCK.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT,
+    FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES,
+    FORCED, BEFORE, CLOSED, KEPT, STRUCK.
 
     Parameters
     ----------
@@ -287,7 +352,16 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def bounce(guard: int, w: Vector, whole: Wholes) -> None:
-    """Make the impacts of an instant; what has another rate then slips, or is to be decided."""
+    """Make the impacts of an instant; what has another rate then slips, or is to be decided.
+
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STEPS, BOOKS, MODES,
+    LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FLAGS, MODES, KEPT,
+    STRUCK.
+    """
     strike_stops(guard, w, whole)
     for i in range(whole[N_COORDINATES]):
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
@@ -299,6 +373,8 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
     """Whether a guard of a coordinate falls in the instant at hand, too.
 
     What bristles alone carry only turns, and by its own guard: at rest its speed says nothing.
+
+    Reads: TIME, FRACTION, LENGTH, VALUES, REACHED, ROOTS, MODES.
     """
     if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
         return False
@@ -310,7 +386,11 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 
 
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
-    """Stop a coordinate that slips, or let one go that is held."""
+    """Stop a coordinate that slips, or let one go that is held.
+
+    Reads: MODES.
+    Writes: Y, MODES, FORCED.
+    """
     i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -324,7 +404,11 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
-    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1."""
+    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
+    """
     wide = whole[LAW_SWITCHES] + 1
     contact, which = divmod(guard - first_contact_guard(whole), wide)
     if which < whole[LAW_SWITCHES]:
@@ -341,7 +425,10 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
 
 
 def modes_about(contact: int, w: Vector, whole: Wholes) -> tuple[int, int]:
-    """Return the modes of a contact before and after the changes of an instant."""
+    """Return the modes of a contact before and after the changes of an instant.
+
+    Reads: Y, WALLS, SLIP_FACTORS, MODES, OPEN, BEFORE, CLOSED.
+    """
     i, y = whole[whole[SLIPS] + contact], whole[Y]
     was_open = 1 - whole[whole[CLOSED] + contact]
     before = mode_of(contact, whole[whole[BEFORE] + i], was_open, w, whole, y)
@@ -361,6 +448,10 @@ def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Write an event for each coordinate that has reached a stop, told of its first contact.
 
     Where no contact is along the coordinate, the first of all is named, whose mode is as it was.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED,
+    STRUCK.
+    Writes: CHANGES, CHANGED.
     """
     if guard < whole[FIRST_WALL]:
         return
@@ -376,7 +467,12 @@ def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
-    """Write an event for each contact whose mode has changed, in their order."""
+    """Write an event for each contact whose mode has changed, in their order.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, NEEDED, LEVELS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN,
+    BEFORE, CLOSED, STRUCK.
+    Writes: CHANGES, CHANGED.
+    """
     impact = guard >= whole[FIRST_WALL]
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
@@ -401,7 +497,11 @@ def write_event(
     w: Vector,
     whole: Wholes,
 ) -> None:
-    """Write one row of the events that are new."""
+    """Write one row of the events that are new.
+
+    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS.
+    Writes: CHANGES, CHANGED.
+    """
     at = whole[CHANGES] + whole[CHANGED] * EVENT_COLUMNS
     flags = whole[FLAGS]
     if guard >= first_contact_guard(whole) and guard < first_own_switch(whole):
