@@ -32,11 +32,22 @@ LEFT = {"call_contacts": {"ANSWER", "CHANGED"}}
 """What they leave beside their results."""
 PYTHON = {"backend", "entries", "header"}
 """Modules that only Python runs, or that differ between the tiers."""
-APART = f"{KERNELS}.contacts"
-"""What works out several contacts: it is called by its address, and its slots are tables, which
-these lists do not follow."""
+TABLES = (
+    "MODES",
+    "LAW_FLAGS",
+    "OPEN",
+    "CANDIDATES",
+    "FORCED",
+    "BEFORE",
+    "CLOSED",
+    "KEPT",
+    "STRUCK",
+)
+"""Tables in `whole` that change in a run of several contacts; the others are sizes and places."""
+ROWS = "LAW_ROWS"
+"""Numbers of the laws of several contacts; a table of this name has their places."""
 
-PLACES = {"at", "to", "slot", "a", "b", "pivots", "matrix", "columns"}
+PLACES = {"at", "to", "slot", "a", "b", "pivots", "matrix", "columns", "right", "levels"}
 """Names of parameters that are places; others are numbers that are added to one."""
 MADE_BEFORE = {
     # new state, dense output, Jacobian and df/dt are those of the step that was accepted
@@ -73,8 +84,11 @@ def layout() -> dict[str, list[str]]:
     ]
     first = names[names.index("TIME") : names.index("NUMBERS")]
     places = names[names.index("GIVEN") : names.index("SIZE") + 1]
+    own = names[names.index("SLIP_FACTORS") : names.index("WORKS") + 1]
+    own += ["BOX", "CHANGES", "TURN"]
+    own += names[names.index("MOTION_POINT") : names.index("BRISTLE_SLOPES") + 1]
     wholes = names[names.index("MODE") : names.index("WHOLES")]
-    return {"w": [*first, DRIVES, *places], "whole": wholes}
+    return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*wholes, *TABLES]}
 
 
 class Kernel:
@@ -129,9 +143,10 @@ class Kernel:
             which = f" {ast.unparse(node.args[0])}" if name == "columns_at" else ""
             return {BEHIND[name] + which}
         if isinstance(node, ast.Subscript):
-            name = ast.unparse(node.slice)
-            held = ast.unparse(node.value) == "whole" and name in self.slots["w"]
-            return {name} if held else set()
+            name, inner = ast.unparse(node.slice), self.places(node.slice)
+            if ast.unparse(node.value) != "whole":
+                return set()
+            return {name} & {*self.slots["w"], *TABLES} or inner & {ROWS}
         if isinstance(node, ast.Name):
             if node.id in self.slots["w"]:
                 return {node.id}
@@ -151,9 +166,7 @@ def kernels() -> dict[str, Kernel]:
     return {
         node.name: Kernel(node, slots)
         for module, path in structure.sources().items()
-        if module.startswith(f"{KERNELS}.")
-        and not module.startswith(APART)
-        and module.rpartition(".")[2] not in PYTHON
+        if module.startswith(f"{KERNELS}.") and module.rpartition(".")[2] not in PYTHON
         for node in ast.parse(path.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef)
     }
@@ -238,8 +251,11 @@ class Walk:
             return set()
         if ast.unparse(node.value) == "w":
             return self.kernel.places(node.slice) or {DRIVES}
-        name, wholes = ast.unparse(node.slice), {*self.kernel.slots["whole"]}
-        return wholes if name.islower() else {name} & wholes  # sizes and places are no slots
+        name, state = ast.unparse(node.slice), {*self.kernel.slots["whole"]} - {*TABLES}
+        inner = self.kernel.places(node.slice) & {*TABLES}
+        if not isinstance(node.slice, ast.Name) or inner:
+            return inner
+        return state if name.islower() else {name} & state  # sizes and places are no slots
 
     def _store(self, target: ast.expr, written: Slots, adds: bool) -> Slots:
         slots = self._slots(target)

@@ -227,9 +227,14 @@ def _numbers(run: Trajectory) -> str:
     if run.status is not Status.LIMIT:
         return ""
     last = run.at([run.span[1]])
-    efforts = [name for name in run.names if name not in (*run.states, *ALWAYS)]
-    values = [f"{name} {quantity(last[name][0], run.units[name], 4)}" for name in efforts]
-    values.append(f"normal force {quantity(last['normal_force'][0], 'N', 4)}")
+    kinds = {name: name.partition(":")[0] for name in run.names if name not in run.states}
+    shown = {name: name for name, kind in kinds.items() if kind not in ALWAYS}
+    for name in (name for name, kind in kinds.items() if kind == "normal_force"):
+        contact = name.partition(":")[2]
+        shown[name] = f"normal force of {contact}" if contact else "normal force"
+    values = [
+        f"{word} {quantity(last[name][0], run.units[name], 4)}" for name, word in shown.items()
+    ]
     return f" Limit: {run.events[-1].reason} ({', '.join(values)})."
 
 

@@ -1,7 +1,7 @@
 """Sensitivities of runs with several contacts, against differences of neighbouring runs."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -120,6 +120,19 @@ def test_a_set_valued_joint_beside_one_with_bristles():
     laws = {"shoulder": ARM["shoulder"], "elbow": BRISTLES}
     paths = ("friction.shoulder.kinetic_coefficient", "friction.elbow.stribeck_velocity")
     assert_slopes(Arm(), laws, 0.6, BENT, paths, by=1e-4, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_bristles_with_a_rule_for_rest():
+    law = replace(
+        BRISTLES, static_switch=True, bristle_stiffness=1e3, bristle_damping=20.0,
+        viscous_coefficient=0.0,
+    )  # fmt: skip
+    pulled = chain(2)(coupling=0.2, stiffness=1.0, speed=0.1)
+    laws = {"x1": law, "x2": coulomb(0.3, 0.5)}
+    paths = ("mechanism.speed", "friction.x1.static_coefficient", "friction.x2.kinetic_coefficient")
+    run = assert_slopes(pulled, laws, 7.3, None, paths, by=1e-4, rel=1e-4)
+    assert {"break-away", "stop"} <= {e.reason for e in run.events if e.contact == "x1"}
 
 
 def test_two_that_break_away_by_chance_at_once_have_no_derivative():

@@ -437,13 +437,42 @@ def test_laws_in_another_order_stay_with_their_contacts():
     np.testing.assert_array_equal(one["elbow"], other["elbow"])
 
 
-def test_a_rule_for_rest_beside_bristles_is_refused():
-    law = LuGre(
-        kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01,
-        bristle_stiffness=1e3, bristle_damping=5.0, static_switch=True,
-    )  # fmt: skip
-    with pytest.raises(InputError, match="static_switch"):
-        simulate(Arm(), law, t_end=1.0, y0=BENT)
+RESTING = LuGre(
+    kinetic_coefficient=0.5, static_coefficient=0.7, stribeck_velocity=0.05,
+    bristle_stiffness=1e3, bristle_damping=20.0, static_switch=True,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("start", "t_end", "rig", "expected"),
+    [
+        ({"v1": 1.0}, 3.0, {"stiffness": 4.0}, ["reversal", "stop"]),
+        ({}, 12.0, {"stiffness": 1.0, "speed": 0.1}, ["break-away", "stop"]),
+    ],
+    ids=["comes to rest", "stick-slip"],
+)
+def test_a_rule_for_rest_beside_bristles_holds_as_it_does_alone(start, t_end, rig, expected):
+    settings = {"t_end": t_end, "y0": start, "solver": EventDriven(tier="python")}
+    alone = simulate(chain(1)(**rig), RESTING, **settings)
+    laws = {"x1": RESTING, "x2": coulomb(0.5, 0.7)}
+    run = simulate(chain(2)(**rig), laws, **settings)
+    own = [e for e in run.events if e.contact == "x1"]
+    assert [e.reason for e in own] == [e.reason for e in alone.events] == expected
+    times = [e.t for e in own], [e.t for e in alone.events]
+    np.testing.assert_allclose(*times, rtol=1e-8)
+    assert run["x1"][-1] == pytest.approx(alone["x1"][-1], abs=1e-8)
+    assert run["z:x1"][-1] == pytest.approx(alone["z"][-1], abs=1e-8)
+    assert run.certificate.stick_drift == 0.0
+
+
+def test_bristles_that_do_not_move_report_no_reversals():
+    """They used to turn whenever something else changed, and at the start."""
+    law = dataclasses.replace(RESTING, static_switch=False)
+    laws = {"x1": coulomb(0.5), "x2": law}
+    still = run_of(chain(2)(stiffness=4.0), laws, 2.0, {"v1": 1.0})
+    assert [e for e in still.events if e.contact == "x2"] == []
+    pulled = run_of(chain(1)(stiffness=4.0), Laws(members=(("x1", law),)), 0.01, {"x1": 1.0})
+    assert pulled.events == ()
 
 
 def test_feet_at_different_heights_are_refused():

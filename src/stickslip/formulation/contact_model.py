@@ -6,12 +6,26 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.formulation.code_printer import function
-from stickslip.formulation.contact_parts import ContactParts, LawParts, derive_parts, law_parts
+from stickslip.formulation.contact_parts import (
+    ContactParts,
+    LawParts,
+    Motion,
+    derive_parts,
+    law_parts,
+)
+from stickslip.formulation.hard_stops import impact_events
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed
-from stickslip.friction import DirectionalLaw, FrictionLaw, Laws, bristle_names, bristles_of
+from stickslip.friction import (
+    BristleLaw,
+    DirectionalLaw,
+    FrictionLaw,
+    Laws,
+    bristle_names,
+    bristles_of,
+)
 from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
@@ -85,6 +99,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         dict(zip(mechanism.coordinates, symbols.coordinates, strict=True)),
         dict(zip(mechanism.coordinates, symbols.rates, strict=True)),
         symbols.drives,
+        _motion(symbols, len(own.contacts)),
         board,
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
@@ -120,9 +135,10 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         drives=tuple(symbols.drives),
         has_slopes=slopes,
         switch_events=tuple(events),
-        impact_events=(),
-        limits=(PAINLEVE,) * sizes.limits,
-        channels=(),
+        impact_events=impact_events(parts.walls, mechanism.coordinates, None),
+        limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        channels=tuple(parts.efforts),
+        turning=_turning(parts, index),
         contacts=own.contacts,
         alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
@@ -130,6 +146,19 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
             for kind in own.kinds
         ),
     )
+
+
+def _motion(symbols: Symbols, contacts: int) -> Motion:
+    """Return symbols of the accelerations, and of the friction, that stand behind a state."""
+    first, n = len(symbols.states), len(symbols.coordinates)
+    behind = [se.Symbol(f"y{first + i}") for i in range(n + contacts)]
+    return Motion(behind[:n], behind[n:])
+
+
+def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
+    """Return the paths of the parameters on which the change of coordinates depends."""
+    names = {name for row in parts.directions.forward for e in row for name in _names(e)}
+    return tuple(path for path, i in index.items() if f"p{i}" in names)
 
 
 def _titles(own: _Own) -> str:
@@ -148,6 +177,8 @@ class _Equations:
         self.given_forces = [e.subs(symbols.given) for e in parts.forces[:n]]
         self.loads = [closed(e) for e in parts.loads]
         self.supplied = closed(parts.supplied)
+        self.efforts = [closed(e) for e in parts.efforts.values()]
+        self.limits = [closed(e) for e in parts.limits.values()]
         states = [*symbols.coordinates, *symbols.rates]
         self.slopes = {
             (i, k): slope
@@ -165,7 +196,7 @@ class _Equations:
         self.moving = {str(s) for s in states} | {"t"}
         self.margins = [closed(switch.margin) for switch in board.switches.values()]
         self.geometry = [
-            *parts.factors,
+            *parts.directions.factors,
             *[e for row in parts.held_slips for e in row],
             *[e for row in parts.held_normals for e in row],
         ]
@@ -176,12 +207,12 @@ class _Equations:
         Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
         and of held ones; then come loads, how contacts slip, and margins of switches.
         """
-        first = len(self.symbols.states)
+        behind = _motion(self.symbols, 0).accelerations
         rows = [-e for e in self.forces]
         for (i, j), entry in self.parts.mass.items():
-            rows[i] += entry * se.Symbol(f"y{first + j}")
+            rows[i] += entry * behind[j]
             if j < i < len(self.parts.coordinates):
-                rows[j] += entry * se.Symbol(f"y{first + i}")
+                rows[j] += entry * behind[i]
         rows += [*self.loads, *self.geometry, *self.margins]
         names = [_names(e) for e in rows]
         return [
@@ -221,15 +252,15 @@ class _Equations:
             and self.constant_mass()
             and self.constant_loads()
             and not any(self.parts.reacts)
+            and not self.limits
             and not any(self.varies(e) for e in slopes)
         )
 
     def rest_is_final(self) -> bool:
         """Whether nothing but the drives can move what is held."""
         timed = any("t" in _names(e) for e in self.given_forces)
-        return (
-            not timed and not self.switched and self.constant_loads() and not any(self.parts.reacts)
-        )
+        ends = any(self.parts.reacts) or bool(self.limits)
+        return not timed and not self.switched and self.constant_loads() and not ends
 
 
 def _names(e: se.Expr) -> set[str]:
@@ -258,14 +289,19 @@ def _sizes(
         drives=len(equations.symbols.drives),
         parameters=parameter_count,
         rest_is_final=equations.rest_is_final(),
-        slips=parts.slips,
+        slips=parts.directions.slips,
+        turned=bool(parts.directions.forward),
         kinds=own.kinds,
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
         bristles_of=tuple(bristles),
+        holds=tuple(not isinstance(one, BristleLaw) or one.static_switch for one in own.laws),
         directional=tuple(isinstance(one, DirectionalLaw) for one in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),
+        channels=len(parts.efforts),
+        own_limits=len(parts.limits),
+        walls=tuple((wall.coordinate, wall.side) for wall in parts.walls),
         mass=tuple(parts.mass),
         slopes=tuple(equations.slopes),
         time_slopes=tuple(equations.time_slopes),
@@ -297,6 +333,14 @@ def _text(
         "margins": equations.margins,
         "rest": equations.given_forces,
     }
+    turning = (*parts.directions.forward, *parts.directions.backward)
+    some: Mapping[str, Sequence[se.Expr]] = {
+        "turning": [e for row in turning for e in row],
+        "efforts": equations.efforts,
+        "limits": equations.limits,
+        "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],
+    }
+    same = {**same, **{name: case for name, case in some.items() if case}}
     if columns:
         same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
     texts = [function(name, {None: list(case)}) for name, case in same.items()]

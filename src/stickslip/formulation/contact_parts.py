@@ -11,16 +11,19 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.linearity import linear_where
 from stickslip.formulation.load_factor import load_factor, unknown_kind
-from stickslip.formulation.mechanics import lagrange_rows
+from stickslip.formulation.mechanics import Rows, lagrange_rows
+from stickslip.formulation.prescribed_motion import guides_of, own_limits
+from stickslip.formulation.slip_directions import SlipDirections, direction_of, slip_directions
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
 from stickslip.kernels.header import LAW_NUMBERS
-from stickslip.mechanisms import Contact, Mechanism, stops_of
+from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["AnyForce", "ContactParts", "LawParts", "derive_parts", "law_parts"]
+__all__ = ["ContactParts", "LawParts", "derive_parts", "law_parts"]
 
 
 @dataclass(frozen=True)
@@ -33,10 +36,8 @@ class ContactParts:
     """Names of the held ones, those that normal forces act on first."""
     contacts: tuple[str, ...]
     """Names of the contacts that rub."""
-    slips: tuple[int, ...]
-    """Index of the coordinate along which each of them slips."""
-    factors: tuple[se.Expr, ...]
-    """Slip velocity of each over the rate of its coordinate."""
+    directions: SlipDirections
+    """What each of them slips along."""
     held_slips: tuple[tuple[se.Expr, ...], ...]
     """How friction of each acts on each held coordinate."""
     held_normals: tuple[tuple[se.Expr, ...], ...]
@@ -52,7 +53,23 @@ class ContactParts:
     energy: se.Expr
     """Kinetic and potential energy [J]."""
     supplied: se.Expr
-    """Power that drives, dampers and moved supports put in [W]."""
+    """Power that drives, dampers, moved supports and guides put in [W]."""
+    efforts: Mapping[str, se.Expr]
+    """What each guided coordinate takes, by the name of its column."""
+    limits: Mapping[str, se.Expr]
+    """Margins of the mechanism's own limits by name."""
+    walls: tuple[Wall, ...]
+    """Hard stops."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Symbols of what follows from a state: they stand behind it where efforts are worked out."""
+
+    accelerations: Sequence[se.Symbol]
+    """Of the moving coordinates."""
+    friction: Sequence[se.Symbol]
+    """Of the contacts that rub."""
 
 
 def derive_parts(
@@ -62,6 +79,7 @@ def derive_parts(
     q: Mapping[str, se.Symbol],
     q_dot: Mapping[str, se.Symbol],
     drives: Mapping[str, se.Symbol],
+    motion: Motion,
     board: Switchboard,
 ) -> ContactParts:
     """Trace the energies, forces and contacts of a mechanism whose parameters are symbols.
@@ -80,6 +98,8 @@ def derive_parts(
         Symbols of the rates by name of the coordinate.
     drives : mapping of str to Symbol
         Symbols of the drives' values by name.
+    motion : Motion
+        Symbols of accelerations and friction.
     board : Switchboard
         Collects the switches met in the energies and forces.
 
@@ -91,47 +111,98 @@ def derive_parts(
     Raises
     ------
     InputError
-        If the mechanism has what this version does not do with several contacts, or its contacts
-        do not determine what they should.
+        If the contacts do not determine what they should, or a guide or a limit does not fit the
+        mechanism.
     """
     contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
     held = _held(mechanism, contacts)
-    _refuse(mechanism)
-    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board)
-    loads = _loads(mechanism, contacts, t, q, q_dot, drives, board)
-    n = len(q)
-    mass = {
-        (i, j): entry
-        for i, row in enumerate(rows.mass)
-        for j, entry in enumerate(row)
-        if entry != 0 and (i >= n or j <= i)
-    }
-    slips = [_slip(mechanism, one, list(q)) for one in contacts]
-    _check_shares(mechanism, contacts, slips, held)
-    return ContactParts(
+    directions = slip_directions(mechanism, contacts)
+    rows = lagrange_rows(mechanism, t, q, q_dot, drives, held, board, directions)
+    places, rates = (
+        dict(zip(q, directions.seen(list(symbols.values())), strict=True)) for symbols in (q, q_dot)
+    )
+    loads = _loads(mechanism, contacts, t, places, rates, drives, board)
+    _check_shares(mechanism, contacts, directions, held)
+    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips], drives)
+    arms = [_along(direction_of(one.slip), held) for one in contacts]
+    needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
+    reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
+    forces, mass = _guided(rows, guides)
+    traced = {name: Traced(force, board) for name, force in reactions.items()}
+    limits = own_limits(mechanism, traced)
+    _check_switches(mechanism, motion, board)
+    guided = mechanism.guided()
+    work = [reactions[name] * q_dot[name] for name in guided]
+    parts = ContactParts(
         coordinates=tuple(q),
         held=held,
         contacts=tuple(one.name for one in contacts),
-        slips=tuple(index for index, _ in slips),
-        factors=tuple(factor for _, factor in slips),
-        held_slips=tuple(_along(_table(one.slip), held) for one in contacts),
-        held_normals=tuple(_along(_table(one.normal), held) for one in contacts),
+        directions=directions,
+        held_slips=tuple(arms),
+        held_normals=tuple(_along(direction_of(one.normal), held) for one in contacts),
         reacts=tuple(one.normal is not None for one in contacts),
         mass=mass,
-        forces=tuple(rows.forces),
+        forces=forces,
         loads=loads,
         energy=rows.energy,
-        supplied=rows.supplied,
+        supplied=rows.supplied + sum(work, se.Integer(0)),
+        efforts={guide.effort: reactions[name] for name, guide in guided.items()},
+        limits={name: expression(margin) for name, margin in limits.items()},
+        walls=derive_walls(mechanism, q),
     )
+    _check_stops(mechanism, parts)
+    return parts
 
 
-def _table(direction: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
-    """Return a direction as factors by coordinate."""
-    if direction is None:
-        return {}
-    if isinstance(direction, str):
-        return {direction: se.Integer(1)}
-    return {name: expression(factor) for name, factor in direction.items()}
+def _check_switches(mechanism: Mechanism, motion: Motion, board: Switchboard) -> None:
+    """Refuse limits that switch with a force, as its size does: switches depend on states only."""
+    behind = {str(symbol) for symbol in (*motion.accelerations, *motion.friction)}
+    for switch in board.switches.values():
+        if behind & {str(symbol) for symbol in switch.margin.free_symbols}:
+            raise InputError(
+                f"{type(mechanism).__name__} has several contacts, with which its limits may not"
+                " switch with a force by abs or where: give a limit for each sign of the force."
+            )
+
+
+def _taken(
+    row: int,
+    rows: Rows,
+    guides: Mapping[int, se.Expr],
+    arms: Sequence[Sequence[se.Expr]],
+    motion: Motion,
+) -> se.Expr:
+    """Return the force that a guided or held coordinate needs beside those of the equations."""
+    total = -rows.forces[row]
+    for j, entry in enumerate(rows.mass[row]):
+        total += entry * guides.get(j, motion.accelerations[j])
+    held = row - len(rows.mass[row])
+    if held >= 0:
+        for arm, friction in zip(arms, motion.friction, strict=True):
+            total += arm[held] * friction
+    return total
+
+
+def _guided(
+    rows: Rows, guides: Mapping[int, se.Expr]
+) -> tuple[tuple[se.Expr, ...], dict[tuple[int, int], se.Expr]]:
+    """Return forces and mass matrix with what guided coordinates do put on the side of the forces.
+
+    Each of these has an equation of its own then, of which its acceleration is the solution.
+    """
+    forces, mass = list(rows.forces), {}
+    for i, row in enumerate(rows.mass):
+        for j, entry in enumerate(row):
+            if entry == 0:
+                continue
+            if j in guides and i != j:
+                forces[i] -= entry * guides[j]
+            elif i not in guides and (i >= len(row) or j <= i):
+                mass[i, j] = entry
+    for i, acceleration in guides.items():
+        mass[i, i] = se.Integer(1) if rows.mass[i][i] == 0 else rows.mass[i][i]
+        forces[i] = mass[i, i] * acceleration
+    return tuple(forces), mass
 
 
 def _along(table: Mapping[str, se.Expr], held: Sequence[str]) -> tuple[se.Expr, ...]:
@@ -140,7 +211,7 @@ def _along(table: Mapping[str, se.Expr], held: Sequence[str]) -> tuple[se.Expr, 
 
 def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     """Return the held coordinates, those that normal forces act on first."""
-    normals = dict.fromkeys(name for one in contacts for name in _table(one.normal))
+    normals = dict.fromkeys(name for one in contacts for name in direction_of(one.normal))
     others = [name for name in mechanism.held() if name not in normals]
     owner = type(mechanism).__name__
     for name in (*normals, *others):
@@ -169,65 +240,18 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
     return (*normals, *others)
 
 
-def _refuse(mechanism: Mechanism) -> None:
-    """Refuse what is not done with several contacts yet."""
-    owner = type(mechanism).__name__
-    for what, given in (
-        ("hard stops", stops_of(mechanism)),
-        ("prescribed motions", mechanism.guided()),
-        ("limits", mechanism.limits(AnyForce())),
-    ):
-        if given:
-            raise InputError(
-                f"{owner} has several contacts and {what}, which this version does not combine:"
-                f" leave the {what} out, or let all contacts but one have no law (None)."
-            )
-
-
-class AnyForce(dict[str, float]):
-    """Answers any name of a force: whether there are limits is all that is asked."""
-
-    def __missing__(self, name: str) -> float:
-        return 1.0
-
-
-def _slip(mechanism: Mechanism, contact: Contact, coordinates: list[str]) -> tuple[int, se.Expr]:
-    """Return the coordinate along which a contact slips, and the factor of its rate."""
-    table = _table(contact.slip)
-    for name in table:
-        if (
-            name not in coordinates
-            and name not in _table(contact.normal)
-            and (name not in mechanism.held())
-        ):
-            raise UnknownNameError(f"coordinate in the slip of {contact.name}", name, coordinates)
-    moving = [name for name in table if name in coordinates]
-    owner = f"{type(mechanism).__name__}: the contact {contact.name!r}"
-    if not moving:
-        raise InputError(f"{owner} slips along no moving coordinate.")
-    if len(moving) > 1:
-        raise InputError(
-            f"{owner} slips along {' and '.join(moving)}; this version needs its slip to be a"
-            " coordinate: use relative coordinates."
-        )
-    factor = table[moving[0]]
-    if factor == 0:
-        raise InputError(f"{owner} has the factor 0 for {moving[0]}: leave the contact out.")
-    return coordinates.index(moving[0]), factor
-
-
 def _check_shares(
     mechanism: Mechanism,
     contacts: Sequence[Contact],
-    slips: Sequence[tuple[int, se.Expr]],
+    directions: SlipDirections,
     held: Sequence[str],
 ) -> None:
     """Refuse reactions that depend on how contacts of one coordinate share what holds it."""
     if all(one.normal is None for one in contacts):
         return
     known: dict[int, tuple[str, list[se.Expr]]] = {}
-    for one, (index, factor) in zip(contacts, slips, strict=True):
-        arms = [se.expand(e / factor) for e in _along(_table(one.slip), held)]
+    for one, index, factor in zip(contacts, directions.slips, directions.factors, strict=True):
+        arms = [se.expand(e / factor) for e in _along(direction_of(one.slip), held)]
         other, expected = known.setdefault(index, (one.name, arms))
         if arms != expected:
             raise InputError(
@@ -237,13 +261,28 @@ def _check_shares(
             )
 
 
+def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:
+    """Refuse stops that carry a part of what friction holds, where that presses on a contact."""
+    stopped = {wall.coordinate for wall in parts.walls}
+    for name, index, arms in zip(
+        parts.contacts, parts.directions.slips, parts.held_slips, strict=True
+    ):
+        if any(parts.reacts) and index in stopped and any(arm != 0 for arm in arms):
+            raise InputError(
+                f"{type(mechanism).__name__}: the coordinate {parts.coordinates[index]!r} has a"
+                f" hard stop, and friction of the contact {name!r} along it acts on held"
+                " coordinates, so that the loads depend on how stop and friction share a force:"
+                " give the contacts loads, or leave out the stop."
+            )
+
+
 def _loads(
     mechanism: Mechanism,
     contacts: Sequence[Contact],
     t: se.Symbol,
-    q: Mapping[str, se.Symbol],
-    q_dot: Mapping[str, se.Symbol],
-    drives: Mapping[str, se.Symbol],
+    q: Mapping[str, se.Expr],
+    q_dot: Mapping[str, se.Expr],
+    drives: Mapping[str, se.Expr],
     board: Switchboard,
 ) -> tuple[se.Expr, ...]:
     """Return the prescribed loads, 0 where a load is a reaction."""
@@ -311,16 +350,9 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     Raises
     ------
-    InputError
-        If the law holds its contact by a rule of its own beside its bristles.
     TracingError
         If friction is not affine in the load.
     """
-    if isinstance(law, BristleLaw) and law.static_switch:
-        raise InputError(
-            f"{type(law).__name__}(static_switch=True) holds one contact; with several, use"
-            " static_switch=False."
-        )
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]
     place = {path: i + 1 for i, path in enumerate(paths)}

@@ -62,7 +62,7 @@ def derive_walls(mechanism: Mechanism, q: Mapping[str, se.Symbol]) -> tuple[Wall
 
 
 def impact_events(
-    walls: Sequence[Wall], coordinates: Sequence[str], slip: int
+    walls: Sequence[Wall], coordinates: Sequence[str], slip: int | None
 ) -> tuple[str | None, ...]:
     """Return what an impact of each coordinate is called, None where it has no stop.
 
@@ -72,8 +72,8 @@ def impact_events(
         Hard stops.
     coordinates : sequence of str (n,)
         Names of the coordinates.
-    slip : int
-        Index of the slip coordinate.
+    slip : int or None
+        Index of the slip coordinate, None where several contacts rub.
 
     Returns
     -------

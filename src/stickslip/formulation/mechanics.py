@@ -11,6 +11,7 @@ from stickslip.errors import UnknownNameError
 from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.matrix_form import matrix_rows, matrix_supply
 from stickslip.formulation.prescribed_motion import guides_of, held_of
+from stickslip.formulation.slip_directions import SlipDirections
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism, only_contact, slip_of
 
@@ -266,6 +267,7 @@ def lagrange_rows(
     drives: Mapping[str, se.Symbol],
     held: Sequence[str],
     board: Switchboard,
+    directions: SlipDirections | None = None,
 ) -> Rows:
     """Trace the energies and forces of a mechanism whose parameters are symbols.
 
@@ -285,6 +287,8 @@ def lagrange_rows(
         Names of the coordinates held at 0.
     board : Switchboard
         Collects the switches met in the energies and forces.
+    directions : SlipDirections, optional
+        What the symbols of the coordinates stand for, if not for those of the mechanism.
 
     Returns
     -------
@@ -294,14 +298,24 @@ def lagrange_rows(
     places = {**q, **{name: se.Symbol(f"h_{name}") for name in held}}
     speeds = {**q_dot, **{name: se.Symbol(f"hd_{name}") for name in held}}
     traced = functools.partial(_traced, board=board)
-    kinetic = expression(mechanism.kinetic_energy(traced(places), traced(speeds)))
-    potential = expression(mechanism.potential_energy(Traced(t, board), traced(places)))
-    now = Traced(t, board), traced(places), traced(speeds), traced(drives)
+    seen, seen_speeds = traced(places), traced(speeds)
+    if directions is not None:
+        seen |= traced(dict(zip(q, directions.seen(list(q.values())), strict=True)))
+        seen_speeds |= traced(dict(zip(q, directions.seen(list(q_dot.values())), strict=True)))
+    kinetic = expression(mechanism.kinetic_energy(seen, seen_speeds))
+    potential = expression(mechanism.potential_energy(Traced(t, board), seen))
+    now = Traced(t, board), seen, seen_speeds, traced(drives)
     other = _checked(mechanism, mechanism.forces(*now), places)
+    if directions is not None:
+        moving = directions.along([other[name] for name in q])
+        other |= dict(zip(q, moving, strict=True))
     at_rest = {symbols[name]: 0 for symbols in (places, speeds) for name in held}
     supplied = _work_rate(other, speeds)
     if isinstance(mechanism, MatrixMechanism):
-        mass, forces = matrix_rows(mechanism, now[1], held), [other[name] for name in places]
+        mass, forces = matrix_rows(mechanism, seen, held), [other[name] for name in places]
+        if directions is not None:
+            rows = [mass[i : i + len(q)] for i in range(0, len(mass), len(q))]
+            mass = [entry for row in directions.congruent(rows) for entry in row]
         supplied = matrix_supply(mechanism.power(*now), kinetic + potential, other, places, speeds)
     else:
         mass, forces = _lagrange(kinetic, potential, other, places, speeds, list(q))
@@ -353,7 +367,7 @@ def derive_mechanics(
         slip=list(q).index(slip_of(mechanism)),
         mass=se.DenseMatrix(len(rows.mass), len(q), [e for row in rows.mass for e in row]),
         forces=rows.forces,
-        guides=guides_of(mechanism, contact, drives),
+        guides=guides_of(mechanism, contact.slips, drives),
         efforts={list(q).index(name): g.effort for name, g in mechanism.guided().items()},
         held=held,
         load=None if contact.normal is not None else expression(contact.load),

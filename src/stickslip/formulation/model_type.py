@@ -39,6 +39,8 @@ class Model:
     """Names of the contacts, where several rub: the equations are parts then."""
     alone: bool = False
     """Whether there is but one contact, whose equations are parts all the same."""
+    turning: tuple[str, ...] = ()
+    """Paths of the parameters on which the change of coordinates depends, where slips are sums."""
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 
@@ -48,7 +50,8 @@ class Model:
         if not self.contacts:
             return ("friction", "normal_force", *self.channels)
         kinds = ("friction", "normal_force", "mode")
-        return tuple(self.column(kind, name) for kind in kinds for name in self.contacts)
+        own = (self.column(kind, name) for kind in kinds for name in self.contacts)
+        return (*own, *self.channels)
 
     def column(self, kind: str, contact: str) -> str:
         """Return the column of a contact: its name stands in it where there are several.

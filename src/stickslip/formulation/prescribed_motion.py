@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import symengine as se
 
 from stickslip.errors import InputError
-from stickslip.mechanisms import Contact, Guide, Mechanism, normal_of, stops_of
+from stickslip.mechanisms import Guide, Mechanism, normal_of, stops_of
 
 __all__ = ["guides_of", "held_of", "own_limits"]
 
@@ -45,7 +45,7 @@ def held_of(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def guides_of(
-    mechanism: Mechanism, contact: Contact, drives: Mapping[str, se.Symbol]
+    mechanism: Mechanism, slips: Sequence[str], drives: Mapping[str, se.Symbol]
 ) -> dict[int, se.Expr]:
     """Return the accelerations of guided coordinates by index.
 
@@ -53,8 +53,8 @@ def guides_of(
     ----------
     mechanism : Mechanism
         The mechanism.
-    contact : Contact
-        Its contact.
+    slips : sequence of str
+        Coordinates along which its contacts slip.
     drives : mapping of str to Symbol
         Symbols of the drives' values by name.
 
@@ -70,7 +70,7 @@ def guides_of(
     """
     found = {}
     for name, guide in mechanism.guided().items():
-        wrong = _fault(mechanism, contact, name, guide, list(drives))
+        wrong = _fault(mechanism, slips, name, guide, list(drives))
         if wrong:
             raise InputError(f"{type(mechanism).__name__}: {wrong}")
         found[mechanism.coordinates.index(name)] = drives[guide.drive]
@@ -78,12 +78,13 @@ def guides_of(
 
 
 def _fault(
-    mechanism: Mechanism, contact: Contact, name: str, guide: object, drives: Sequence[str]
+    mechanism: Mechanism, slips: Sequence[str], name: str, guide: object, drives: Sequence[str]
 ) -> str:
     """Return why a coordinate cannot be guided so, or nothing."""
-    if name == contact.slip:
-        return f"{name} is the slip coordinate, whose motion cannot be prescribed."
-    others = [one for one in mechanism.coordinates if one != contact.slip]
+    if name in slips:
+        which = "the" if len(set(slips)) == 1 else "a"
+        return f"{name} is {which} slip coordinate, whose motion cannot be prescribed."
+    others = [one for one in mechanism.coordinates if one not in slips]
     if name not in others or not isinstance(guide, Guide) or guide.drive not in drives:
         return (
             f"{name!r} is guided by {guide!r}; only {', '.join(others) or 'no coordinate'} can be"

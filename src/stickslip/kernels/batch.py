@@ -1,6 +1,7 @@
 """Many runs one after the other, of each of which some numbers are kept."""
 
 from stickslip.kernels.backend import Vector, Wholes, vector
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.driver import run
 from stickslip.kernels.model_interface import energy
@@ -82,14 +83,16 @@ def keep_evidence(
 ) -> None:
     """Write how far the run may be trusted, and keep its last state.
 
-    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, MODE, FLAGS, STEPS, REJECTED.
-    Writes: TIME, drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, TURN, MODE, FLAGS, STEPS,
+    REJECTED.
+    Writes: TIME, drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED,
+    MODES, LAW_FLAGS, OPEN.
     """
     n = whole[N_STATES]
     end = whole[END]
     y = whole[Y]
     for i in range(n):
-        w[end + i] = w[y + i]
+        w[end + i] = state_seen(y, i, w, whole)
     last = energy_at(w[TIME], w, whole)
     restore(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)
@@ -125,12 +128,12 @@ def batch_row(
 ) -> tuple[Vector, Vector]:
     """Make one run and keep its outputs; return the rows of its steps and of its events.
 
-    Reads: DENSE, BOOKS.
+    Reads: POLYNOMIAL, DENSE, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
-    SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
-    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
+    SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
+    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
     """
     n = len(outputs) // 2
     prepare_row(row, columns, places, base, w, whole)
@@ -173,12 +176,12 @@ def batch(
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
 
-    Reads: DENSE, BOOKS.
+    Reads: POLYNOMIAL, DENSE, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
-    SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
-    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED.
+    SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
+    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -249,10 +252,10 @@ def sense_end(
     `starts` has those at its start, `slopes` the derivatives of its table, `own` and `q` are as in
     `sense`; `gradients` gets states by directions.
 
-    Reads: TIME, Y, DENSE, STEPS, EVENTS.
+    Reads: TIME, Y, DENSE, WALLS, TURN, STEPS, EVENTS, MODES.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5,
-    directions, guard slopes.
+    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
+    columns 5, directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)
@@ -275,13 +278,13 @@ def batch_sensed(
 ) -> None:  # fmt: skip
     """Run all rows as `batch` does, and take the sensitivities at their ends.
 
-    Reads: DENSE, BOOKS.
+    Reads: POLYNOMIAL, DENSE, WALLS, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
-    SLOPES, WALLS, SIZE, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
-    BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, columns 0, columns 1, columns 2,
-    columns 3, columns 4, columns 5, directions, guard slopes.
+    SLOPES, WALLS, SIZE, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER,
+    SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns
+    0, columns 1, columns 2, columns 3, columns 4, columns 5, directions, guard slopes.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """A recorded run at any times: its rows hold all that is needed."""
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.model_interface import recorded
@@ -91,7 +92,7 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the modes, flags and openings of a row that ends before a place.
 
     Reads: TIME, Y.
-    Writes: ANSWER, CHANGED.
+    Writes: ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -118,7 +119,8 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
     Reads: TIME.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -169,8 +171,9 @@ def play(
 
     A body at rest for good is one row, during which its drives go on.
 
-    Reads: TIME, Y, MODE, FLAGS.
-    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, Y, TURN, MODE, FLAGS.
+    Writes: TIME, drives, Y, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED,
+    MODES, LAW_FLAGS, OPEN.
 
     Parameters
     ----------
@@ -218,7 +221,7 @@ def play(
         load_piece(table, piece, w, whole)
         recorded(t, w, whole, point, values)
         for j in range(n):
-            states[i * n + j] = w[point + j]
+            states[i * n + j] = state_seen(point, j, w, whole)
         for j in range(columns):
             forces[columns * i + j] = w[values + j]
         rows[i] = row

@@ -98,7 +98,7 @@ def rests_for_good(w: Vector, whole: Wholes, bounds: Vector) -> bool:
     `bounds` has least and largest value of each drive from the start of each piece on.
 
     Reads: TIME, Y, MODE, FLAGS, PIECE.
-    Writes: drives, GIVEN, VALUES, ANSWER, CHANGED.
+    Writes: GIVEN, VALUES, BOX, ANSWER, CHANGED.
 
     Parameters
     ----------

@@ -33,6 +33,7 @@ from stickslip.kernels.state_layout import (
     N_GUARDS,
     N_STATES,
     N_SWITCHES,
+    N_WALLS,
     RHYTHM,
     ROW_COLUMNS,
     STATUS,
@@ -56,7 +57,7 @@ FEW_STALLS = 20
 def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
     """Record a body that stays where it is up to a time.
 
-    Reads: TIME, Y, MODE, FLAGS, PIECE, STEPS.
+    Reads: TIME, Y, MODE, FLAGS, PIECE, STEPS, MODES, LAW_FLAGS, OPEN.
     Writes: LENGTH, DENSE, STEPS.
     """
     dense_size = whole[DENSE_SIZE]
@@ -90,8 +91,9 @@ def finish_step(
 ) -> None:
     """Book the step just taken and pass on to what follows it.
 
-    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, drives,
-    Y, Y1, SCALE, VALUES, DENSE, REACHED, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, Y, Y1,
+    SCALE, VALUES, DENSE, REACHED, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS,
+    BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, drives, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
     STALLS, STEPPER, SLOW, ANSWER, CHANGED.
@@ -120,11 +122,11 @@ def finish_step(
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     """Take the new events of several contacts over into the rows of events.
 
-    Reads: TIME, drives, STATUS, EVENTS, STALLS, CHANGED.
+    Reads: TIME, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
-    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES]
+    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
         for i in range(EVENT_COLUMNS):
@@ -135,7 +137,7 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen.
 
-    Reads: TIME, GROSS, LOST, drives, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Reads: TIME, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -148,8 +150,8 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a jump of forces.
 
-    Reads: TIME, GROSS, LOST, drives, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS,
-    BOOKS.
+    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
+    STALLS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -163,8 +165,8 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, VALUES, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS, STALLS,
-    BOOKS.
+    Reads: TIME, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
+    STALLS, BOOKS, MODES.
     Writes: STEP, STRIDE, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
     CHANGED.
@@ -174,6 +176,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     enter_pieces(table, w, whole)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)
+        take_changes(w, whole, events)
         ask(FIRST_SIZES, t_end, w, whole)
         w[RHYTHM] = math.inf
     else:
@@ -190,8 +193,8 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
-    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, VALUES, REACHED, MODE, FLAGS, PIECE, STEPS, EVENTS,
-    STALLS, BOOKS.
+    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS, PIECE, STEPS,
+    EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, GROSS, LOST, drives, Y, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS,
     MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -220,11 +223,12 @@ def run(
     time goes on from there: pieces may be told as late as they begin. Returns the rows of steps and
     of events, in the vectors given or in longer ones.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM, Y, SCALE,
-    VALUES, REACHED, LOWEST, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
+    POLYNOMIAL, Y, SCALE, VALUES, REACHED, LOWEST, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS,
+    REJECTED, EVENTS, STALLS, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     RHYTHM, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
-    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS,
+    DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS,
     REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters

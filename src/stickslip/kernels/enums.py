@@ -78,7 +78,7 @@ BROKE_AWAY = 2
 LEFT_GROUND = 3
 LEFT_STOP = 4
 HIT = 5
-OPENED = 5  # with several contacts, which have no hard stops
+OPENED = 5  # with several contacts: impacts follow these two
 CLOSED_AGAIN = 6
 
 # How a mode is stepped: DOP853, Rodas5P, series.

@@ -13,6 +13,7 @@ from stickslip.kernels.state_layout import ADDRESS
 __all__ = [
     "CALLED",
     "CONTACT",
+    "EFFORTS",
     "ENERGY",
     "FIELD",
     "FIELD_SLOPES",
@@ -27,6 +28,7 @@ __all__ = [
     "LAW_MARGINS",
     "LAW_MARGIN_SLOPES",
     "LAW_SLOPES_OF",
+    "LIMITS",
     "LINEAR",
     "LOADS",
     "MARGINS",
@@ -35,6 +37,7 @@ __all__ = [
     "POWER",
     "REST",
     "TIME_SLOPE",
+    "TURNING",
     "WALLS_OF",
     "evaluate",
 ]
@@ -59,6 +62,9 @@ LOADS = 16
 GEOMETRY = 17
 FORCE_SLOPES = 18
 PART_SLOPES_OF = 19
+EFFORTS = 20
+LIMITS = 21
+TURNING = 22
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -80,6 +86,9 @@ CALLED: tuple[str, ...] = (
     "geometry",
     "force_slopes",
     "part_slopes",
+    "efforts",
+    "limits",
+    "turning",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000

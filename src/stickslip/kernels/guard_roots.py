@@ -77,7 +77,7 @@ EPSILON_STEP = 2.220446049250313e-16
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
-    Reads: `at`, SCALE, MODE, FLAGS.
+    Reads: `at`, SCALE, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
 
     Parameters
@@ -108,6 +108,8 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def reverses(guard: int, whole: Wholes) -> bool:
     """Whether a guard is the speed of a body that bristles alone carry, which only turns.
 
+    Reads: MODES.
+
     Parameters
     ----------
     guard : int
@@ -133,7 +135,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
-    Reads: SCALE, DENSE, MODE, FLAGS.
+    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     point = whole[POINT]
@@ -148,7 +150,7 @@ def bisect(
 ) -> float:
     """Return the fraction just past a sign change.
 
-    Reads: SCALE, DENSE, MODE, FLAGS.
+    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
@@ -173,7 +175,7 @@ def bisect(
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
-    Reads: SCALE, DENSE, MODE, FLAGS.
+    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     a = high - GOLDEN * (high - low)
@@ -223,7 +225,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
 
-    Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS.
+    Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
@@ -267,7 +269,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE, MODE, FLAGS.
+    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
     Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
 
     Parameters
@@ -309,7 +311,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 def is_held(whole: Wholes) -> bool:
     """Whether anything is held: its guards may change with time while no state does.
 
-    Reads: MODE.
+    Reads: MODE, MODES.
 
     Parameters
     ----------
@@ -347,7 +349,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
 
-    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
 
     Parameters

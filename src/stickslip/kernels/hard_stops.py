@@ -25,7 +25,15 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["approach", "pressed_by", "strike", "touched", "wall_coordinate"]
+__all__ = [
+    "approach",
+    "pressed_by",
+    "resting_speed",
+    "strike",
+    "touched",
+    "wall_coordinate",
+    "wall_side",
+]
 
 RESTING = 1e-9
 """Share of the largest speed so far below which a body that is pressed bounces no more."""
@@ -56,7 +64,20 @@ def wall_coordinate(wall: int, whole: Wholes) -> int:
 
 
 def wall_side(wall: int, whole: Wholes) -> int:
-    """Return 1 for a stop above, -1 for one below."""
+    """Return 1 for a stop above, -1 for one below.
+
+    Parameters
+    ----------
+    wall : int
+        Index of the stop.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    int
+        1 or -1.
+    """
     return whole[HEADER + 2 * wall + 1]
 
 
@@ -157,6 +178,24 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
     A tiny share of the largest speed; but the bounce must also last some units of the time's last
     digit, and its impact cost a height that is not lost in the rounding of the place: of a bounce
     that gains by rounding what it loses by impact there is no end.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    size : float
+        Largest speed so far.
+    push : float
+        Acceleration towards the stop.
+    place : float
+        Place of the stop.
+    restitution : float
+        Speed after an impact over that before [1].
+
+    Returns
+    -------
+    float
+        Speed, in the unit of the coordinate's rate.
     """
     cost = max(1.0 - restitution * restitution, ELASTIC)
     blurred = math.sqrt(2.0 * abs(push) * BLUR * abs(place) / cost)

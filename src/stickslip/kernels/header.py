@@ -15,6 +15,8 @@ __all__ = ["LAW_NUMBERS", "ContactSizes", "ModeSizes", "Sizes"]
 
 LAW_NUMBERS = 7
 """Numbers that a law writes before the rates of its bristles."""
+WALL_NUMBERS = 2
+"""Numbers of a hard stop where several contacts rub: position, restitution."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,6 +206,8 @@ class ContactSizes(Sizes):
 
     slips: tuple[int, ...]
     """Index of the coordinate along which each contact slips."""
+    turned: bool
+    """Whether the coordinates are not those of the mechanism."""
     kinds: tuple[int, ...]
     """Index of each contact's law among those of different structure."""
     shared: tuple[int, ...]
@@ -212,12 +216,20 @@ class ContactSizes(Sizes):
     """How many parameters each of these has."""
     bristles_of: tuple[int, ...]
     """How many bristle states each contact has."""
+    holds: tuple[bool, ...]
+    """Whether each contact's law holds it: it is set-valued, or has a rule for rest."""
     directional: tuple[bool, ...]
     """Whether each contact's law depends on the direction."""
     reacts: tuple[bool, ...]
     """Whether each contact's load is a reaction."""
     held: int
     """Held coordinates."""
+    channels: int
+    """Efforts of guided coordinates."""
+    own_limits: int
+    """Conditions of the mechanism that end a run."""
+    walls: tuple[tuple[int, int], ...]
+    """Index of the coordinate and side, 1 above and -1 below, of each hard stop."""
     mass: tuple[tuple[int, int], ...]
     """Row and column of each entry of the mass matrix."""
     slopes: tuple[tuple[int, int], ...]
@@ -248,20 +260,20 @@ class ContactSizes(Sizes):
     @property
     @override
     def guards(self) -> int:
-        """Two of each coordinate, switches and opening of each contact, switches, the pivot."""
+        """Two of each coordinate, switches and opening of each contact, switches, limits, stops."""
         own = 2 * self.coordinates + self.contacts * (self.law_switches + 1)
-        return own + self.switches + self.limits
+        return own + self.switches + self.limits + len(self.walls)
 
     @property
     def limits(self) -> int:
-        """Conditions that end a run: the pivot of reactions that depend on friction."""
-        return int(any(self.reacts))
+        """Conditions that end a run: the pivot of reactions that depend on friction, then own."""
+        return int(any(self.reacts)) + self.own_limits
 
     @property
     @override
     def columns(self) -> int:
-        """Friction, load and mode of each contact."""
-        return 3 * self.contacts
+        """Friction, load and mode of each contact, efforts."""
+        return 3 * self.contacts + self.channels
 
     @override
     def lengths(self) -> dict[str, int]:
@@ -278,6 +290,13 @@ class ContactSizes(Sizes):
             "force_slopes": len(self.slopes) + len(self.time_slopes),
             "part_slopes": sum(map(len, self.part_slopes)),
         }
+        some = {
+            "turning": 2 * self.coordinates**2 * self.turned,
+            "efforts": self.channels,
+            "limits": self.own_limits,
+            "walls": WALL_NUMBERS * len(self.walls),
+        }
+        own |= {name: length for name, length in some.items() if length}
         for kind in set(self.kinds):
             own[f"law_{kind}"] = LAW_NUMBERS + self._most_bristles
             own[f"law_margins_{kind}"] = self.law_switches
@@ -323,12 +342,16 @@ class ContactSizes(Sizes):
         diagonal = self.constant_mass and all(
             row == column for row, column in self.mass if row < self.coordinates
         )
-        first_limit = self.guards - self.limits
+        first_wall = self.guards - len(self.walls)
         return {
             at.N_LIMITS: self.limits,
-            at.FIRST_LIMIT: first_limit,
-            at.FIRST_WALL: self.guards,
-            at.MOST_EVENTS: self.contacts + 4,
+            at.N_WALLS: len(self.walls),
+            at.N_CHANNELS: self.channels,
+            at.IS_TURNED: int(self.turned),
+            at.WALL_COLUMNS: WALL_NUMBERS,
+            at.FIRST_LIMIT: first_wall - self.limits,
+            at.FIRST_WALL: first_wall,
+            at.MOST_EVENTS: self._most_changes,
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
             + (1 if self.exact else at.TERMS + 1) * self.states
@@ -389,14 +412,21 @@ class ContactSizes(Sizes):
             at.REACTION_ROWS: (reacting + 2) * (self.held + reacting + 2),
             at.WORKS: c,
             at.BOX: 2 * self.drives,
-            at.CHANGES: (c + 4) * at.EVENT_COLUMNS,
+            at.CHANGES: self._most_changes * at.EVENT_COLUMNS,
+            at.WALLS: WALL_NUMBERS * len(self.walls),
+            at.MOTION_POINT: self.states + n + c,
+            at.TURN: 2 * n * n * self.turned,
             **(self._slope_rooms() if self.part_slopes else {}),
         }
+
+    @property
+    def _most_changes(self) -> int:
+        """Most events of an instant: of each contact, each stop, a switch, what ends the run."""
+        return self.contacts + len(self.walls) + 4
 
     def _slope_rooms(self) -> dict[int, int]:
         n, c = self.coordinates, self.contacts
         return {
-            at.SLOPE_POINT: self.states + n,
             at.PART_SLOPES: sum(map(len, self.part_slopes)),
             at.LAW_SLOPES: 3 * c * self._law_slopes,
             at.PART_COLUMN: self._part_rows,
@@ -417,8 +447,9 @@ class ContactSizes(Sizes):
             bristles.append(first if count else -1)
             first += count
         rigid = [0] * n
-        for slip, count in zip(self.slips, self.bristles_of, strict=True):
-            rigid[slip] |= int(not count)
+        for slip, holds in zip(self.slips, self.holds, strict=True):
+            rigid[slip] |= int(holds)
+        yield None, tuple(number for wall in self.walls for number in wall)
         yield at.MASS_ROWS, tuple(row for row, _ in self.mass)
         yield at.MASS_COLUMNS, tuple(column for _, column in self.mass)
         yield at.SLOPE_ROWS, tuple(row for row, _ in self.slopes)
@@ -432,6 +463,7 @@ class ContactSizes(Sizes):
         yield at.LAW_ROWS, tuple(places[index] for index in self.shared)
         yield at.LAW_BRISTLES, tuple(1 + self.numbers[index] for index in self.shared)
         yield at.DIRECTIONAL, tuple(map(int, self.directional))
+        yield at.HOLDS, tuple(map(int, self.holds))
         yield at.RIGID, tuple(rigid)
         yield at.MODES, (0,) * n
         yield at.LAW_FLAGS, (0,) * c
@@ -440,6 +472,7 @@ class ContactSizes(Sizes):
         yield at.FORCED, (0,) * n
         yield at.BEFORE, (0,) * n
         yield at.KEPT, (0,) * n
+        yield at.STRUCK, (0,) * n
         yield at.CLOSED, (0,) * c
         ends = accumulate(map(len, self.part_slopes), initial=0)
         yield at.PART_STARTS, tuple(ends)

@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_evaluation import restore, row_at
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import (
@@ -57,18 +58,18 @@ GOLD = 0.6180339887498949
 def state_in(x: float, state: int, w: Vector, whole: Wholes) -> float:
     """Return a state at a fraction of the restored row.
 
-    Reads: DENSE.
+    Reads: DENSE, TURN.
     Writes: POINT.
     """
     point = whole[POINT]
     interpolate(w, whole, x, point)
-    return w[point + state]
+    return state_seen(point, state, w, whole)
 
 
 def peak_in(state: int, side: float, low: float, high: float, w: Vector, whole: Wholes) -> float:
     """Return the largest `side` times a state within a bracket, by golden section.
 
-    Reads: DENSE.
+    Reads: DENSE, TURN.
     Writes: POINT.
     """
     a = high - GOLD * (high - low)
@@ -103,8 +104,9 @@ def extremum(
 ) -> float:
     """Return the largest (`side` 1) or smallest (-1) value of a state from a time on.
 
-    Reads: TIME, DENSE.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, DENSE, TURN.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
     """
     width_at = whole[ROW_COLUMNS]
     best = -math.inf
@@ -143,8 +145,9 @@ def mean(
 ) -> float:
     """Return the mean of a state over a stretch of time.
 
-    Reads: TIME, DENSE.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, DENSE, TURN.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
     """
     width = whole[ROW_COLUMNS]
     total = 0.0
@@ -204,10 +207,15 @@ def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
     if guard < 0:
         if UNLOADED in (before, after):
             return OPENED if after == UNLOADED else CLOSED_AGAIN
-        if after == HELD_FAST:
+        if abs(before) == 2.0:
+            return LEFT_STOP
+        if after == HELD_FAST or abs(after) == 2.0:
             return STOPPED
         return BROKE_AWAY if before == HELD_FAST else REVERSED
     first = CLOSED_AGAIN + 1
+    if guard >= whole[FIRST_WALL]:
+        return first + wall_coordinate(guard - whole[FIRST_WALL], whole)
+    first += whole[N_COORDINATES]
     if guard >= whole[FIRST_LIMIT]:
         return first + guard - whole[FIRST_LIMIT]
     first += whole[N_LIMITS]
@@ -267,8 +275,9 @@ def reduced(
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
     event. Asked for beyond the end of a run that ended early, the output is NaN.
 
-    Reads: TIME, END, DENSE, STEPS, EVENTS.
-    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED.
+    Reads: TIME, END, DENSE, TURN, STEPS, EVENTS.
+    Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN.
 
     Parameters
     ----------

@@ -16,11 +16,13 @@ those of the functions of these names.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.coordinates import turn_columns
 from stickslip.kernels.dense_evaluation import restore, restore_modes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import (
     field,
@@ -47,6 +49,7 @@ from stickslip.kernels.state_layout import (
     N_DRIVES,
     N_GUARDS,
     N_STATES,
+    N_WALLS,
     POINT,
     ROW_COLUMNS,
     ROW_DENSE,
@@ -56,6 +59,8 @@ from stickslip.kernels.state_layout import (
     SLOPES,
     TIME,
     VALUES,
+    WALL_COLUMNS,
+    WALLS,
     Y1,
     Y,
 )
@@ -395,9 +400,9 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: DENSE, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, columns 0,
-    columns 3, columns 4, directions, guard slopes.
+    Reads: DENSE, MODE, FLAGS, MODES, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -414,6 +419,8 @@ def pass_instant(
         guard = first_guard(events, first, number, t)
         pass_contacts(log, row, guard, table, dtable, w, whole, own, q, m)
         while first < number and events[first * EVENT_COLUMNS] <= t:
+            if events[first * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
+                lose(w, whole, q, m)
             first += 1
         return first
     following = int(log[at + width + 5])
@@ -439,7 +446,7 @@ def restore_contacts(log: Vector, row: int, w: Vector, whole: Wholes) -> None:
     """Take over modes, flags and state with which a row begins, of several contacts.
 
     Reads: TIME.
-    Writes: Y, FLAGS, ANSWER, CHANGED.
+    Writes: Y, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
     """
     at = row * whole[ROW_COLUMNS]
     for i in range(whole[N_STATES]):
@@ -476,7 +483,7 @@ def own_moments(
     derivative: NaN. Beside the first, these are of what has stopped, and of what breaks away just
     as it has reached its level, and not because of another.
 
-    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
+    Reads: Y, Y1, MODE, FLAGS, MODES, columns 0, directions.
     Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
     """
     n, values = whole[N_COORDINATES], whole[VALUES]
@@ -517,9 +524,9 @@ def pass_contacts(
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump.
 
-    Reads: Y, MODE, FLAGS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, columns 0, columns 3,
-    columns 4, directions, guard slopes.
+    Reads: Y, MODE, FLAGS, MODES, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN,
+    columns 0, columns 3, columns 4, directions, guard slopes.
     """
     at = row * whole[ROW_COLUMNS]
     y, t = whole[Y], log[at + 1]
@@ -545,6 +552,7 @@ def pass_contacts(
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away the rates of what is held.
 
+    Reads: MODES.
     Writes: columns 0.
     """
     n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
@@ -552,6 +560,20 @@ def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
         if whole[whole[MODES] + i] == HELD_FAST:
             for c in range(m):
                 w[now + (n + i) * m + c] = 0.0
+
+
+def at_stop(w: Vector, whole: Wholes) -> bool:
+    """Whether something is held at its stop: what follows depends on what an impact would do.
+
+    Reads: Y, WALLS, MODES.
+    """
+    found = False
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        held = whole[whole[MODES] + i] == HELD_FAST
+        position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+        found = found or (held and w[whole[Y] + i] == position)
+    return found
 
 
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
@@ -586,10 +608,10 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
 
-    Reads: TIME, Y, DENSE, columns 0.
+    Reads: TIME, Y, DENSE, WALLS, TURN, MODES, columns 0.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
-    guard slopes.
+    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
+    columns 5, directions, guard slopes.
 
     Parameters
     ----------
@@ -628,8 +650,11 @@ def sense(
         k += 1
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, log[0], w, whole)
+        turn_columns(now, m, 0, w, whole)
         restore(log, 0, table, w, whole)
         hold_contacts(w, whole, q, m)
+        if at_stop(w, whole):
+            lose(w, whole, q, m)
     else:
         hold(int(log[3]), w, whole, q, m)
     for row in range(count):
@@ -639,6 +664,7 @@ def sense(
         while asked < len(times) and (last or times[asked] < log[at + 1]):
             restore(log, row, table, w, whole)
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
+            turn_columns(result, m, 1, w, whole)
             for i in range(n * m):
                 out[asked * n * m + i] = w[result + i]
             asked += 1

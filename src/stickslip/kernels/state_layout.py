@@ -12,7 +12,8 @@ Docstrings of kernels list the slots that a function reads and writes, with all 
 reads what must be there when it begins; what it writes and does not read is its result, or scratch
 that nothing may rely on. `drives` are the places before GIVEN. What the equations read whenever
 they are asked, drives, parameters and where they are themselves, is not listed, nor are sizes and
-places. A name in back quotes is an argument that gives a place.
+places, nor what becomes of the slots of several contacts where these are called by their address. A
+name in back quotes is an argument that gives a place.
 """
 
 from stickslip.kernels.backend import Vector, vector
@@ -71,7 +72,9 @@ __all__ = [
     "HEADER",
     "HELD_NORMALS",
     "HELD_SLIPS",
+    "HOLDS",
     "INTERVAL",
+    "IS_TURNED",
     "KEPT",
     "KINDS",
     "LAW_BRISTLES",
@@ -98,10 +101,12 @@ __all__ = [
     "MODE",
     "MODES",
     "MOST_EVENTS",
+    "MOTION_POINT",
     "NEEDED",
     "NEEDED_SERIES",
     "NEEDED_SLOPES",
     "NUMBERS",
+    "N_CHANNELS",
     "N_COLUMNS",
     "N_CONTACTS",
     "N_COORDINATES",
@@ -152,7 +157,6 @@ __all__ = [
     "SLIP_FACTORS",
     "SLOPES",
     "SLOPE_COLUMNS",
-    "SLOPE_POINT",
     "SLOPE_ROWS",
     "SLOPE_VALUES",
     "SLOW",
@@ -163,12 +167,14 @@ __all__ = [
     "STEPPER",
     "STEPS",
     "STRIDE",
+    "STRUCK",
     "SUPPLIED",
     "SUPPLIES",
     "TAKEN",
     "TERMS",
     "TIME",
     "TIME_ROWS",
+    "TURN",
     "VALUES",
     "VARIABLE_PLACES",
     "VIOLATION",
@@ -270,8 +276,8 @@ FIRST_LIMIT = 29
 FIRST_WALL = 30
 MOST_EVENTS = 31
 WALL_COLUMNS = 32
-"""Columns of a hard stop: position, restitution, mass that its impulse meets, then for each
-coordinate the change of its rate over that of the stopped one."""
+"""Columns of a hard stop: position, restitution; with one contact then the mass that its impulse
+meets, and for each coordinate the change of its rate over that of the stopped one."""
 DENSE_SIZE = 33
 ROW_COLUMNS = 34
 
@@ -394,10 +400,10 @@ PART_STARTS = 116
 PART_ROWS = 117
 VARIABLE_PLACES = 118
 
-# Places in `w`: a state with its accelerations behind it, slopes of the parts, of each contact's
-# law forward and backward and of its margins; along one variable, slopes of the parts, of
-# accelerations, needed friction, loads, friction, levels, rates of bristles.
-SLOPE_POINT = 119
+# Places in `w`: a state with its accelerations and the friction of contacts behind it; slopes of
+# the parts, of each contact's law forward and backward and of its margins; along one variable,
+# those of the parts, of accelerations, needed friction, loads, friction, levels, bristle rates.
+MOTION_POINT = 119
 PART_SLOPES = 120
 LAW_SLOPES = 121
 PART_COLUMN = 122
@@ -408,7 +414,19 @@ FRICTION_SLOPES = 126
 LEVEL_SLOPES = 127
 BRISTLE_SLOPES = 128
 
-HEADER = 129
+N_CHANNELS = 129
+"""With several contacts: efforts of guided coordinates."""
+STRUCK = 130
+"""Place in `whole` of how each coordinate meets its stop in an impact."""
+
+IS_TURNED = 131
+"""Place in `whole` of whether the coordinates are not those of the mechanism, 1 or 0."""
+TURN = 132
+"""Place in `w` of the matrix that gives them by those of the mechanism, and of its inverse."""
+HOLDS = 133
+"""Place in `whole` of whether each contact's law may hold it, 1 or 0."""
+
+HEADER = 134
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

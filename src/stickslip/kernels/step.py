@@ -61,7 +61,7 @@ BOUNCE = 1e-3
 def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
-    Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER.
+    Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER, MODES.
     Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
     """
     y = whole[Y]
@@ -105,7 +105,7 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, RHYTHM, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW.
+    Reads: `slot`, TIME, RHYTHM, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
     Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -142,7 +142,7 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     Nothing else keeps steps short where a body is held and only its load or the force on it change.
     The next step is no longer than these guards allow.
 
-    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS.
+    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
     Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
     """
     t = w[TIME]
@@ -161,7 +161,7 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
 
     Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
 
-    Reads: TIME, FRACTION, Y.
+    Reads: TIME, FRACTION, Y, MODES.
     """
     t = w[TIME]
     fraction = w[FRACTION]
@@ -180,13 +180,17 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
     once does so truly if its first coefficient that is not zero, however small, is negative.
 
-    Reads: TIME, FRACTION, POLYNOMIAL.
+    Reads: TIME, FRACTION, POLYNOMIAL, Y.
     """
     fraction = w[FRACTION]
     if guard < whole[FIRST_WALL] or fraction >= BOUNCE:
         return 0.0
     shorter = 2.0 * fraction * h
-    if fraction == 0.0:
+    if fraction == 0.0 and whole[N_CONTACTS] > 0:
+        if approach(guard, w, whole) > 0.0:
+            return 0.0
+        shorter = h / 8.0
+    elif fraction == 0.0:
         k = POLYNOMIAL
         while w[k] == 0.0:
             k += 1
@@ -206,8 +210,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, Y, SCALE, REACHED, LOWEST, MODE, FLAGS, REJECTED,
-    STEPPER, SLOW.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, MODE, FLAGS,
+    REJECTED, STEPPER, SLOW, MODES.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
     CHANGED.
@@ -241,10 +245,9 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         if exact:
             if whole[N_CONTACTS] > 0:
                 guard = ask_here(CROSSING, w, whole)
-                shorter = 0.0
             else:
                 guard = first_crossing(w[TIME], h, w, whole)
-                shorter = bounce_length(guard, h, w, whole)
+            shorter = bounce_length(guard, h, w, whole)
         else:
             guard = first_violation(w[TIME], h, w, whole)
             shorter = finer(h, slot, w, whole) if is_held(whole) else 0.0

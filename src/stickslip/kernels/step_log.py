@@ -81,7 +81,7 @@ def add_work(w: Vector, whole: Wholes) -> None:
 def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
     """Write one row of the log.
 
-    Reads: TIME, LENGTH, DENSE, MODE, FLAGS, PIECE, STEPS.
+    Reads: TIME, LENGTH, DENSE, MODE, FLAGS, PIECE, STEPS, MODES, LAW_FLAGS, OPEN.
     Writes: STEPS.
 
     Parameters
@@ -113,7 +113,10 @@ def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:
 
 
 def note_modes(end: int, log: Vector, whole: Wholes) -> None:
-    """Write modes, flags and openings to the end of a row that ends before a place."""
+    """Write modes, flags and openings to the end of a row that ends before a place.
+
+    Reads: MODES, LAW_FLAGS, OPEN.
+    """
     n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
@@ -133,7 +136,7 @@ def speed_of(guard: int, whole: Wholes) -> int:
 def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
-    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS.
+    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS, MODES.
     Writes: VIOLATION, RESIDUAL, VALUES, ANSWER, CHANGED.
     """
     values = whole[VALUES]
@@ -155,7 +158,8 @@ def audit(guard: int, w: Vector, whole: Wholes) -> None:
 def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     """Move time and state to the end of the step.
 
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS.
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS,
+    MODES.
     Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES, ANSWER, CHANGED.
 
     Parameters

@@ -1,11 +1,11 @@
 """What a solver is."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import Parametrised
 from stickslip.trajectory import Trajectory
 
@@ -70,10 +70,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
     efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
-    turning = {
-        one.name: isinstance(one.slip, str) and units.get(one.slip) == "rad"
-        for one in mechanism.contacts()
-    }
+    turning = {one.name: _turns(one, units) for one in mechanism.contacts()}
     several = len(turning) > 1
     own = {}
     for column in columns:
@@ -82,6 +79,12 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         kinds = {"friction": "N m" if turns else "N", "normal_force": "N", "mode": "1"}
         own[column] = kinds.get(kind, "rad" if turns else "m")
     return units | own | efforts
+
+
+def _turns(contact: Contact, units: Mapping[str, str]) -> bool:
+    """Whether a contact slips along an angle, or the sum or difference of angles."""
+    factors = {contact.slip: 1.0} if isinstance(contact.slip, str) else contact.slip
+    return all(units.get(q) == "rad" and abs(factor) == 1.0 for q, factor in factors.items())
 
 
 def name_of_only_contact(mechanism: Mechanism) -> str:

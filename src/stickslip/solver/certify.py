@@ -29,6 +29,7 @@ from stickslip.kernels.state_layout import (
     TAKEN,
     VIOLATION,
     WORKS,
+    Y,
 )
 from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
@@ -93,7 +94,7 @@ def certify(
     books = _books(playback, w)
     energy_error = books["energy_error"]
     violation, residual = float(w[VIOLATION]), float(w[RESIDUAL])
-    drift = _stick_drift(playback)
+    drift = _stick_drift(playback, w)
     energy_limit = energy_limit_at(tolerance)
     problems = []
     if not energy_error <= energy_limit:
@@ -174,7 +175,7 @@ def _warning(name: str, share: float) -> str:
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the energies and all work done."""
-    start, end = (_energy(playback, at) for at in (0, -1))
+    start, end = (_energy(playback, w, at) for at in (0, -1))
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
     size = max(abs(start), abs(end), float(w[GROSS]))
@@ -189,34 +190,39 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     }
 
 
-def _energy(playback: Playback, at: int) -> float:
+def _energy(playback: Playback, w: Sequence[float], at: int) -> float:
     """Return the energy at the start of the first row or the end of the last."""
     row = playback.rows[at]
     t = playback.span()[at]
-    states, _, _ = playback.played(np.array([t]))
+    if playback.model.contacts:  # whose equations may have other coordinates than the run
+        n, y = len(playback.model.states), playback.runner.header[Y]
+        first = row[ROW_DENSE + 1 : ROW_DENSE + 1 + n]
+        state = [float(x) for x in (first if at == 0 else w[y : y + n])]
+    else:
+        state = playback.played(np.array([t]))[0][0].tolist()
     equations = Equations(playback.model, playback.inputs)
     equations.load(int(row[5]))
-    (energy,) = equations("energy", 0, int(row[4]), t, states[0].tolist())
+    (energy,) = equations("energy", 0, int(row[4]), t, state)
     return float(energy)
 
 
-def _contact_drift(playback: Playback) -> float:
+def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
     """Return the largest change of a coordinate within a row in which it is held."""
     rows, n = playback.rows, playback.runner.header[N_COORDINATES]
-    count = len(playback.model.contacts)
-    end, _, _ = playback.played(rows[-1:, 1])
-    places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end[:, :n]])
+    count, y = len(playback.model.contacts), playback.runner.header[Y]
+    end = np.array([float(x) for x in w[y : y + n]])
+    places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end])
     width = rows.shape[1]
     modes = rows[:, width - n - 2 * count : width - 2 * count]
     moved = np.abs(np.diff(places, axis=0))[modes == enums.HELD_FAST]
     return float(moved.max(initial=0.0))
 
 
-def _stick_drift(playback: Playback) -> float:
+def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     """Return the largest change of the slip coordinate within a row of rest, at a stop or not."""
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
-        return _contact_drift(playback)
+        return _contact_drift(playback, w)
     end, _, _ = playback.played(rows[-1:, 1])
     coordinate = header[SLIP] - header[N_COORDINATES]
     places = np.append(rows[:, ROW_DENSE + 1 + coordinate], end[0, coordinate])

@@ -297,8 +297,8 @@ def reasons(model: Model) -> Sequence[str | None]:
     """Return the names of what happens, by their codes; None for what has no name."""
     pairs = [*model.switch_events, *(pair for own in model.law_switch_events for pair in own)]
     switched = [name for pair in pairs for name in pair or (None, None)]
-    own = OF_CONTACTS if model.contacts else model.impact_events
-    return [*REASONS, *own, *model.limits, *switched]
+    own = OF_CONTACTS if model.contacts else ()
+    return [*REASONS, *own, *model.impact_events, *model.limits, *switched]
 
 
 REASONS = ("stop", "reversal", "break-away", "lift-off", "leaves stop")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.sensitivities import columns_at, sense_size
@@ -72,8 +73,20 @@ def directions_of(
     -------
     Directions
         Quantity, start and slopes of the drives' tables along each path.
+
+    Raises
+    ------
+    InputError
+        If a path is one on which the coordinates of the equations depend.
     """
     model = formulate(mechanism, law)
+    for path in paths:
+        if path in model.turning:
+            raise InputError(
+                f"{path} has no sensitivity: a contact of {type(mechanism).__name__} slips along a"
+                " sum of coordinates that depends on it. Choose relative coordinates, of which the"
+                " slip is one, or take differences of runs."
+            )
     numbers = 3 * len(model.drives)
     own = np.full(len(paths), -1.0)
     start = np.zeros((len(model.states), len(paths)))

@@ -11,8 +11,18 @@ they share in proportion to their levels: they reach these together.
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.factors import factorise, solve_free
+from stickslip.kernels.contacts.stops import raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
-from stickslip.kernels.equations import FORCES, GEOMETRY, LAW, LOADS, MASSES, evaluate
+from stickslip.kernels.equations import (
+    FORCES,
+    GEOMETRY,
+    LAW,
+    LOADS,
+    MASSES,
+    TURNING,
+    WALLS_OF,
+    evaluate,
+)
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_COUNTS,
@@ -32,6 +42,8 @@ from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
     HELD_NORMALS,
     HELD_SLIPS,
+    HOLDS,
+    IS_TURNED,
     KINDS,
     LAW_BRISTLES,
     LAW_FLAGS,
@@ -45,11 +57,14 @@ from stickslip.kernels.state_layout import (
     MASS_COLUMNS,
     MASS_ROWS,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_HELD,
     N_MASSES,
     N_REACTIONS,
+    N_STATES,
+    N_WALLS,
     NEEDED,
     OPEN,
     PIVOT,
@@ -57,6 +72,8 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    TURN,
+    WALLS,
     Y,
 )
 
@@ -66,10 +83,13 @@ __all__ = [
     "ask_law",
     "assemble",
     "balance",
+    "bends",
     "equal_part",
     "note_surplus",
     "prepare",
     "put_loads",
+    "put_mass",
+    "put_motion",
     "refactor",
     "refresh",
     "set_row",
@@ -84,6 +104,9 @@ are equal, rounding would let it break away and stop without end."""
 def prepare(t: float, w: Vector, whole: Wholes) -> None:
     """Write what is the same in a whole run: directions of slip, a constant mass matrix.
 
+    Reads: Y, HELD_NORMALS, FLAGS.
+    Writes: FRICTIONLESS, WALLS, SLIP_FACTORS, MASS, LOAD, LAW_VALUES, REACTION_ROWS, TURN.
+
     Parameters
     ----------
     t : float
@@ -94,6 +117,10 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
+    if whole[IS_TURNED]:
+        evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
+    if whole[N_WALLS] > 0:
+        evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])
     count, rows = whole[N_REACTIONS], whole[REACTION_ROWS]
     for i in range(count * (count + 1)):
@@ -104,7 +131,22 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
 
 
 def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the mass matrix, of held coordinates below it."""
+    """Write the mass matrix, of held coordinates below it.
+
+    Reads: `at`, FLAGS.
+    Writes: MASS, LAW_VALUES.
+
+    Parameters
+    ----------
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
     n = whole[N_COORDINATES]
     mass = whole[MASS]
     values = whole[LAW_VALUES]
@@ -119,6 +161,8 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the direction, 1 or -1, in which a contact slips or is about to.
+
+    Reads: `at`, SLIP_FACTORS, MODES.
 
     Parameters
     ----------
@@ -150,6 +194,9 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
     They are: constant and factor of the load of friction, and of the level; the slopes of the
     first two along the speed; whether friction is affine in the speed; rates of bristles.
 
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_VALUES.
+
     Parameters
     ----------
     contact : int
@@ -172,6 +219,9 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
 
 def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     """Write what the functions of a contact's law read; return the place in `w` where it stands.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES.
+    Writes: LAW_ROWS.
 
     Parameters
     ----------
@@ -207,11 +257,37 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     return row
 
 
+def bends(contact: int, whole: Wholes) -> bool:
+    """Return whether bristles carry the friction of a contact; a rule for rest takes it from them.
+
+    Reads: MODES.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether they do.
+    """
+    mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
+    slips = mode in (FORWARD, BACKWARD, FREE)
+    return whole[whole[BRISTLES] + contact] >= 0 and (slips or not whole[whole[HOLDS] + contact])
+
+
 def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and levels of all contacts as constants and factors of their loads.
 
     A contact that is pushed to its static level, in a decision, has that as its friction. Rates of
     bristles are written too, with the loads at hand; those of open contacts rest.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES.
     """
     constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
     values = whole[LAW_VALUES]
@@ -232,12 +308,14 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
         mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
         side = side_of(c, w, whole, at)
         ask_law(c, side, t, w, whole, at)
-        if bristle >= 0:
+        if bends(c, whole):
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
             for k in range(whole[whole[BRISTLE_COUNTS] + c]):
                 w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
             continue
+        for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+            w[whole[BRISTLE_RATES] + bristle + k] = 0.0
         if mode in (FORWARD, BACKWARD):
             w[constant + c] = side * w[values]
             w[factor + c] = side * w[values + 1]
@@ -257,6 +335,9 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads.
+
+    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES.
+    Writes: ACCELERATION, NEEDED, FRICTION.
 
     Parameters
     ----------
@@ -288,10 +369,14 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             w[needed + i] = total
 
 
-def share(w: Vector, whole: Wholes) -> None:
+def share(w: Vector, whole: Wholes, at: int) -> None:
     """Write the levels of each coordinate, and the needed friction by contact.
 
-    Reads loads, accelerations and needed friction.
+    At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
+    loads, accelerations and needed friction.
+
+    Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
+    Writes: LEVELS, FRICTION.
     """
     n, levels = whole[N_COORDINATES], whole[LEVELS]
     for i in range(2 * n):
@@ -304,19 +389,25 @@ def share(w: Vector, whole: Wholes) -> None:
             w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
             factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
             needed = w[whole[NEEDED] + i]
             back = 0 if needed >= 0.0 else 1
             place = 2 * c + (back if factor > 0.0 else 1 - back)
             level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
             total = w[levels + 2 * i + back]
+            if whole[N_WALLS] > 0:
+                needed = max(-total, min(total, needed))
             part = needed * level / total if total > 0.0 else 0.0
             w[whole[FRICTION] + c] = part if factor > 0.0 else -part
+    raise_levels(levels, w, whole, at)
 
 
 def held_surplus(row: int, w: Vector, whole: Wholes) -> float:
-    """Return the force that a held coordinate needs beside those that act on it."""
+    """Return the force that a held coordinate needs beside those that act on it.
+
+    Reads: HELD_SLIPS, FORCE, MASS, ACCELERATION, FRICTION.
+    """
     n = whole[N_COORDINATES]
     total = -w[whole[FORCE] + n + row]
     for i in range(n):
@@ -331,6 +422,8 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
 
     This is affine in the loads, as shares in proportion to the levels are not. It makes no
     difference to the reactions where contacts of one coordinate slip at the same height.
+
+    Reads: SLIP_FACTORS, OPEN.
 
     Parameters
     ----------
@@ -350,16 +443,20 @@ def equal_part(contact: int, force: float, w: Vector, whole: Wholes) -> float:
     """
     i, partners = whole[whole[SLIPS] + contact], 0
     for d in range(whole[N_CONTACTS]):
-        together = whole[whole[SLIPS] + d] == i and whole[whole[BRISTLES] + d] < 0
+        together = whole[whole[SLIPS] + d] == i and whole[whole[HOLDS] + d]
         partners += 1 if together and not whole[whole[OPEN] + d] else 0
     return force / max(partners, 1) / w[whole[SLIP_FACTORS] + contact]
 
 
 def split(w: Vector, whole: Wholes) -> None:
-    """Write the needed friction of held coordinates by contact, in equal parts."""
+    """Write the needed friction of held coordinates by contact, in equal parts.
+
+    Reads: SLIP_FACTORS, NEEDED, MODES, OPEN.
+    Writes: FRICTION.
+    """
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[BRISTLES] + c] < 0:
+        if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
             is_open = whole[whole[OPEN] + c]
             own = 0.0 if is_open else equal_part(c, w[whole[NEEDED] + i], w, whole)
             w[whole[FRICTION] + c] = own
@@ -371,6 +468,10 @@ def react(w: Vector, whole: Wholes) -> None:
     All is affine in them, friction included: the rows that they must balance are evaluated without
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
+
+    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
+    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -383,6 +484,8 @@ def react(w: Vector, whole: Wholes) -> None:
 
 def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
     """Set the reactions to 0, but one of them to 1.
+
+    Writes: `to`.
 
     Parameters
     ----------
@@ -404,6 +507,9 @@ def put_loads(unit: int, to: int, w: Vector, whole: Wholes) -> None:
 
 def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes) -> None:
     """Enter what a held coordinate lacks without reactions (trial 0), or with a unit of one.
+
+    Reads: REACTION_ROWS.
+    Writes: REACTION_ROWS.
 
     Parameters
     ----------
@@ -429,6 +535,9 @@ def note_surplus(trial: int, row: int, surplus: float, w: Vector, whole: Wholes)
 
 def balance(to: int, w: Vector, whole: Wholes) -> float:
     """Write the reactions that leave no surplus; return the determinant of their equations.
+
+    Reads: HELD_NORMALS, REACTION_ROWS.
+    Writes: `to`, REACTION_ROWS.
 
     Parameters
     ----------
@@ -459,7 +568,11 @@ def balance(to: int, w: Vector, whole: Wholes) -> float:
 
 
 def add_normals(w: Vector, whole: Wholes) -> None:
-    """Add to each row of the reactions what a unit of each load does to it by itself."""
+    """Add to each row of the reactions what a unit of each load does to it by itself.
+
+    Reads: HELD_NORMALS, REACTION_ROWS.
+    Writes: REACTION_ROWS.
+    """
     count, held = whole[N_REACTIONS], whole[N_HELD]
     k = 0
     for c in range(whole[N_CONTACTS]):
@@ -503,6 +616,9 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 def refactor(w: Vector, whole: Wholes) -> None:
     """Factorise a constant mass matrix for the modes at hand.
 
+    Reads: MASS, MODES.
+    Writes: CHOLESKY.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -516,6 +632,12 @@ def refactor(w: Vector, whole: Wholes) -> None:
 
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -534,6 +656,12 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -558,4 +686,28 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if whole[HAS_BRISTLES]:
             ask_laws(t, w, whole, at)  # rates of bristles depend on the loads
     accelerate(w, whole)
-    share(w, whole)
+    share(w, whole, at)
+
+
+def put_motion(w: Vector, whole: Wholes, at: int) -> None:
+    """Write a state, and behind it the accelerations and the friction that belong to it.
+
+    Reads: `at`, ACCELERATION, FRICTION.
+    Writes: MOTION_POINT.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run; everything is worked out at the state.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    """
+    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[MOTION_POINT]
+    for i in range(states):
+        w[point + i] = w[at + i]
+    for i in range(n):
+        w[point + states + i] = w[whole[ACCELERATION] + i]
+    for c in range(whole[N_CONTACTS]):
+        w[point + states + n + c] = w[whole[FRICTION] + c]

@@ -15,15 +15,16 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, refresh
+from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     AMBIGUOUS,
     BOUNDS,
-    BRISTLES,
     CANDIDATES,
     DECISIONS,
     FORCED,
+    HOLDS,
     KEPT,
     LAW_VALUES,
     LEVELS,
@@ -58,7 +59,10 @@ TOLERATED = 1e-12
 
 
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
-    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards."""
+    """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
+
+    Reads: ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    """
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
         needed = w[whole[NEEDED] + i]
@@ -70,13 +74,17 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
 
 
 def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
-    """Write the friction with which each coordinate would begin to slip, in both directions."""
+    """Write the friction with which each coordinate would begin to slip, in both directions.
+
+    Reads: Y, WALLS, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, LAW_VALUES, BOUNDS, MODES.
+    """
     bounds, values = whole[BOUNDS], whole[LAW_VALUES]
     for i in range(2 * whole[N_COORDINATES]):
         w[bounds + i] = 0.0
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        if whole[whole[OPEN] + c] or whole[whole[BRISTLES] + c] >= 0:
+        if whole[whole[OPEN] + c] or not whole[whole[HOLDS] + c]:
             continue
         factor = w[whole[SLIP_FACTORS] + c]
         mode = whole[whole[MODES] + i]
@@ -85,17 +93,21 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
             side = 1 if (k == 0) == (factor > 0.0) else -1
             ask_law(c, side, t, w, whole, whole[Y])
             level = w[values] + w[values + 1] * w[whole[LOAD] + c]
-            w[bounds + 2 * i + k] += abs(factor) * level
+            w[bounds + 2 * i + k] += abs(factor) * max(level, 0.0)  # bent bristles may push along
         whole[whole[MODES] + i] = mode
+    raise_levels(bounds, w, whole, whole[Y])
 
 
 def scale_of(w: Vector, whole: Wholes) -> float:
-    """Return the largest acceleration at hand, or that a candidate's friction can make."""
+    """Return the largest acceleration at hand, or that a candidate's friction can make.
+
+    Reads: MASS, ACCELERATION, LEVELS, CANDIDATES.
+    """
     n, scale = whole[N_COORDINATES], 0.0
     for i in range(n):
         scale = max(scale, abs(w[whole[ACCELERATION] + i]))
         if whole[whole[CANDIDATES] + i] == WAITING:
-            level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+            level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
             scale = max(scale, level / w[whole[MASS] + i * n + i])
     return scale
 
@@ -107,6 +119,13 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
 
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
+
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES, LAW_FLAGS,
+    OPEN, CANDIDATES.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     fewest, patience = n + 1, PATIENCE
@@ -143,6 +162,13 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
+
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES, LAW_FLAGS,
+    OPEN, CANDIDATES.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES, CANDIDATES.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     solved, fresh, more = True, True, 1
@@ -170,7 +196,14 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 
 
 def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
-    """Let the worst violator of the static levels slip with kinetic friction, then the next."""
+    """Let the worst violator of the static levels slip with kinetic friction, then the next.
+
+    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES.
+    """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     worst = 0
     while worst >= 0:
@@ -188,7 +221,11 @@ def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
 
 
 def begin_decision(whole: Wholes) -> int:
-    """Set the candidates back: forced ones slip, others are held. Return how many wait."""
+    """Set the candidates back: forced ones slip, others are held. Return how many wait.
+
+    Reads: CANDIDATES, FORCED.
+    Writes: MODES, CANDIDATES.
+    """
     waiting = 0
     for i in range(whole[N_COORDINATES]):
         if whole[whole[CANDIDATES] + i] != 0:
@@ -200,7 +237,14 @@ def begin_decision(whole: Wholes) -> int:
 
 
 def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
-    """Whether letting the worst violator slip first gives another answer than the one at hand."""
+    """Whether letting the worst violator slip first gives another answer than the one at hand.
+
+    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES, CANDIDATES, KEPT.
+    """
     n, modes, kept = whole[N_COORDINATES], whole[MODES], whole[KEPT]
     for i in range(n):
         whole[kept + i] = whole[modes + i]
@@ -219,6 +263,13 @@ def decide(w: Vector, whole: Wholes) -> bool:
 
     A candidate, not 0 in CANDIDATES, is at rest. FORCED has the direction of one whose break-away
     has been reached, and 0 otherwise. Accelerations and all else are those of the answer.
+
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN,
+    CANDIDATES, FORCED.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, KEPT.
 
     Parameters
     ----------

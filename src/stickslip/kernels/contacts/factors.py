@@ -14,6 +14,9 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
     A principal part of a positive definite matrix is one itself: there is always an answer.
 
+    Reads: MASS, MODES.
+    Writes: CHOLESKY.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -41,6 +44,9 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
 def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     """Solve for the free coordinates in place; 0 at held ones.
+
+    Reads: `right`, MASS, CHOLESKY, MODES.
+    Writes: `right`.
 
     Parameters
     ----------

@@ -2,14 +2,18 @@
 
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
 the level ahead less the needed friction, and the level back plus it. Then each contact has its
-law's switches, as far as it slips, and its load; then come the mechanism's own switches, and the
-determinant of the reactions' equations, which ends the run.
+law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
+the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
+the distances from hard stops.
 """
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, assemble, side_of
+from stickslip.kernels.contacts.assembly import WITHIN, assemble, put_motion, side_of
+from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
-from stickslip.kernels.equations import LAW_MARGINS, MARGINS, evaluate
+from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     FIRST_LIMIT,
@@ -22,9 +26,11 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LOAD,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_LIMITS,
+    N_REACTIONS,
     N_SWITCHES,
     NEEDED,
     OPEN,
@@ -55,6 +61,12 @@ def first_own_switch(whole: Wholes) -> int:
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write all guards at a state.
 
+    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+
     Parameters
     ----------
     t : float
@@ -78,8 +90,10 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
             w[to + 2 * i] = mode * w[at + n + i]
         elif mode == HELD_FAST:
             needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
-            w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
-            w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
+            if w[levels] < math.inf:
+                w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
+            if w[levels + 1] < math.inf:
+                w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
     for c in range(whole[N_CONTACTS]):
         own_guards(c, t, w, whole, at, to + 2 * n + c * (whole[LAW_SWITCHES] + 1))
     if whole[N_SWITCHES] > 0:
@@ -90,11 +104,30 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
             margin = w[values + j]
             w[place + j] = margin if whole[FLAGS] & (1 << j) else -margin
     if whole[N_LIMITS] > 0:
-        w[to + whole[FIRST_LIMIT]] = w[PIVOT] - LEAST_PIVOT
+        limits_at(t, w, whole, at, to + whole[FIRST_LIMIT])
+    stop_guards(w, whole, at, to, ALWAYS)
+
+
+def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write what ends a run as it falls below 0, at a state of which everything is worked out.
+
+    Reads: `at`, PIVOT, ACCELERATION, FRICTION, FLAGS.
+    Writes: `to`, MOTION_POINT.
+    """
+    pivots = 1 if whole[N_REACTIONS] > 0 else 0
+    if pivots > 0:
+        w[to] = w[PIVOT] - LEAST_PIVOT
+    if whole[N_LIMITS] > pivots:
+        put_motion(w, whole, at)
+        evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], to + pivots)
 
 
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the guards of one contact: its law's switches, its load."""
+    """Write the guards of one contact: its law's switches, its load.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, LAW_ROWS, LAW_VALUES.
+    """
     switches = whole[LAW_SWITCHES]
     for j in range(switches + 1):
         w[to + j] = ALWAYS
@@ -111,7 +144,11 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
 
 def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the margins of the switches of a contact's law, positive where they hold."""
+    """Write the margins of the switches of a contact's law, positive where they hold.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES.
+    Writes: LAW_ROWS, LAW_VALUES.
+    """
     coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
     row = whole[whole[LAW_ROWS] + contact]
@@ -126,6 +163,9 @@ def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at
 
 def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Set the flags of all laws whose contacts slip, nested switches included.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
 
     Parameters
     ----------

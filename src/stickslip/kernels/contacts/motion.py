@@ -3,10 +3,11 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import ask_law, assemble, side_of
+from stickslip.kernels.contacts.assembly import ask_law, assemble, put_motion, side_of
+from stickslip.kernels.contacts.stops import finite, stopped_side
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
-from stickslip.kernels.equations import POWER, REST, evaluate
+from stickslip.kernels.equations import EFFORTS, POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.state_layout import (
     ACCELERATION,
@@ -23,6 +24,7 @@ from stickslip.kernels.state_layout import (
     FRICTION,
     GIVEN,
     GROSS,
+    HAS_BRISTLES,
     LAW_VALUES,
     LENGTH,
     LEVELS,
@@ -30,6 +32,8 @@ from stickslip.kernels.state_layout import (
     LOAD,
     MASS,
     MODES,
+    MOTION_POINT,
+    N_CHANNELS,
     N_CONTACTS,
     N_COORDINATES,
     N_DRIVES,
@@ -58,6 +62,7 @@ __all__ = [
     "contacts_are_linear",
     "contacts_rest",
     "first_contact_sizes",
+    "mode_of",
     "note_motion",
 ]
 
@@ -71,6 +76,12 @@ SHORT_SERIES = 6
 
 def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the time derivatives of the states.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -95,7 +106,13 @@ def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write friction, then load, then mode of each contact.
+    """Write friction, then load, then mode of each contact, then efforts of guided coordinates.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -108,21 +125,63 @@ def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> Non
     at : int
         Place in `w` of the state.
     to : int
-        Place of the results (3 N_CONTACTS,).
+        Place of the results (3 N_CONTACTS + N_CHANNELS,).
     """
     contacts = whole[N_CONTACTS]
     assemble(t, w, whole, at)
     for c in range(contacts):
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
-        sign = 1 if w[whole[SLIP_FACTORS] + c] > 0.0 else -1
-        is_open = whole[whole[OPEN] + c]
         w[to + c] = w[whole[FRICTION] + c]
-        w[to + contacts + c] = 0.0 if is_open else w[whole[LOAD] + c]
-        w[to + 2 * contacts + c] = UNLOADED if is_open or mode == FREE else sign * mode
+        w[to + contacts + c] = 0.0 if whole[whole[OPEN] + c] else w[whole[LOAD] + c]
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        w[to + 2 * contacts + c] = mode_of(c, mode, whole[whole[OPEN] + c], w, whole, at)
+    if whole[N_CHANNELS] > 0:
+        put_motion(w, whole, at)
+        evaluate(EFFORTS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], to + 3 * contacts)
+
+
+def mode_of(
+    contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes, at: int
+) -> int:
+    """Return the mode of a contact, which may slip against its coordinate.
+
+    Reads: `at`, WALLS, SLIP_FACTORS.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    coordinate_mode : int
+        Mode of the coordinate along which it slips.
+    is_open : int
+        Whether it is open, 1 or 0.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+
+    Returns
+    -------
+    int
+        1 or -1 slip, 0 stick, 2 or -2 pressed against a stop, `UNLOADED`.
+    """
+    if is_open or coordinate_mode == FREE:
+        return UNLOADED
+    mode = coordinate_mode
+    if mode == HELD_FAST:
+        mode = 2 * stopped_side(whole[whole[SLIPS] + contact], w, whole, at)
+    return mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -mode
 
 
 def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the power supplied and that taken by friction.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, MOTION_POINT, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -138,20 +197,38 @@ def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         Place of the results (2,) [W].
     """
     assemble(t, w, whole, at)
-    evaluate(POWER, 0, whole[FLAGS], t, w, at, to)
+    supply(t, w, whole, at, to)
     w[to + 1] = 0.0
     for c in range(whole[N_CONTACTS]):
         w[to + 1] += w[whole[FRICTION] + c] * slip_rate(c, w, whole, at)
 
 
+def supply(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Write the power supplied; that of guides asks for accelerations, which are worked out.
+
+    Reads: `at`, ACCELERATION, FRICTION, MOTION_POINT, FLAGS.
+    Writes: `to`, MOTION_POINT.
+    """
+    if whole[N_CHANNELS] > 0:
+        put_motion(w, whole, at)
+        at = whole[MOTION_POINT]
+    evaluate(POWER, 0, whole[FLAGS], t, w, at, to)
+
+
 def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
-    """Return the slip velocity of a contact."""
+    """Return the slip velocity of a contact.
+
+    Reads: `at`, SLIP_FACTORS.
+    """
     rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
     return w[whole[SLIP_FACTORS] + contact] * w[rate]
 
 
 def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
     """Whether all equations are affine in states and time in the modes at hand.
+
+    Reads: TIME, Y, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, LAW_VALUES.
 
     Parameters
     ----------
@@ -181,6 +258,12 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
 def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start; what is at rest has those that the forces at hand give.
 
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: LIVELIEST, PIVOT, SCALE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS.
+
     Parameters
     ----------
     t_end : float
@@ -194,7 +277,7 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     assemble(w[TIME], w, whole, y)
     largest = 0.0
     for i in range(n):
-        level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+        level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
         pull = abs(w[whole[FORCE] + i]) + level
         largest = max(largest, pull / w[whole[MASS] + i * n + i])
     for i in range(whole[N_STATES]):
@@ -212,6 +295,9 @@ def note_motion(w: Vector, whole: Wholes) -> None:
     """Give every rate a size: a small part of what the largest kinetic energy would give it.
 
     A coordinate that starts from rest has no size of its own yet.
+
+    Reads: LIVELIEST, Y, SCALE, MASS.
+    Writes: LIVELIEST, SCALE.
 
     Parameters
     ----------
@@ -241,6 +327,14 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
     In an exact mode a contact's friction is a constant and its damping: the work of the former is
     that constant times the slip.
 
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, Y, DENSE, WALLS,
+    SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, ACCELERATION, FRICTION, LOAD, DAMPING,
+    REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, TAKEN, GROSS, PIVOT, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, WORKS,
+    MOTION_POINT.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -262,7 +356,9 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
         weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
         interpolate(w, whole, x, point)
         if exact:
-            evaluate(POWER, 0, whole[FLAGS], w[TIME] + x * h, w, point, values)
+            if whole[N_CHANNELS] > 0:
+                assemble(w[TIME] + x * h, w, whole, point)
+            supply(w[TIME] + x * h, w, whole, point, values)
         else:
             contact_power(w[TIME] + x * h, w, whole, point, values)
             for c in range(whole[N_CONTACTS]):
@@ -275,7 +371,11 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 
 
 def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
-    """Add the work of a contact that slips in an exact mode."""
+    """Add the work of a contact that slips in an exact mode.
+
+    Reads: TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, SLIP_FACTORS, FRICTION, DAMPING, WORKS.
+    Writes: TAKEN, GROSS, WORKS.
+    """
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     n, states, dense = whole[N_COORDINATES], whole[N_STATES], whole[DENSE] + 1
     share, h = w[FRACTION], w[LENGTH]
@@ -305,6 +405,12 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
     The needed friction is affine in the drives: it is largest at a corner of what they may do from
     now on, which stands in BOX.
 
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, Y, LEVELS, BOX,
+    FLAGS, MODES.
+    Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
+    ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, GIVEN, VALUES.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -318,7 +424,7 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
         Whether the mechanism stays to the end of the run.
     """
     n, drives, values = whole[N_COORDINATES], whole[N_DRIVES], whole[VALUES]
-    if not whole[REST_IS_FINAL]:
+    if not whole[REST_IS_FINAL] or whole[HAS_BRISTLES]:  # bristles push and relax
         return False
     for i in range(n):
         if whole[whole[MODES] + i] != HELD_FAST:

@@ -11,11 +11,13 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
 from stickslip.kernels.contacts.assembly import assemble
 from stickslip.kernels.contacts.factors import solve_free
+from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BOUNDS,
@@ -23,6 +25,7 @@ from stickslip.kernels.state_layout import (
     DENSE,
     DIAGONAL,
     DRIFT,
+    FIRST_WALL,
     FLAGS,
     FORCE,
     FRACTION,
@@ -35,6 +38,7 @@ from stickslip.kernels.state_layout import (
     N_SLOPES,
     N_STATES,
     N_TIME_SLOPES,
+    N_WALLS,
     NEEDED,
     NEEDED_SERIES,
     POINT,
@@ -49,6 +53,7 @@ from stickslip.kernels.state_layout import (
     SLOPE_VALUES,
     TIME,
     TIME_ROWS,
+    VALUES,
     Y1,
     Y,
 )
@@ -67,6 +72,12 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the dense output, and the series of needed friction, from the state at `at`.
 
     It begins at TIME.
+
+    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
 
     Parameters
     ----------
@@ -116,7 +127,11 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
-    """Write one term of the accelerations to DRIFT and one of the needed friction."""
+    """Write one term of the accelerations to DRIFT and one of the needed friction.
+
+    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
+    Writes: DRIFT, NEEDED_SERIES.
+    """
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * n
     slopes = whole[SLOPE_VALUES]
@@ -150,6 +165,12 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
+    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, Y1, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+
     Parameters
     ----------
     h : float
@@ -181,7 +202,10 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
 
 def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
-    """Whether forces on a coordinate that begins to slip balance but for their rounding."""
+    """Whether forces on a coordinate that begins to slip balance but for their rounding.
+
+    Reads: Y, SLIP_FACTORS, FORCE, MASS, ACCELERATION, FRICTION, SLOPE_VALUES.
+    """
     n = whole[N_COORDINATES]
     size = abs(w[whole[FORCE] + i])
     for k in range(whole[N_SLOPES]):
@@ -200,6 +224,9 @@ def search(value: float, row: int, width: int, sign: float, count: int, w: Vecto
 
     The terms stand `width` apart from the place `row` on. The interval that is searched ends at the
     earliest fall known, in FRACTION: coefficients are scaled by its powers.
+
+    Reads: FRACTION, POLYNOMIAL.
+    Writes: POLYNOMIAL, ROOM.
     """
     reach = min(1.0, w[FRACTION] * (1.0 + 1e-12))
     power = 1.0
@@ -224,6 +251,10 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     Guards that cannot fall, for the sum of their terms is less than their value, are passed over;
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
+
+    Reads: Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, ACCELERATION, LEVELS, FRICTION,
+    NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
     ----------
@@ -259,6 +290,8 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
             best = note_root(2 * i, x, best, w, whole)
         elif mode == HELD_FAST:
             for side in range(2):
+                if w[whole[LEVELS] + 2 * i + side] == math.inf:
+                    continue
                 sign = -1.0 if side == 0 else 1.0
                 spare = w[whole[LEVELS] + 2 * i + side] + sign * w[whole[NEEDED_SERIES] + i]
                 guard = 2 * i + side
@@ -270,11 +303,41 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
                 best = note_root(guard, x, best, w, whole)
         if w[FRACTION] == 0.0:
             return best
+    return first_stop(best, w, whole) if whole[N_WALLS] > 0 else best
+
+
+def first_stop(best: int, w: Vector, whole: Wholes) -> int:
+    """Return the guard that falls first, those of hard stops included.
+
+    Reads: FRACTION, Y, DENSE, REACHED, WALLS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED.
+    """
+    states, terms = whole[N_STATES], int(w[whole[DENSE]])
+    first, values = whole[FIRST_WALL], whole[VALUES]
+    stop_guards(w, whole, whole[Y], values, math.inf)
+    for wall in range(whole[N_WALLS]):
+        margin = w[values + first + wall]
+        if margin == math.inf:
+            continue
+        reached = whole[REACHED] + first + wall
+        w[reached] = max(w[reached], abs(margin))
+        w[POLYNOMIAL + 1] = 1.0
+        row = whole[DENSE] + 1 + states + wall_coordinate(wall, whole)
+        x = search(margin, row, states, -wall_side(wall, whole), terms, w)
+        if x == FALLS_AT_ONCE:
+            w[FRACTION] = 0.0
+            return first + wall
+        if x < w[FRACTION] or (x == 1.0 and best == NO_GUARD):
+            w[FRACTION] = x
+            best = first + wall
     return best
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:
-    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart."""
+    """Write the sums of the sizes of `count` rows of `n` terms that lie `width` apart.
+
+    Writes: `to`.
+    """
     for i in range(n):
         w[to + i] = 0.0
     for k in range(count):
@@ -283,7 +346,11 @@ def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> N
 
 
 def note_root(guard: int, x: float, best: int, w: Vector, whole: Wholes) -> int:
-    """Keep the fall of a guard; return the guard that falls first."""
+    """Keep the fall of a guard; return the guard that falls first.
+
+    Reads: FRACTION.
+    Writes: FRACTION, ROOTS.
+    """
     if x == FALLS_AT_ONCE:
         w[whole[ROOTS] + guard] = 0.0
         w[FRACTION] = 0.0

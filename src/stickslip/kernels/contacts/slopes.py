@@ -10,9 +10,11 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import (
     assemble,
     balance,
+    bends,
     equal_part,
     note_surplus,
     put_loads,
+    put_motion,
     set_row,
     side_of,
 )
@@ -26,7 +28,6 @@ from stickslip.kernels.equations import (
     evaluate,
 )
 from stickslip.kernels.state_layout import (
-    ACCELERATION,
     ACCELERATION_SLOPES,
     BRISTLE_COUNTS,
     BRISTLE_SLOPES,
@@ -39,6 +40,7 @@ from stickslip.kernels.state_layout import (
     FRICTION_FACTOR,
     FRICTION_SLOPES,
     HELD_SLIPS,
+    HOLDS,
     KINDS,
     LAW_BRISTLES,
     LAW_FLAGS,
@@ -53,6 +55,7 @@ from stickslip.kernels.state_layout import (
     LOAD_SLOPES,
     MASS,
     MODES,
+    MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
     N_GUARDS,
@@ -70,7 +73,6 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
-    SLOPE_POINT,
     VARIABLE_PLACES,
 )
 
@@ -78,21 +80,28 @@ __all__ = ["guard_slopes_along", "rate_slopes_along"]
 
 
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write what the slopes along all variables are made of."""
-    n, states, point = whole[N_COORDINATES], whole[N_STATES], whole[SLOPE_POINT]
+    """Write what the slopes along all variables are made of.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES.
+    """
     assemble(t, w, whole, at)
-    for i in range(states):
-        w[point + i] = w[at + i]
-    for i in range(n):
-        w[point + states + i] = w[whole[ACCELERATION] + i]
-    evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, point, whole[PART_SLOPES])
+    put_motion(w, whole, at)
+    evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, whole[MOTION_POINT], whole[PART_SLOPES])
     for c in range(whole[N_CONTACTS]):
         if not whole[whole[OPEN] + c]:
             ask_slopes(c, t, w, whole, at)
 
 
 def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Write the slopes of a contact's law in both directions, then those of its margins."""
+    """Write the slopes of a contact's law in both directions, then those of its margins.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_SLOPES.
+    """
     kind, flags = whole[whole[KINDS] + contact], whole[whole[LAW_FLAGS] + contact]
     room = whole[LAW_SLOPE_ROOM]
     place = whole[LAW_SLOPES] + 3 * contact * room
@@ -118,6 +127,8 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
 
     `which` is 0 and 1 for constant and factor of friction, 2 and 3 for those of the level, and from
     4 on the rates of its bristles; `back` is 1 for the direction against which it slips.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, MODES.
     """
     wide = variables_of(contact, whole)
     row = whole[LAW_SLOPES] + (3 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
@@ -126,13 +137,19 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
 
 
 def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the margin of a switch of a contact's law along a variable."""
+    """Return the slope of the margin of a switch of a contact's law along a variable.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, MODES.
+    """
     room = whole[LAW_SLOPES] + (3 * contact + 2) * whole[LAW_SLOPE_ROOM]
     return own_slope(contact, room + which * variables_of(contact, whole), k, w, whole)
 
 
 def own_slope(contact: int, row: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return a slope along a variable from those along speed, parameters and bristles of a law."""
+    """Return a slope along a variable from those along speed, parameters and bristles of a law.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
+    """
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
     total = 0.0
     if bristle >= 0:
@@ -148,29 +165,45 @@ def own_slope(contact: int, row: int, k: int, w: Vector, whole: Wholes) -> float
 
 
 def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of a contact's slip speed along a variable."""
+    """Return the slope of a contact's slip speed along a variable.
+
+    Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
+    """
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
-    rate = w[whole[SLOPE_POINT] + n + i]
+    rate = w[whole[MOTION_POINT] + n + i]
     slope = factor_slope(contact, w, whole) * rate
     if k == n + i:
         slope += w[whole[SLIP_FACTORS] + contact]
-    return side_of(contact, w, whole, whole[SLOPE_POINT]) * slope
+    return side_of(contact, w, whole, whole[MOTION_POINT]) * slope
 
 
 def factor_slope(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of a contact's slip factor along the variable at hand."""
+    """Return the slope of a contact's slip factor along the variable at hand.
+
+    Reads: PART_COLUMN.
+    """
     first = whole[N_COORDINATES] + whole[N_HELD] + whole[N_CONTACTS]
     return w[whole[PART_COLUMN] + first + contact]
 
 
 def is_rigid(contact: int, whole: Wholes) -> bool:
-    """Whether a contact is held by a set-valued law: its friction is what is needed."""
+    """Whether a contact is held by its law: its friction is what is needed.
+
+    Reads: MODES.
+    """
     held = whole[whole[MODES] + whole[whole[SLIPS] + contact]] == HELD_FAST
-    return held and whole[whole[BRISTLES] + contact] < 0
+    return held and whole[whole[HOLDS] + contact] == 1
 
 
 def along(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes along a variable of accelerations, forces, levels and rates of bristles."""
+    """Write the slopes along a variable of accelerations, forces, levels and rates of bristles.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, MOTION_POINT,
+    PART_SLOPES, LAW_SLOPES, MODES, OPEN.
+    Writes: REACTION_ROWS, PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES,
+    FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
+    """
     column = whole[PART_COLUMN]
     n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
     for i in range(n + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]):
@@ -189,11 +222,16 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
             add_levels(c, k, w, whole)
             for b in range(whole[whole[BRISTLE_COUNTS] + c]):
                 place = whole[BRISTLE_SLOPES] + whole[whole[BRISTLES] + c] + b
-                w[place] = law_slope(c, 0, 4 + b, k, w, whole)
+                w[place] = law_slope(c, 0, 4 + b, k, w, whole) if bends(c, whole) else 0.0
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of friction, accelerations and needed friction for given ones of loads."""
+    """Write the slopes of friction, accelerations and needed friction for given ones of loads.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, MODES, OPEN.
+    Writes: ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES.
+    """
     n, column, mass = whole[N_COORDINATES], whole[PART_COLUMN], whole[MASS]
     found, needed = whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
     for i in range(n):
@@ -218,23 +256,32 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
 
 
 def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the friction of a contact that slips, or that has bristles."""
+    """Return the slope of the friction of a contact that slips, or that has bristles.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, LOAD, FRICTION_FACTOR, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
+    LOAD_SLOPES, MODES.
+    """
     i = whole[whole[SLIPS] + contact]
     slips = whole[whole[MODES] + i] in (FORWARD, BACKWARD)
     if not slips and whole[whole[BRISTLES] + contact] < 0:
         return 0.0
     load = w[whole[LOAD] + contact]
     own = law_slope(contact, 0, 0, k, w, whole) + load * law_slope(contact, 0, 1, k, w, whole)
-    side = side_of(contact, w, whole, whole[SLOPE_POINT])
+    side = side_of(contact, w, whole, whole[MOTION_POINT])
     return side * own + w[whole[FRICTION_FACTOR] + contact] * w[whole[LOAD_SLOPES] + contact]
 
 
 def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
-    """Add the slopes of a contact's levels to those of its coordinate."""
-    if whole[whole[BRISTLES] + contact] >= 0:
+    """Add the slopes of a contact's levels to those of its coordinate.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MOTION_POINT, LAW_SLOPES,
+    PART_COLUMN, LOAD_SLOPES, LEVEL_SLOPES, MODES.
+    Writes: LEVEL_SLOPES.
+    """
+    if not whole[whole[HOLDS] + contact]:
         return
     factor, load = w[whole[SLIP_FACTORS] + contact], w[whole[LOAD] + contact]
-    ahead = 0 if side_of(contact, w, whole, whole[SLOPE_POINT]) > 0 else 1
+    ahead = 0 if side_of(contact, w, whole, whole[MOTION_POINT]) > 0 else 1
     for which in range(2):
         back = 0 if which == ahead else 1
         place = 2 * contact + which
@@ -249,7 +296,10 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
 
 
 def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the part that a held contact has of the needed friction."""
+    """Return the slope of the part that a held contact has of the needed friction.
+
+    Reads: SLIP_FACTORS, NEEDED, PART_COLUMN, NEEDED_SLOPES, OPEN.
+    """
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
     part = w[whole[NEEDED] + i] / factor
     change = w[whole[NEEDED_SLOPES] + i] - part * factor_slope(contact, w, whole)
@@ -257,20 +307,30 @@ def shared_slope(contact: int, w: Vector, whole: Wholes) -> float:
 
 
 def shared_part(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the part that a held contact has of the needed friction, or what slides there."""
+    """Return the part that a held contact has of the needed friction, or what slides there.
+
+    Reads: SLIP_FACTORS, NEEDED, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES, OPEN.
+    """
     if is_rigid(contact, whole):
         return equal_part(contact, w[whole[NEEDED] + whole[whole[SLIPS] + contact]], w, whole)
     return sliding_friction(contact, w, whole)
 
 
 def sliding_friction(contact: int, w: Vector, whole: Wholes) -> float:
-    """Return the friction of a contact that slips, or that has bristles."""
+    """Return the friction of a contact that slips, or that has bristles.
+
+    Reads: LOAD, FRICTION_CONSTANT, FRICTION_FACTOR.
+    """
     factor, load = w[whole[FRICTION_FACTOR] + contact], w[whole[LOAD] + contact]
     return w[whole[FRICTION_CONSTANT] + contact] + factor * load
 
 
 def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
-    """Return the slope of the force that a held coordinate needs beside those that act on it."""
+    """Return the slope of the force that a held coordinate needs beside those that act on it.
+
+    Reads: SLIP_FACTORS, HELD_SLIPS, MASS, NEEDED, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES, MODES, OPEN.
+    """
     n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
     slips = whole[PART_COLUMN] + n + held + 2 * contacts
     normals = slips + contacts * held
@@ -291,7 +351,13 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
 
 
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
-    """Write the slopes of the loads that are reactions."""
+    """Write the slopes of the loads that are reactions.
+
+    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
+    LOAD_SLOPES, MODES, OPEN.
+    Writes: REACTION_ROWS, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES.
+    """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD_SLOPES], w, whole)
         respond(k, w, whole)
@@ -304,6 +370,13 @@ def rate_slopes_along(
     first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
 ) -> None:
     """Write the slopes of the time derivatives of all states along some variables.
+
+    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
 
     Parameters
     ----------
@@ -339,6 +412,13 @@ def guard_slopes_along(
     first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
 ) -> None:
     """Write the slopes of all guards along some variables.
+
+    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
 
     Parameters
     ----------

@@ -10,6 +10,10 @@ from stickslip.kernels.contacts.guards import (
     first_own_switch,
     law_flags,
 )
+from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
+from stickslip.kernels.contacts.motion import mode_of
+from stickslip.kernels.contacts.stops import margin_of, stopped_side
+from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.enums import (
     BACKWARD,
     EXACT,
@@ -18,11 +22,13 @@ from stickslip.kernels.enums import (
     HELD_FAST,
     LIFTED_OFF,
     LIMITED,
-    UNLOADED,
+    RUNNING,
 )
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.state_layout import (
+    ACCELERATION,
     BEFORE,
     CANDIDATES,
     CHANGED,
@@ -31,9 +37,11 @@ from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     EVENT_COLUMNS,
     FIRST_LIMIT,
+    FIRST_WALL,
     FLAGS,
     FORCED,
     FRACTION,
+    IS_TURNED,
     LAW_FLAGS,
     LAW_SWITCHES,
     LENGTH,
@@ -43,7 +51,9 @@ from stickslip.kernels.state_layout import (
     N_CONTACTS,
     N_COORDINATES,
     N_LIMITS,
+    N_REACTIONS,
     N_SWITCHES,
+    N_WALLS,
     NEEDED,
     OPEN,
     PIVOT,
@@ -51,10 +61,10 @@ from stickslip.kernels.state_layout import (
     REACTS,
     RIGID,
     ROOTS,
-    SLIP_FACTORS,
     SLIPS,
     STATUS,
     STEPPER,
+    STRUCK,
     TIME,
     VALUES,
     Y,
@@ -73,6 +83,14 @@ REACHED_ZERO = 1e-13
 def begin_contacts(w: Vector, whole: Wholes) -> None:
     """Set modes, flags and openings for the state at which a run begins.
 
+    Reads: TIME, PIVOT, Y, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY, BOUNDS, TURN, FLAGS,
+    STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS.
+    Writes: PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
+    CHANGES, TURN, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
+
     Parameters
     ----------
     w : array (SIZE,)
@@ -80,31 +98,68 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n, y = whole[N_COORDINATES], whole[Y]
+    n = whole[N_COORDINATES]
+    if whole[IS_TURNED]:
+        prepare(w[TIME], w, whole)
+        turn_states(whole[Y], 0, w, whole)
     for _ in range(whole[N_SWITCHES]):
         set_own_flags(w, whole)
     prepare(w[TIME], w, whole)
-    for i in range(n):
-        whole[whole[MODES] + i] = FREE
     for c in range(whole[N_CONTACTS]):
         closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
         whole[whole[OPEN] + c] = 0 if closed else 1
         whole[whole[LAW_FLAGS] + c] = 0
-        if closed:
-            i = whole[whole[SLIPS] + c]
-            rate = w[y + n + i]
-            whole[whole[MODES] + i] = FORWARD if rate > 0.0 else (BACKWARD if rate < 0.0 else 0)
-    only_bristles(whole)
-    law_flags(w[TIME], w, whole, y)
+    for i in range(n):
+        whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
+    law_flags(w[TIME], w, whole, whole[Y])
+    whole[CHANGED] = 0
     remember(whole)
     none_forced(whole)
     settle_modes(w, whole)
     for i in range(n):
+        rests = w[whole[Y] + n + i] == 0.0 and whole[whole[MODES] + i] == FORWARD
+        if rests and not whole[whole[RIGID] + i] and w[whole[ACCELERATION] + i] < 0.0:
+            whole[whole[MODES] + i] = BACKWARD  # as bristles begin to bend
+            refresh(w[TIME], w, whole, whole[Y])
+    end_beyond_limits(w, whole)
+    for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
 
 
+def rubs(i: int, whole: Wholes) -> bool:
+    """Whether a contact along a coordinate is closed.
+
+    Reads: OPEN.
+    """
+    found = False
+    for c in range(whole[N_CONTACTS]):
+        found = found or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
+    return found
+
+
+def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
+    """Return the mode of a coordinate; one at rest that anything may hold is to be decided.
+
+    What nothing but bristles holds slips: their forces need no decision.
+
+    Reads: Y, WALLS, OPEN.
+    """
+    rate = w[whole[Y] + whole[N_COORDINATES] + i]
+    if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
+        return HELD_FAST
+    if not rubs(i, whole):
+        return FREE
+    if rate == 0.0 and whole[whole[RIGID] + i]:
+        return HELD_FAST
+    return BACKWARD if rate < 0.0 else FORWARD
+
+
 def set_own_flags(w: Vector, whole: Wholes) -> None:
-    """Set the flags of the mechanism's own switches."""
+    """Set the flags of the mechanism's own switches.
+
+    Reads: TIME, Y, FLAGS.
+    Writes: VALUES, FLAGS.
+    """
     values = whole[VALUES]
     evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
     whole[FLAGS] = 0
@@ -113,15 +168,12 @@ def set_own_flags(w: Vector, whole: Wholes) -> None:
             whole[FLAGS] |= 1 << j
 
 
-def only_bristles(whole: Wholes) -> None:
-    """Let coordinates slip that nothing but bristles holds: their forces need no decision."""
-    for i in range(whole[N_COORDINATES]):
-        if whole[whole[MODES] + i] == HELD_FAST and not whole[whole[RIGID] + i]:
-            whole[whole[MODES] + i] = FORWARD
-
-
 def remember(whole: Wholes) -> None:
-    """Keep the modes and openings before a change."""
+    """Keep the modes and openings before a change.
+
+    Reads: MODES, OPEN.
+    Writes: BEFORE, CLOSED.
+    """
     for i in range(whole[N_COORDINATES]):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
@@ -129,26 +181,68 @@ def remember(whole: Wholes) -> None:
 
 
 def none_forced(whole: Wholes) -> None:
-    """Begin a decision: nothing is forced to slip."""
+    """Begin a decision: nothing is forced to slip.
+
+    Writes: FORCED.
+    """
     for i in range(whole[N_COORDINATES]):
         whole[whole[FORCED] + i] = 0
 
 
 def settle_modes(w: Vector, whole: Wholes) -> None:
-    """Decide all coordinates that are held, or stopped; set what follows from the answer."""
+    """Decide all coordinates that are held, or stopped; set what follows from the answer.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
+    LAW_FLAGS, OPEN, FORCED.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
+    CANDIDATES, KEPT.
+    """
     for i in range(whole[N_COORDINATES]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     solved = decide(w, whole)
-    if not solved or (whole[N_LIMITS] > 0 and w[PIVOT] < LEAST_PIVOT):
+    if whole[N_REACTIONS] > 0 and (not solved or w[PIVOT] < LEAST_PIVOT):
         whole[STATUS] = LIMITED
+    for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
+        left = whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST
+        if left and not rubs(i, whole):
+            whole[whole[MODES] + i] = FREE
     if whole[LAW_SWITCHES] > 0:
         law_flags(w[TIME], w, whole, whole[Y])
         refresh(w[TIME], w, whole, whole[Y])
 
 
+def end_beyond_limits(w: Vector, whole: Wholes) -> None:
+    """End a run whose modes begin beyond one of the mechanism's own limits.
+
+    Guards are looked at for a fall from above zero, which would miss one that begins below it.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, CHANGED.
+    """
+    pivots = 1 if whole[N_REACTIONS] > 0 else 0
+    if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
+        return
+    contact_guards(w[TIME], w, whole, whole[Y], whole[VALUES])
+    for limit in range(pivots, whole[N_LIMITS]):
+        guard = whole[FIRST_LIMIT] + limit
+        if w[whole[VALUES] + guard] < 0.0 and whole[STATUS] == RUNNING:
+            whole[STATUS] = LIMITED + limit
+            write_event(guard, 0, 0, 0, 0.0, w, whole)
+
+
 def open_and_close(w: Vector, whole: Wholes) -> None:
-    """Let loads that jumped open or close their contacts, and coordinates follow."""
+    """Let loads that jumped open or close their contacts, and coordinates follow.
+
+    Reads: TIME, Y, WALLS, FLAGS, MODES, OPEN.
+    Writes: LOAD, MODES, OPEN.
+    """
     if not whole[CONSTANT_LOADS]:
         evaluate(LOADS, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[LOAD])
         for c in range(whole[N_CONTACTS]):
@@ -162,22 +256,26 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
 
 
 def follow_openings(w: Vector, whole: Wholes) -> None:
-    """Free coordinates whose contacts are all open; take up those with one that has closed."""
-    n = whole[N_COORDINATES]
-    for i in range(n):
-        rubs = False
-        for c in range(whole[N_CONTACTS]):
-            rubs = rubs or (whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c])
-        if not rubs:
-            whole[whole[MODES] + i] = FREE
-        elif whole[whole[MODES] + i] == FREE:
-            rate = w[whole[Y] + n + i]
-            whole[whole[MODES] + i] = FORWARD if rate > 0.0 else (BACKWARD if rate < 0.0 else 0)
-    only_bristles(whole)
+    """Free coordinates whose contacts are all open; take up those with one that has closed.
+
+    Reads: Y, WALLS, MODES, OPEN.
+    Writes: MODES.
+    """
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
+            whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
 
 
 def settle_contacts(w: Vector, whole: Wholes) -> None:
     """Decide anew after a jump of forces or loads, and write down what changes.
+
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, OPEN, STRUCK.
+    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, DECISIONS, PIVOTINGS,
+    AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
 
     Parameters
     ----------
@@ -192,10 +290,21 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
     none_forced(whole)
     settle_modes(w, whole)
     write_changes(NO_GUARD, w, whole)
+    end_beyond_limits(w, whole)
 
 
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
+
+    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
+    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, ROOTS,
+    BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, OPEN, STRUCK.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT,
+    FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES,
+    FORCED, BEFORE, CLOSED, KEPT, STRUCK.
 
     Parameters
     ----------
@@ -207,7 +316,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         Whole numbers of the run.
     """
     whole[CHANGED] = 0
-    if guard >= whole[FIRST_LIMIT]:
+    if whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
         whole[STATUS] = LIMITED + guard - whole[FIRST_LIMIT]
         write_event(guard, 0, 0, 0, 0.0, w, whole)
         return
@@ -220,7 +329,9 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         if other == guard or fires_too(other, exact, w, whole):
             stop_or_break(other, w, whole)
     lifted = -1
-    if guard >= first_own_switch(whole):
+    if guard >= whole[FIRST_WALL]:
+        bounce(guard, w, whole)
+    elif guard >= first_own_switch(whole):
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
         write_event(guard, 0, 0, 0, 0.0, w, whole)
@@ -233,13 +344,40 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
+    write_impacts(guard, w, whole)
     write_changes(guard, w, whole)
+    end_beyond_limits(w, whole)
     if lifted >= 0:
         whole[STATUS] = LIFTED_OFF
 
 
+def bounce(guard: int, w: Vector, whole: Wholes) -> None:
+    """Make the impacts of an instant; what has another rate then slips, or is to be decided.
+
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STEPS, BOOKS, MODES,
+    LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FLAGS, MODES, KEPT,
+    STRUCK.
+    """
+    strike_stops(guard, w, whole)
+    for i in range(whole[N_COORDINATES]):
+        whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
+    for _ in range(whole[N_SWITCHES]):
+        set_own_flags(w, whole)
+
+
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
-    """Whether a guard of a coordinate falls in the instant at hand, too."""
+    """Whether a guard of a coordinate falls in the instant at hand, too.
+
+    What bristles alone carry only turns, and by its own guard: at rest its speed says nothing.
+
+    Reads: TIME, FRACTION, LENGTH, VALUES, REACHED, ROOTS, MODES.
+    """
+    if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
+        return False
     if exact:
         h = w[LENGTH]
         return w[whole[ROOTS] + guard] <= w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
@@ -248,7 +386,11 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 
 
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
-    """Stop a coordinate that slips, or let one go that is held."""
+    """Stop a coordinate that slips, or let one go that is held.
+
+    Reads: MODES.
+    Writes: Y, MODES, FORCED.
+    """
     i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -262,7 +404,11 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
 
 
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
-    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1."""
+    """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
+    """
     wide = whole[LAW_SWITCHES] + 1
     contact, which = divmod(guard - first_contact_guard(whole), wide)
     if which < whole[LAW_SWITCHES]:
@@ -271,26 +417,68 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         return -1
     if whole[whole[REACTS] + contact]:
         mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-        now = mode_of(contact, mode, 0, w, whole)
+        now = mode_of(contact, mode, 0, w, whole, whole[Y])
         write_event(guard, contact, now, now, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1
 
 
-def mode_of(contact: int, coordinate_mode: int, is_open: int, w: Vector, whole: Wholes) -> int:
-    """Return the mode of a contact, which may slip against its coordinate."""
-    if is_open or coordinate_mode == FREE:
-        return UNLOADED
-    return coordinate_mode if w[whole[SLIP_FACTORS] + contact] > 0.0 else -coordinate_mode
+def modes_about(contact: int, w: Vector, whole: Wholes) -> tuple[int, int]:
+    """Return the modes of a contact before and after the changes of an instant.
+
+    Reads: Y, WALLS, SLIP_FACTORS, MODES, OPEN, BEFORE, CLOSED.
+    """
+    i, y = whole[whole[SLIPS] + contact], whole[Y]
+    was_open = 1 - whole[whole[CLOSED] + contact]
+    before = mode_of(contact, whole[whole[BEFORE] + i], was_open, w, whole, y)
+    after = mode_of(contact, whole[whole[MODES] + i], whole[whole[OPEN] + contact], w, whole, y)
+    return before, after
+
+
+def first_contact_of(i: int, whole: Wholes) -> int:
+    """Return the first contact along a coordinate, or the number of contacts if there is none."""
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[SLIPS] + c] == i:
+            return c
+    return whole[N_CONTACTS]
+
+
+def write_impacts(guard: int, w: Vector, whole: Wholes) -> None:
+    """Write an event for each coordinate that has reached a stop, told of its first contact.
+
+    Where no contact is along the coordinate, the first of all is named, whose mode is as it was.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED,
+    STRUCK.
+    Writes: CHANGES, CHANGED.
+    """
+    if guard < whole[FIRST_WALL]:
+        return
+    for wall in range(whole[N_WALLS]):
+        i = wall_coordinate(wall, whole)
+        strikes = whole[whole[STRUCK] + i] == STRIKES
+        if strikes and margin_of(wall, w, whole, whole[Y]) == 0.0:
+            c = first_contact_of(i, whole)
+            own = c < whole[N_CONTACTS]
+            before, after = modes_about(c if own else 0, w, whole)
+            now = after if own else before
+            write_event(whole[FIRST_WALL] + wall, c if own else 0, before, now, 0.0, w, whole)
 
 
 def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
-    """Write an event for each contact whose mode has changed, in their order."""
+    """Write an event for each contact whose mode has changed, in their order.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, NEEDED, LEVELS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN,
+    BEFORE, CLOSED, STRUCK.
+    Writes: CHANGES, CHANGED.
+    """
+    impact = guard >= whole[FIRST_WALL]
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
-        before = mode_of(c, whole[whole[BEFORE] + i], 1 - whole[whole[CLOSED] + c], w, whole)
-        after = mode_of(c, whole[whole[MODES] + i], whole[whole[OPEN] + c], w, whole)
+        if impact and whole[whole[STRUCK] + i] == STRIKES and first_contact_of(i, whole) == c:
+            continue  # the impact's event tells
+        before, after = modes_about(c, w, whole)
         if before != after:
             margin = 0.0
             if after == HELD_FAST:
@@ -309,7 +497,11 @@ def write_event(
     w: Vector,
     whole: Wholes,
 ) -> None:
-    """Write one row of the events that are new."""
+    """Write one row of the events that are new.
+
+    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS.
+    Writes: CHANGES, CHANGED.
+    """
     at = whole[CHANGES] + whole[CHANGED] * EVENT_COLUMNS
     flags = whole[FLAGS]
     if guard >= first_contact_guard(whole) and guard < first_own_switch(whole):

@@ -1,0 +1,248 @@
+"""Coordinates along which contacts slip: a constant change of coordinates where theirs are sums.
+
+Kernels hold a contact by leaving a coordinate out, so that each slip has to be one. A slip that is
+a sum over several moving coordinates takes the place of one of them. Contacts whose slips are
+multiples of each other are along one coordinate.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import symengine as se
+
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.trace import expression
+from stickslip.mechanisms import Contact, Mechanism, stops_of
+
+__all__ = ["SlipDirections", "direction_of", "slip_directions"]
+
+Row = Mapping[int, se.Expr]
+Entries = tuple[se.Expr, ...]
+
+
+@dataclass(frozen=True)
+class SlipDirections:
+    """What contacts slip along, and how the coordinates of the equations follow from others."""
+
+    slips: tuple[int, ...]
+    """Index of the coordinate along which each contact slips."""
+    factors: tuple[se.Expr, ...]
+    """Slip velocity of each over the rate of its coordinate."""
+    forward: tuple[Entries, ...]
+    """Coordinates of the equations, a row each over those of the mechanism; empty if the same."""
+    backward: tuple[Entries, ...]
+    """Coordinates of the mechanism, a row each over those of the equations; empty if the same."""
+
+    def seen(self, symbols: Sequence[se.Symbol]) -> list[se.Expr]:
+        """Return the mechanism's coordinates, or their rates, by symbols of the equations' ones.
+
+        Parameters
+        ----------
+        symbols : sequence of Symbol (n,)
+            Symbols of the coordinates of the equations, or of their rates.
+
+        Returns
+        -------
+        list of Expr (n,)
+            Those of the mechanism.
+        """
+        if not self.backward:
+            return list(symbols)
+        return [_product(row, symbols) for row in self.backward]
+
+    def along(self, forces: Sequence[se.Expr]) -> list[se.Expr]:
+        """Return generalised forces along the coordinates of the equations.
+
+        Parameters
+        ----------
+        forces : sequence of Expr (n,)
+            Those along the coordinates of the mechanism.
+
+        Returns
+        -------
+        list of Expr (n,)
+            Forces of the same power.
+        """
+        if not self.backward:
+            return list(forces)
+        return [_product(column, forces) for column in zip(*self.backward, strict=True)]
+
+    def congruent(self, mass: Sequence[Sequence[se.Expr]]) -> list[list[se.Expr]]:
+        """Return a mass matrix, of held coordinates below it, for the coordinates of the equations.
+
+        Parameters
+        ----------
+        mass : sequence of sequence of Expr (n + held, n)
+            That of the coordinates of the mechanism.
+
+        Returns
+        -------
+        list of list of Expr (n + held, n)
+            Of the same energy.
+        """
+        if not self.backward:
+            return [list(row) for row in mass]
+        columns = [self.along(row) for row in mass]
+        n = len(self.backward)
+        moving = zip(
+            *[self.along(column) for column in zip(*columns[:n], strict=True)], strict=True
+        )
+        return [*(list(row) for row in moving), *columns[n:]]
+
+
+def _product(row: Sequence[se.Expr], others: Sequence[se.Expr]) -> se.Expr:
+    terms = (a * b for a, b in zip(row, others, strict=True) if a != 0 and b != 0)
+    return sum(terms, se.Integer(0))
+
+
+def direction_of(way: str | Mapping[str, object] | None) -> dict[str, se.Expr]:
+    """Return a slip, or a normal direction, as factors by coordinate.
+
+    Parameters
+    ----------
+    way : str or mapping or None
+        A coordinate, or factors by coordinate.
+
+    Returns
+    -------
+    dict of str to Expr
+        Factors.
+    """
+    if way is None:
+        return {}
+    if isinstance(way, str):
+        return {way: se.Integer(1)}
+    return {name: expression(factor) for name, factor in way.items()}
+
+
+def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDirections:
+    """Return the coordinates along which contacts slip.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism whose parameters are symbols.
+    contacts : sequence of Contact
+        The contacts that rub.
+
+    Returns
+    -------
+    SlipDirections
+        A coordinate for each contact, and the change of coordinates.
+
+    Raises
+    ------
+    InputError
+        If a contact slips along no moving coordinate, if slips depend on each other, or if no
+        coordinate can be replaced by a slip.
+    """
+    names, owner = list(mechanism.coordinates), type(mechanism).__name__
+    rows = [_row(mechanism, one, names) for one in contacts]
+    kept = {stop.coordinate for stop in stops_of(mechanism)} | set(mechanism.guided())
+    # index of the coordinate that stands for each direction, the direction, whose slip it is
+    found: dict[int, tuple[Row, str]] = {}
+    echelon: dict[int, Row] = {}
+    slips, factors = [0] * len(rows), [se.Integer(1)] * len(rows)
+    for c in sorted(range(len(rows)), key=lambda c: len(rows[c]) > 1):
+        row, name = rows[c], contacts[c].name
+        if len(row) == 1:
+            ((slips[c], factors[c]),) = row.items()
+            echelon[slips[c]] = {slips[c]: se.Integer(1)}
+            found.setdefault(slips[c], (echelon[slips[c]], name))
+            continue
+        ratios = ((i, _ratio(row, other)) for i, (other, _) in found.items())
+        same = next(((i, ratio) for i, ratio in ratios if ratio is not None), None)
+        if same is not None:
+            slips[c], factors[c] = same
+            continue
+        free = _reduced(row, echelon)
+        if not free:
+            others = ", ".join(other for _, other in found.values())
+            raise InputError(
+                f"{owner}: the slip of the contact {name!r} follows from those of {others}: while"
+                " all of them hold, forces are not determined, and neither is who slips first."
+                f" Give {name!r} or one of them no law (None), or let its support move by a"
+                " coordinate of its own."
+            )
+        replaced = [i for i in free if names[i] not in kept]
+        if not replaced:
+            raise InputError(
+                f"{owner}: the contact {name!r} slips along a sum of"
+                f" {' and '.join(names[i] for i in free)}, all of which have hard stops or"
+                " prescribed motions: use relative coordinates, of which the slip is one."
+            )
+        slips[c] = replaced[-1]
+        found[replaced[-1]], echelon[replaced[-1]] = (row, name), free
+    changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
+    return SlipDirections(tuple(slips), tuple(factors), *_change(changed, len(names)))
+
+
+def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
+    """Return the factors of the moving coordinates in a contact's slip, by their indices."""
+    table = direction_of(contact.slip)
+    for name in table:
+        if name not in names and name not in (*contact.normals, *mechanism.held()):
+            raise UnknownNameError(f"coordinate in the slip of {contact.name}", name, names)
+    owner = f"{type(mechanism).__name__}: the contact {contact.name!r}"
+    moving = [name for name in table if name in names]
+    if not moving:
+        raise InputError(f"{owner} slips along no moving coordinate.")
+    for name in moving:
+        if table[name] == 0:
+            raise InputError(f"{owner} has the factor 0 for {name}: leave it out.")
+    return {names.index(name): table[name] for name in moving}
+
+
+def _is_zero(e: se.Expr) -> bool:
+    """Whether an expression of parameters is 0, whatever these are: tried for two sets of them."""
+    if se.expand(e) == 0:
+        return True
+    symbols = sorted(e.free_symbols, key=str)
+    for seed in (0.7548776662, 0.5698402909):  # irrational, so that nothing cancels by chance
+        numbers = {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
+        if abs(complex(e.subs(numbers))) > 1e-9:
+            return False
+    return True
+
+
+def _ratio(row: Row, other: Row) -> se.Expr | None:
+    """Return the factor of a row that is a multiple of another, or None."""
+    if row.keys() != other.keys():
+        return None
+    first = next(iter(row))
+    factor = row[first] / other[first]
+    same = all(_is_zero(entry - factor * other[j]) for j, entry in row.items())
+    return factor if same else None
+
+
+def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
+    """Return what is left of a row beside others, at whose pivots it vanishes then."""
+    rest = dict(row)
+    for pivot, other in echelon.items():
+        weight = rest.get(pivot, se.Integer(0)) / other[pivot]
+        if weight != 0:
+            for j, factor in other.items():
+                rest[j] = se.expand(rest.get(j, se.Integer(0)) - weight * factor)
+    return {j: rest[j] for j in sorted(rest) if not _is_zero(rest[j])}
+
+
+def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tuple[Entries, ...]]:
+    """Return the change of coordinates that replaces some by rows, and its inverse."""
+    if not changed:
+        return (), ()
+    zero, new = se.Integer(0), list(changed)
+    identity = [tuple(se.Integer(i == j) for j in range(n)) for i in range(n)]
+    forward, backward = list(identity), list(identity)
+    for i, row in changed.items():
+        forward[i] = tuple(row.get(j, zero) for j in range(n))
+    inverse = se.DenseMatrix([[changed[i].get(j, zero) for j in new] for i in new]).inv()
+    for place, i in enumerate(new):
+        own = [zero] * n
+        for k, other in enumerate(new):
+            weight = inverse[place, k]
+            own[other] += weight
+            for j, factor in changed[other].items():
+                if j not in changed:
+                    own[j] -= weight * factor
+        backward[i] = tuple(se.expand(e) for e in own)
+    return tuple(forward), tuple(backward)

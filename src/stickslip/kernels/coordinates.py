@@ -1,0 +1,96 @@
+"""The coordinates of the mechanism and those of its equations, which differ where slips are sums.
+
+One matrix, constant in a run, gives those of the equations, and its inverse those of the mechanism;
+rates follow alike, and so do sensitivities.
+"""
+
+from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.state_layout import IS_TURNED, N_COORDINATES, TURN, VALUES
+
+__all__ = ["state_seen", "turn_columns", "turn_states"]
+
+
+def turn_columns(at: int, m: int, back: int, w: Vector, whole: Wholes) -> None:
+    """Turn `m` columns of states in place, row by row; bristles stay as they are.
+
+    Reads: `at`, TURN.
+    Writes: `at`, VALUES.
+
+    Parameters
+    ----------
+    at : int
+        Place in `w` of the states (N_STATES m,).
+    m : int
+        Number of columns.
+    back : int
+        0 to the coordinates of the equations, 1 to those of the mechanism.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n, values = whole[N_COORDINATES], whole[VALUES]
+    if not whole[IS_TURNED]:
+        return
+    matrix = whole[TURN] + back * n * n
+    for block in range(2):
+        for c in range(m):
+            place = at + block * n * m + c
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += w[matrix + i * n + j] * w[place + j * m]
+                w[values + i] = total
+            for i in range(n):
+                w[place + i * m] = w[values + i]
+
+
+def turn_states(at: int, back: int, w: Vector, whole: Wholes) -> None:
+    """Turn one state in place, as `turn_columns` does.
+
+    Reads: `at`, TURN.
+    Writes: `at`, VALUES.
+
+    Parameters
+    ----------
+    at : int
+        Place in `w` of the state.
+    back : int
+        0 to the coordinates of the equations, 1 to those of the mechanism.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    turn_columns(at, 1, back, w, whole)
+
+
+def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
+    """Return one of the states of the mechanism.
+
+    Reads: `at`, TURN.
+
+    Parameters
+    ----------
+    at : int
+        Place in `w` of a state of the equations.
+    state : int
+        Index of the state.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        The state.
+    """
+    n = whole[N_COORDINATES]
+    if not whole[IS_TURNED] or state >= 2 * n:
+        return w[at + state]
+    block, row = (1, state - n) if state >= n else (0, state)
+    total = 0.0
+    for j in range(n):
+        total += w[whole[TURN] + n * n + row * n + j] * w[at + block * n + j]
+    return total

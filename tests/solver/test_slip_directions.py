@@ -1,0 +1,250 @@
+"""Slips that are sums over several coordinates, against the same mechanisms in relative ones."""
+
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
+
+import numpy as np
+import pytest
+from tests.contact_cases import Clutches, Plain, clutches, coulomb, plates
+
+from stickslip import EventDriven, ensemble, simulate
+from stickslip.drives import Sampled
+from stickslip.errors import InputError
+from stickslip.maths import sin
+from stickslip.mechanisms import BoundedMechanism, Contact, Guide, MatrixMechanism, Stop
+from stickslip.outputs import Final, Max, Samples
+from stickslip.quantities import Quantity
+
+PLAIN = EventDriven(tier="python")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shafts(Clutches):
+    """Four inertias in a row, coupled by three clutches, each with its own angle."""
+
+    name: ClassVar[str] = "shafts"
+    coordinates: ClassVar[tuple[str, ...]] = ("phi1", "phi2", "phi3", "phi4")
+    rates: ClassVar[tuple[str, ...]] = ("w1", "w2", "w3", "w4")
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * self.inertia * sum((q_dot[i] * q_dot[i] for i in self.coordinates), 0.0)
+
+    def forces(self, t, q, q_dot, drives):
+        return {"phi1": self.level * sin(10.0 * np.pi * t)}
+
+    def contacts(self):
+        return tuple(
+            Contact(name=f"clutch-{i}", slip={f"phi{i}": -1.0, f"phi{i + 1}": 1.0})
+            for i in (1, 2, 3)
+        )
+
+
+def shafts():
+    relative, laws, start = clutches()
+    return Shafts(second=relative.second, third=relative.third), relative, laws, start
+
+
+def test_angles_of_shafts_are_those_of_relative_angles():
+    absolute, relative, laws, start = shafts()
+    tight = replace(PLAIN, tolerance=1e-12)
+    run = simulate(absolute, laws, t_end=1.5, y0={"w1": 10.0}, solver=tight)
+    other = simulate(relative, laws, t_end=1.5, y0=start, solver=tight)
+    assert run.events == other.events
+    assert run.certificate.certified
+    assert run.certificate.stick_drift == 0.0
+    at, seen = run.at(run.t), other.at(run.t)
+    np.testing.assert_allclose(at["phi2"], seen["phi"] + seen["r1"], atol=1e-14)
+    for name in ("friction:clutch-2", "normal_force:clutch-3", "mode:clutch-1"):
+        np.testing.assert_array_equal(at[name], seen[name])
+    assert run.units["friction:clutch-1"] == "N m"
+    # closed form, see test_contacts
+    assert run["w4"][-1] == pytest.approx(2.463187166649595445, abs=1e-12)
+    assert run["phi3"][-1] == pytest.approx(2.7104644362313807195, abs=1e-12)
+
+
+def test_sensitivities_are_those_of_the_coordinates_that_are_asked_for():
+    absolute, relative, laws, start = shafts()
+    paths = ["mechanism.inertia", "friction.clutch-2.kinetic_coefficient"]
+    t = np.array([0.5, 0.95])
+    run = simulate(absolute, laws, t_end=1.0, y0={"w1": 10.0}, solver=PLAIN)
+    other = simulate(relative, laws, t_end=1.0, y0=start, solver=PLAIN)
+    found, known = run.differentiate(t, paths), other.differentiate(t, paths)
+    for block in (0, 4):
+        sums = np.cumsum(known[:, block : block + 4], axis=1)
+        np.testing.assert_allclose(found[:, block : block + 4], sums, atol=1e-12)
+    # before the clutches lock, an angle begins where it is put
+    (early,) = run.differentiate(np.array([0.3]), ["initial.phi3"])
+    np.testing.assert_array_equal(early[:, 0], np.eye(8)[2])
+
+
+def test_ensembles_give_and_keep_the_same_coordinates():
+    absolute, _, laws, _ = shafts()
+    outputs = {
+        "end": Final("phi3"),
+        "top": Max("w2"),
+        "some": Samples("phi2", (0.3, 0.8)),
+    }
+    runs = ensemble(
+        absolute, laws, {"initial.w1": np.array([10.0, 12.0])}, t_end=1.0, outputs=outputs,
+        solver=PLAIN,
+    )  # fmt: skip
+    one = simulate(absolute, laws, t_end=1.0, y0={"w1": 12.0}, solver=PLAIN)
+    assert runs["end"][1] == one["phi3"][-1]
+    np.testing.assert_array_equal(runs["some"][1], one.at([0.3, 0.8])["phi2"])
+    assert runs["top"][1] == pytest.approx(one.at(np.linspace(0, 1, 4001))["w2"].max(), abs=1e-5)
+
+
+class Stack(MatrixMechanism):
+    """Plates on each other by their places on the ground: the mass matrix is diagonal."""
+
+    name = "stack"
+    coordinates = tuple(f"x{i}" for i in range(1, 6))
+    rates = tuple(f"v{i}" for i in range(1, 6))
+    units = ("m",) * 5
+
+    def mass_matrix(self, q):
+        return np.eye(5).tolist()
+
+    def kinetic_energy(self, q, q_dot):
+        return sum((0.5 * q_dot[i] * q_dot[i] for i in self.coordinates), 0.0)
+
+    def potential_energy(self, t, q):
+        return sum((10.0 * q[i] * q[i] for i in self.coordinates), 0.0)
+
+    def forces(self, t, q, q_dot, drives):
+        return {i: -20.0 * q[i] for i in self.coordinates}
+
+    def drives(self):
+        return {}
+
+    def contacts(self):
+        found = [Contact(name="r1", slip="x1", load=9.81 * 5)]
+        for i in range(2, 6):
+            slip = {f"x{i}": 1.0, f"x{i - 1}": -1.0}
+            found.append(Contact(name=f"r{i}", slip=slip, load=9.81 * (6 - i)))
+        return tuple(found)
+
+
+def test_plates_by_their_places_change_as_they_do_in_relative_ones():
+    relative, laws, start = plates(5)
+    places = np.cumsum([start[f"u{i}"] for i in range(1, 6)])
+    y0 = {f"v{i}": float(v) for i, v in enumerate(places, 1)}
+    run = simulate(Stack(), laws, t_end=10.0, y0=y0, solver=PLAIN)
+    other = simulate(relative, laws, t_end=10.0, y0=start, solver=PLAIN)
+    found = [(e.contact, e.from_mode, e.to_mode) for e in run.events]
+    assert found == [(e.contact, e.from_mode, e.to_mode) for e in other.events]
+    assert run.certificate.stick_drift == 0.0
+    times = [e.t for e in run.events], [e.t for e in other.events]
+    np.testing.assert_allclose(*times, rtol=1e-12)
+    sums = np.cumsum([other[f"r{i}"][-1] for i in range(1, 6)])
+    np.testing.assert_allclose([run[f"x{i}"][-1] for i in range(1, 6)], sums, atol=1e-12)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driven(Plain):
+    """A shaft that turns as it is told, a clutch, a gear of friction wheels."""
+
+    name: ClassVar[str] = "driven"
+    coordinates: ClassVar[tuple[str, ...]] = ("motor", "shaft", "wheel")
+    rates: ClassVar[tuple[str, ...]] = ("u", "v", "w")
+    units: ClassVar[tuple[str, ...]] = ("rad", "rad", "rad")
+    small: Annotated[float, Quantity("r", "m", above=0)] = 0.1
+    large: Annotated[float, Quantity("R", "m", above=0)] = 0.3
+
+    def kinetic_energy(self, q, q_dot):
+        own = 0.01 * q_dot["motor"] * q_dot["motor"]
+        return 0.5 * (own + q_dot["shaft"] * q_dot["shaft"] + 2.0 * q_dot["wheel"] * q_dot["wheel"])
+
+    def drives(self):
+        return {"turn": Sampled(times=(0.0, 1.0), values=(2.0, 0.0))}
+
+    def guided(self):
+        return {"motor": Guide(drive="turn", effort="torque", unit="N m")}
+
+    def contacts(self):
+        return (
+            Contact(name="clutch", slip={"motor": 1.0, "shaft": -1.0}, load=1.0),
+            Contact(name="gear", slip={"shaft": self.small, "wheel": -self.large}, load=1.0),
+        )
+
+
+GEARED = {"clutch": coulomb(0.5, 0.6), "gear": coulomb(2.0, 2.5)}
+
+
+def test_a_clutch_to_a_shaft_that_is_driven_and_a_gear_by_its_radii():
+    run = simulate(Driven(), GEARED, t_end=6.0, solver=PLAIN)
+    # shaft and wheel, whose gear holds, speed up under the clutch's torque
+    inertia = 1.0 + 2.0 / 9.0
+    locked = 2.0 / (0.5 / inertia)
+    event = run.events[0]
+    assert (event.contact, event.reason) == ("clutch", "break-away") or event.t > 0.0
+    stop = next(e for e in run.events if e.contact == "clutch" and e.reason == "stop")
+    assert stop.t == pytest.approx(locked, rel=1e-12)
+    assert run["v"][-1] == pytest.approx(2.0, rel=1e-13)
+    assert run["w"][-1] == pytest.approx(2.0 / 3.0, rel=1e-13)
+    assert run.at([0.5])["torque"][0] == pytest.approx(0.01 * 2.0 + 0.5, rel=1e-12)
+    assert run.certificate.energy_error < 1e-13
+
+
+def test_parameters_that_change_the_coordinates_have_no_sensitivities():
+    run = simulate(Driven(), GEARED, t_end=1.0, solver=PLAIN)
+    assert np.isfinite(run.sensitivity("w", "friction.clutch.kinetic_coefficient")[-1])
+    with pytest.raises(InputError, match=r"large has no sensitivity.*relative coordinates"):
+        run.sensitivity("w", "mechanism.large")
+
+
+def test_stops_stay_with_their_coordinates():
+    @dataclass(frozen=True, kw_only=True)
+    class Ended(BoundedMechanism, Shafts):
+        def stops(self):
+            return (Stop(coordinate="phi4", position=1.0, side="upper", restitution=0.5),)
+
+    base, _, laws, _ = shafts()
+    run = simulate(
+        Ended(second=base.second, third=base.third), laws, t_end=3.0, y0={"w1": 10.0}, solver=PLAIN
+    )
+    hit = next(e for e in run.events if e.reason == "phi4 hits stop")
+    assert run.at([hit.t])["phi4"][0] == pytest.approx(1.0, rel=1e-14)
+    assert run["phi4"].max() == pytest.approx(1.0, rel=1e-14)
+    assert run.certificate.certified
+
+
+def closing(coordinates, slips):
+    """Return masses of 1 kg with contacts that slip along sums."""
+
+    class Loop(Plain):
+        name = "loop"
+        rates, units = tuple(f"{i}_dot" for i in coordinates), ("m",) * len(coordinates)
+
+        def kinetic_energy(self, q, q_dot):
+            return sum((0.5 * q_dot[i] * q_dot[i] for i in coordinates), 0.0)
+
+        def contacts(self):
+            return tuple(Contact(name=n, slip=s, load=1.0) for n, s in slips.items())
+
+    Loop.coordinates = coordinates
+    return Loop()
+
+
+def test_slips_that_depend_on_each_other_are_refused_by_name():
+    loop = closing(
+        ("a", "b", "c"),
+        {
+            "one": {"a": 1.0, "b": -1.0},
+            "two": {"b": 1.0, "c": -1.0},
+            "three": {"a": 1.0, "c": -1.0},
+        },
+    )
+    with pytest.raises(InputError, match=r"'three' follows from those of one, two.*\(None\)"):
+        simulate(loop, coulomb(0.5), t_end=1.0, solver=PLAIN)
+    laws = {"one": coulomb(0.5), "two": coulomb(0.5), "three": None}
+    assert simulate(loop, laws, t_end=1.0, y0={"a_dot": 1.0}, solver=PLAIN).certificate.certified
+
+
+def test_multiples_of_a_slip_are_one_direction():
+    loop = closing(("a", "b"), {"one": {"a": 1.0, "b": -1.0}, "two": {"b": 2.0, "a": -2.0}})
+    run = simulate(loop, {"one": coulomb(0.5), "two": coulomb(0.25)}, t_end=1.0, y0={"a_dot": 1.0},
+                   solver=PLAIN)  # fmt: skip
+    # 1/2 kg of reduced mass, 0.5 + 2 * 0.25 N: rest after 0.5 s
+    assert [(e.contact, e.from_mode) for e in run.events] == [("one", 1), ("two", -1)]
+    assert run.events[0].t == pytest.approx(0.5, rel=1e-14)
