@@ -6,6 +6,7 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError
+from stickslip.formulation.linearity import is_zero
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import MatrixMechanism
 
@@ -77,5 +78,7 @@ def matrix_supply(
     """
     if given is not None:
         return expression(given)
-    work = sum((f * speeds[name] for name, f in force.items()), se.Integer(0))
-    return work + sum((energy.diff(places[i]) * speeds[i] for i in places), se.Integer(0))
+    beyond = {name: (f, energy.diff(places[name])) for name, f in force.items()}
+    left = {name: pair for name, pair in beyond.items() if not is_zero(pair[0] + pair[1])}
+    work = sum((f * speeds[name] for name, (f, _) in left.items()), se.Integer(0))
+    return work + sum((slope * speeds[name] for name, (_, slope) in left.items()), se.Integer(0))

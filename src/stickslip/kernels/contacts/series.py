@@ -79,11 +79,15 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     at : int
         Place in `w` of the state.
     """
-    t = w[TIME]
+    assemble(w[TIME], w, whole, at)
+    fill_series(h, w, whole, at)
+
+
+def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Fill the series where accelerations and needed friction at the state are at hand."""
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
-    assemble(t, w, whole, at)
-    evaluate(FORCE_SLOPES, 0, whole[FLAGS], t, w, at, whole[SLOPE_VALUES])
+    evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
     last = whole[DENSE] + 1
     for i in range(n):
         w[last + i] = w[at + i]
@@ -121,11 +125,13 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     row = whole[NEEDED_SERIES] + terms * n
     slopes = whole[SLOPE_VALUES]
     modes, found = whole[MODES], whole[DRIFT]
-    for i in range(n):
-        w[row + i] = 0.0
-    for k in range(whole[N_SLOPES]):
-        column = whole[whole[SLOPE_COLUMNS] + k]
-        w[row + whole[whole[SLOPE_ROWS] + k]] += w[slopes + k] * w[last + column]
+    k, count = 0, whole[N_SLOPES]
+    for i in range(n):  # the slopes stand row by row
+        total = 0.0
+        while k < count and whole[whole[SLOPE_ROWS] + k] == i:
+            total += w[slopes + k] * w[last + whole[whole[SLOPE_COLUMNS] + k]]
+            k += 1
+        w[row + i] = total
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
@@ -150,6 +156,8 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
+    The state has been assembled: by the decision before it, or by the audit of the step before it.
+
     Parameters
     ----------
     h : float
@@ -165,7 +173,7 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
         Size of the last terms over what is allowed: the step is good up to 1.
     """
     states = whole[N_STATES]
-    contact_series(h, w, whole, whole[Y])
+    fill_series(h, w, whole, whole[Y])
     interpolate(w, whole, 1.0, whole[Y1])
     error = 0.0
     if w[whole[DENSE]] >= SERIES:
