@@ -78,7 +78,7 @@ def matrix_supply(
     """
     if given is not None:
         return expression(given)
-    beyond = {name: (f, energy.diff(places[name])) for name, f in force.items()}
-    left = {name: pair for name, pair in beyond.items() if not is_zero(pair[0] + pair[1])}
-    work = sum((f * speeds[name] for name, (f, _) in left.items()), se.Integer(0))
-    return work + sum((slope * speeds[name] for name, (_, slope) in left.items()), se.Integer(0))
+    pairs = [(f * speeds[i], energy.diff(places[i]) * speeds[i]) for i, f in force.items()]
+    left = [pair for pair in pairs if not is_zero(sum(pair))]
+    total = sum((sum(part, se.Integer(0)) for part in zip(*left, strict=True)), se.Integer(0))
+    return se.Integer(0) if is_zero(total) else total
