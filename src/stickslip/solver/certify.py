@@ -174,7 +174,7 @@ def _warning(name: str, share: float) -> str:
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the energies and all work done."""
-    start, end = (_energy(playback, at) for at in (0, -1))
+    start, end = _energies(playback)
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
     size = max(abs(start), abs(end), float(w[GROSS]))
@@ -189,15 +189,17 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     }
 
 
-def _energy(playback: Playback, at: int) -> float:
-    """Return the energy at the start of the first row or the end of the last."""
-    row = playback.rows[at]
-    t = playback.span()[at]
-    states, _, _ = playback.played(np.array([t]))
+def _energies(playback: Playback) -> list[float]:
+    """Return the energies at the start of the first row and at the end of the last."""
+    times = playback.span()
+    states, _, _ = playback.played(np.array(times))
     equations = Equations(playback.model, playback.inputs)
-    equations.load(int(row[5]))
-    (energy,) = equations("energy", 0, int(row[4]), t, states[0].tolist())
-    return float(energy)
+    found = []
+    for row, t, state in zip((playback.rows[0], playback.rows[-1]), times, states, strict=True):
+        equations.load(int(row[5]))
+        (energy,) = equations("energy", 0, int(row[4]), t, state.tolist())
+        found.append(float(energy))
+    return found
 
 
 def _contact_drift(playback: Playback) -> float:
