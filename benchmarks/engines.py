@@ -1,23 +1,15 @@
 """The pushed and held block in other engines: travel, creep, and time."""
 
-import importlib
-import importlib.util
 import statistics
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from benchmarks.block import by_stickslip
-from benchmarks.block.problem import HEAVY, HOLD_TIME, LIGHT, TRAVEL, Engine, Run, StallError
+from benchmarks.block.problem import HEAVY, HOLD_TIME, LIGHT, TRAVEL, Run
 from benchmarks.measuring import REPEATS, TIERS, Missing, with_times
+from benchmarks.peers import Engine, StallError, found
 
-LIBRARIES = (
-    ("heyoka", "heyoka", "heyoka", "`pip install heyoka`"),
-    ("SciPy", "scipy", "scipy", "`pip install scipy`"),
-    ("MuJoCo", "mujoco", "mujoco", "`pip install mujoco`"),
-    ("Drake", "drake", "pydrake", "`pip install drake`"),
-)
-"""Name, module of the runs, module to import, and where to get it."""
 UNTRIED = Missing(solver="Siconos", reason="not on PyPI; no run is written for it")
 
 
@@ -74,19 +66,10 @@ def held(engine: Engine, seconds: float) -> Held | Missing:
     )
 
 
-def found(label: str, runs: str, library: str, source: str) -> tuple[Engine | Missing, ...]:
-    """Return the settings of a library, or why there are none."""
-    if importlib.util.find_spec(library) is None:
-        return (Missing(solver=label, reason=source),)
-    return importlib.import_module(f"benchmarks.block.by_{runs}").engines()
-
-
 def run(
     repeats: int = REPEATS, tiers: Sequence[str] = tuple(TIERS), seconds: float = HOLD_TIME
 ) -> Holding:
     """Run the case; `seconds` is how long the block is held."""
-    engines = [*by_stickslip.engines(tuple(tiers))]
-    for library in LIBRARIES:
-        engines += found(*library)
+    engines = [*by_stickslip.engines(tuple(tiers)), *found("block")]
     entries = [e if isinstance(e, Missing) else held(e, seconds) for e in engines]
     return Holding(entries=with_times((*entries, UNTRIED), repeats))

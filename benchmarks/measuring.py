@@ -129,7 +129,9 @@ def at_error(
     )
 
 
-def with_times(entries: Sequence[object], repeats: int) -> tuple[object, ...]:
+def with_times(
+    entries: Sequence[object], repeats: int, clock: Callable[[], float] = time.perf_counter
+) -> tuple[object, ...]:
     """Return entries with their times, taken in turns: a busy machine is busy for all of them."""
     times: list[list[float]] = [[] for _ in entries]
     spent = [0.0] * len(entries)
@@ -137,7 +139,7 @@ def with_times(entries: Sequence[object], repeats: int) -> tuple[object, ...]:
         for i, entry in enumerate(entries):
             if not isinstance(entry, Missing) and spent[i] < BUDGET:
                 start = time.perf_counter()
-                times[i].append(mean_time(entry.run))
+                times[i].append(mean_time(entry.run, clock))
                 spent[i] += time.perf_counter() - start
     return tuple(
         entry if isinstance(entry, Missing) else replace(entry, times=tuple(found))
@@ -145,12 +147,12 @@ def with_times(entries: Sequence[object], repeats: int) -> tuple[object, ...]:
     )
 
 
-def mean_time(run: Callable[[], object]) -> float:
-    """Return the time of a run [s]."""
-    runs, passed, start = 0, 0.0, time.perf_counter()
+def mean_time(run: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
+    """Return the time of a run by a clock [s]."""
+    runs, passed, start = 0, 0.0, clock()
     while passed < BATCH:
         run()
-        runs, passed = runs + 1, time.perf_counter() - start
+        runs, passed = runs + 1, clock() - start
     return passed / runs
 
 

@@ -23,6 +23,11 @@ def milliseconds(seconds: float) -> str:
     return f"{ms:.0f}" if ms >= 100 else f"{ms:#.3g}".rstrip(".")
 
 
+def ratio_of(times: float) -> str:
+    """Return a ratio with the digits that count."""
+    return f"{times:.0f}" if times >= 100 else f"{times:#.2g}".rstrip(".")
+
+
 def times(entry: Entry | Held, own: float) -> list[str]:
     """Return the four last cells of a row."""
     lowest, highest = min(entry.times), max(entry.times)
@@ -31,7 +36,7 @@ def times(entry: Entry | Held, own: float) -> list[str]:
         milliseconds(entry.first),
         milliseconds(entry.median),
         f"{milliseconds(lowest)} to {milliseconds(highest)}",
-        f"{ratio:.0f}" if ratio >= 100 else f"{ratio:#.2g}".rstrip("."),
+        ratio_of(ratio),
     ]
 
 

@@ -3,22 +3,8 @@
 import functools
 import logging
 
-from benchmarks.block.problem import (
-    BOTH,
-    HEIGHT,
-    MU_K,
-    MU_S,
-    ONE,
-    SETTLE,
-    SIDE,
-    Engine,
-    G,
-    M,
-    Places,
-    Run,
-    StallError,
-    pushes,
-)
+from benchmarks.block.problem import HEIGHT, MU_K, MU_S, SETTLE, SIDE, G, M, Places, Run, pushes
+from benchmarks.peers import BOTH, ONE, Engine, StallError
 
 FOOT = 0.01
 """Radius of a foot [m]."""

@@ -2,7 +2,8 @@
 
 import functools
 
-from benchmarks.block.problem import BOTH, F_K, F_S, Engine, M, Places, Run, pushes
+from benchmarks.block.problem import F_K, F_S, M, Places, Run, pushes
+from benchmarks.peers import BOTH, Engine
 
 
 @functools.cache

@@ -2,19 +2,8 @@
 
 import functools
 
-from benchmarks.block.problem import (
-    F_K,
-    HEIGHT,
-    MU_K,
-    SETTLE,
-    SIDE,
-    Engine,
-    G,
-    M,
-    Places,
-    Run,
-    pushes,
-)
+from benchmarks.block.problem import F_K, HEIGHT, MU_K, SETTLE, SIDE, G, M, Places, Run, pushes
+from benchmarks.peers import Engine
 
 BODY = f'<geom type="box" size="{SIDE / 2} {SIDE / 2} {HEIGHT / 2}" mass="{M}"/>'
 BOX = f"""

@@ -6,18 +6,8 @@ from collections.abc import Callable
 
 from scipy.integrate import solve_ivp
 
-from benchmarks.block.problem import (
-    BOTH,
-    F_K,
-    F_S,
-    ONE,
-    Engine,
-    M,
-    Places,
-    Run,
-    StallError,
-    pushes,
-)
+from benchmarks.block.problem import F_K, F_S, M, Places, Run, pushes
+from benchmarks.peers import BOTH, ONE, Engine, StallError
 
 MOST = 200_000
 """Evaluations after which a run is given up."""

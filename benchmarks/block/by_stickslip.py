@@ -1,7 +1,8 @@
 """The block in stickslip."""
 
-from benchmarks.block.problem import BOTH, MU_K, MU_S, Engine, G, M, Places, Run, pushes
+from benchmarks.block.problem import MU_K, MU_S, G, M, Places, Run, pushes
 from benchmarks.measuring import TIERS
+from benchmarks.peers import BOTH, Engine
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.drives import Sampled
 from stickslip.solver import prepare

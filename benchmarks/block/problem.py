@@ -20,9 +20,6 @@ SETTLE = 1.0
 TRAVEL = (PUSH - F_K) * PUSH_TIME**2 * PUSH / (2 * M * F_K)
 """Where the block stops [m]."""
 
-BOTH, ONE = "mu_k, mu_s", "mu_k"
-"""Which levels of friction an engine has."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Places:
@@ -34,21 +31,7 @@ class Places:
     """When it ended [m]."""
 
 
-class StallError(Exception):
-    """An engine would not come to an end."""
-
-
 Run: TypeAlias = Callable[[], Places]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Engine:
-    """One engine in one setting."""
-
-    name: str
-    levels: str = ONE
-    build: Callable[[float, float], Run]
-    """Makes the model for a hold [N] of some time [s]; what it returns is timed."""
 
 
 def pushes(hold: float, seconds: float) -> tuple[tuple[float, float, float], ...]:

@@ -12,6 +12,7 @@ from benchmarks import (
     ensembles,
     lugre,
     measuring,
+    peers,
     sampled,
     sensitivities,
     tables,
@@ -21,6 +22,9 @@ from benchmarks.block import by_scipy
 from benchmarks.block.problem import LIGHT, TRAVEL
 from benchmarks.kernel import Kernel
 from benchmarks.measuring import KERNEL, Entry, Missing, Target
+from benchmarks.several import by_scipy as several_by_scipy
+from benchmarks.several import by_stickslip as several_by_stickslip
+from benchmarks.several.problem import CASES
 
 PYTHON = ("python",)
 HAND = ("decay", "belt")
@@ -100,7 +104,9 @@ def test_a_library_that_is_not_there_is_named_with_where_to_get_it(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     entry = measuring.if_installed("heyoka", "heyoka, by hand", lambda: None)
     assert entry == Missing(solver="heyoka, by hand", reason="`pip install heyoka`")
-    (row,) = engines.found("Drake", "drake", "pydrake", "`pip install drake`")
+    monkeypatch.setattr(peers, "LIBRARIES", (("Drake", "drake", "pydrake", "`pip install drake`"),))
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: name.startswith("b") or None)
+    (row,) = peers.found("block")
     assert "| Drake" in "\n".join(tables.in_engines(engines.Holding(entries=(HELD, row))))
 
 
@@ -255,3 +261,16 @@ def test_a_target_is_met_by_the_kernel_and_says_why_if_not():
 def test_a_reason_that_holds_for_several_targets_stands_once():
     missed = Target(work="decay", goal="1", measured="2", met=False, reason="too many steps")
     assert "\n".join(tables.targets([missed, missed])).count("too many steps") == 1
+
+
+@pytest.mark.parametrize("name", ["chain", "arm", "clutches"])
+def test_mechanisms_with_several_contacts_end_where_their_references_do(name):
+    case = CASES[name]()
+    (peer,) = several_by_scipy.engines(name, case, (1e-9,))
+    # SciPy's tolerance at each step, grown by the events; the kernels are ten times closer
+    assert case.error(peer.build()()) < 1e-8
+    kernel = several_by_stickslip.kernel_of(case, compiled=False).run(1e-9)
+    places = np.array(kernel.final()[: len(case.mechanism.coordinates)])
+    if name == "clutches":
+        places = np.cumsum(places)
+    assert case.error(places) < 1e-9

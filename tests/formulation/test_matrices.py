@@ -7,11 +7,14 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 import pytest
+import symengine as se
 from tests.support import Generated, example_of
 
 from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, simulate
 from stickslip.drives import Drive, Sine
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.matrix_form import matrix_supply
+from stickslip.formulation.trace import Switchboard, Traced, expression
 from stickslip.friction import LAWS
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism, Torque
@@ -141,6 +144,21 @@ def test_forces_that_do_not_fit_the_energies_are_found_where_the_power_is_given(
     assert right.certificate.certified
     assert not wrong.certificate.certified
     assert wrong.certificate.energy_error > 1e-3
+
+
+def test_forces_that_the_energies_give_supply_no_power():
+    q = {name: se.Symbol(name) for name in ("x", "theta", "y")}
+    rates = {name: se.Symbol(f"{name}_dot") for name in q}
+    places, speeds = ({i: Traced(s, Switchboard()) for i, s in at.items()} for at in (q, rates))
+    free, push = MatrixCart(**SIZES), se.Symbol("F")
+    energy = expression(free.kinetic_energy(places, speeds) + free.potential_energy(0.0, places))
+    given = {i: expression(f) for i, f in free.forces(0.0, places, speeds, {}).items()}
+    # the held coordinate's own force does work only where it moves
+    still = {rates["y"]: 0}
+    assert matrix_supply(None, energy.subs(still), given, q, {**rates, "y": se.Integer(0)}) == 0
+    pushed = {**given, "x": given["x"] + push}
+    supplied = matrix_supply(None, energy, pushed, q, rates).subs(still)
+    assert se.expand(supplied - push * rates["x"]) == 0
 
 
 @dataclass(frozen=True, kw_only=True)

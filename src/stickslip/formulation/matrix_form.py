@@ -6,6 +6,7 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError
+from stickslip.formulation.linearity import is_zero
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import MatrixMechanism
 
@@ -77,5 +78,7 @@ def matrix_supply(
     """
     if given is not None:
         return expression(given)
-    work = sum((f * speeds[name] for name, f in force.items()), se.Integer(0))
-    return work + sum((energy.diff(places[i]) * speeds[i] for i in places), se.Integer(0))
+    pairs = [(f * speeds[i], energy.diff(places[i]) * speeds[i]) for i, f in force.items()]
+    left = [pair for pair in pairs if not is_zero(sum(pair))]
+    total = sum((sum(part, se.Integer(0)) for part in zip(*left, strict=True)), se.Integer(0))
+    return se.Integer(0) if is_zero(total) else total

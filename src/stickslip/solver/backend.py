@@ -1,5 +1,6 @@
 """The kernels of a tier, and the vectors they take."""
 
+import functools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from types import ModuleType
@@ -33,7 +34,7 @@ class Runner:
     places: tuple[int, ...]
     """Place of each parameter in the vector of a run."""
 
-    @property
+    @functools.cached_property
     def header(self) -> tuple[int, ...]:
         """Whole numbers of a run that begins: sizes, and places in its vector."""
         return self.sizes.header

@@ -175,7 +175,7 @@ def _warning(name: str, share: float) -> str:
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     """Return energies and works, and their mismatch over the energies and all work done."""
-    start, end = (_energy(playback, w, at) for at in (0, -1))
+    start, end = _energies(playback, w)
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
     size = max(abs(start), abs(end), float(w[GROSS]))
@@ -190,20 +190,21 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     }
 
 
-def _energy(playback: Playback, w: Sequence[float], at: int) -> float:
-    """Return the energy at the start of the first row or the end of the last."""
-    row = playback.rows[at]
-    t = playback.span()[at]
+def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
+    """Return the energies at the start of the first row and at the end of the last."""
+    times = playback.span()
     if playback.model.contacts:  # whose equations may have other coordinates than the run
         n, y = len(playback.model.states), playback.runner.header[Y]
-        first = row[ROW_DENSE + 1 : ROW_DENSE + 1 + n]
-        state = [float(x) for x in (first if at == 0 else w[y : y + n])]
+        states = [playback.rows[0][ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.array(w[y : y + n])]
     else:
-        state = playback.played(np.array([t]))[0][0].tolist()
+        states = list(playback.played(np.array(times))[0])
     equations = Equations(playback.model, playback.inputs)
-    equations.load(int(row[5]))
-    (energy,) = equations("energy", 0, int(row[4]), t, state)
-    return float(energy)
+    found = []
+    for row, t, state in zip((playback.rows[0], playback.rows[-1]), times, states, strict=True):
+        equations.load(int(row[5]))
+        (energy,) = equations("energy", 0, int(row[4]), t, state.tolist())
+        found.append(float(energy))
+    return found
 
 
 def _contact_drift(playback: Playback, w: Sequence[float]) -> float:

@@ -3,6 +3,7 @@
 Everything is made for many runs at once, whose parameters are arrays; one run is a case of that.
 """
 
+import itertools
 import math
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,9 +29,9 @@ ALIKE = 1e-9
 SHORTEST = 8
 """Units in the last place of the time that a piece must last; what a shorter one does is a jump."""
 
-MOST_KEPT, LONG = 512, 50_000
-"""Schedules of single runs that are kept, as those of a long record's segments, and the numbers of
-one from which it is too long to be."""
+MOST_KEPT, MOST_NUMBERS = 512, 2_000_000
+"""Schedules of single runs that are kept, as those of a long record's segments, and the numbers in
+all of their tables together."""
 _KEPT: OrderedDict[tuple[float, ...], tuple[tuple[Drive, ...], "Schedule"]] = OrderedDict()
 
 Array = NDArray[np.float64]
@@ -120,13 +121,17 @@ def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:
     if kept is None:
         plan = _scheduled(drives, 1, t_end)
         plan.table.setflags(write=False)
-        if plan.table.size > LONG:
-            return plan
         kept = drives, plan  # as long as they are kept, no other objects have their identities
-    _KEPT[key] = kept
-    if len(_KEPT) > MOST_KEPT:
-        _KEPT.popitem(last=False)
+        while _KEPT and (len(_KEPT) >= MOST_KEPT or _numbers() + plan.table.size > MOST_NUMBERS):
+            _KEPT.popitem(last=False)
+    if kept[1].table.size <= MOST_NUMBERS:
+        _KEPT[key] = kept
     return kept[1]
+
+
+def _numbers() -> int:
+    """Return the numbers in the tables that are kept."""
+    return sum(plan.table.size for _, plan in _KEPT.values())
 
 
 def schedule(
@@ -283,7 +288,8 @@ def _parts(drive: Drive) -> Iterator[Drive]:
 
 def _columns(pieces: Sequence[Piece], count: int) -> NDArray[Any]:
     """Return starts, values and slopes (3, 1 or count, pieces); one row where all are the same."""
-    if not any(isinstance(number, np.ndarray) for piece in pieces for number in piece):
+    kinds = set(map(type, itertools.chain.from_iterable(pieces)))
+    if not any(issubclass(kind, np.ndarray) for kind in kinds):
         return np.array(pieces, dtype=np.float64).reshape(1, -1, 3).transpose(2, 0, 1)
     columns = [[np.broadcast_to(number, count) for number in piece] for piece in pieces]
     return np.array(columns).transpose(1, 2, 0)

@@ -31,7 +31,7 @@ class Equations:
         runner = runner_of(model, compiled=False)
         self.sizes = sizes = model.sizes
         self.functions = plain_equations(model)
-        self.table = inputs.table.tolist()
+        self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
         self.lengths = sizes.lengths()
         self.whole: list[int] = runner.whole()
         self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]

@@ -23,6 +23,7 @@ from stickslip.kernels.state_layout import (
     BOUNDS,
     CANDIDATES,
     DECISIONS,
+    DIAGONAL,
     FORCED,
     HOLDS,
     KEPT,
@@ -33,6 +34,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_REACTIONS,
     NEEDED,
     OPEN,
     PIVOTINGS,
@@ -301,6 +303,7 @@ def decide(w: Vector, whole: Wholes) -> bool:
     for i in range(whole[N_COORDINATES]):
         if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
             moved += 1
-    if solved and waiting > 1 and moved > 0 and is_ambiguous(t, w, whole):
+    coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself
+    if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(t, w, whole):
         whole[AMBIGUOUS] += 1
     return solved

@@ -30,6 +30,7 @@ from stickslip.kernels.state_layout import (
     FORCE,
     FRACTION,
     FRICTION,
+    LENGTH,
     LEVELS,
     MASS,
     MODES,
@@ -58,7 +59,7 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = ["contact_series", "contact_series_step", "first_contact_crossing"]
+__all__ = ["TOGETHER", "contact_series", "contact_series_step", "first_contact_crossing"]
 
 TINY_TAIL = 1e-16
 """Size of the last two terms, over that of the state, that a step may have."""
@@ -66,6 +67,11 @@ VANISHED = 1e-18
 """Size of a term, over the largest of its state, below which a series has ended."""
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
+
+ROUNDED = 1e-12
+"""Share of a step beyond the earliest fall known in which others are looked for all the same."""
+TOGETHER = 4e-15
+"""Time between two falls that are one, over the larger of the present time and the step."""
 
 
 def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -90,11 +96,15 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     at : int
         Place in `w` of the state.
     """
-    t = w[TIME]
+    assemble(w[TIME], w, whole, at)
+    fill_series(h, w, whole, at)
+
+
+def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Fill the series where accelerations and needed friction at the state are at hand."""
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
-    assemble(t, w, whole, at)
-    evaluate(FORCE_SLOPES, 0, whole[FLAGS], t, w, at, whole[SLOPE_VALUES])
+    evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
     last = whole[DENSE] + 1
     for i in range(n):
         w[last + i] = w[at + i]
@@ -136,11 +146,13 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     row = whole[NEEDED_SERIES] + terms * n
     slopes = whole[SLOPE_VALUES]
     modes, found = whole[MODES], whole[DRIFT]
-    for i in range(n):
-        w[row + i] = 0.0
-    for k in range(whole[N_SLOPES]):
-        column = whole[whole[SLOPE_COLUMNS] + k]
-        w[row + whole[whole[SLOPE_ROWS] + k]] += w[slopes + k] * w[last + column]
+    k, count = 0, whole[N_SLOPES]
+    for i in range(n):  # the slopes stand row by row
+        total = 0.0
+        while k < count and whole[whole[SLOPE_ROWS] + k] == i:
+            total += w[slopes + k] * w[last + whole[whole[SLOPE_COLUMNS] + k]]
+            k += 1
+        w[row + i] = total
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
@@ -165,6 +177,8 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
+    The state has been assembled: by the decision before it, or by the audit of the step before it.
+
     Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
     CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
     Writes: PIVOT, Y1, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
@@ -186,7 +200,8 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
         Size of the last terms over what is allowed: the step is good up to 1.
     """
     states = whole[N_STATES]
-    contact_series(h, w, whole, whole[Y])
+    w[LENGTH] = h
+    fill_series(h, w, whole, whole[Y])
     interpolate(w, whole, 1.0, whole[Y1])
     error = 0.0
     if w[whole[DENSE]] >= SERIES:
@@ -219,16 +234,28 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     return own <= STILLNESS * size
 
 
-def search(value: float, row: int, width: int, sign: float, count: int, w: Vector) -> float:
+def search(
+    value: float,
+    bound: float,
+    slack: float,
+    row: int,
+    width: int,
+    sign: float,
+    count: int,
+    w: Vector,
+) -> float:
     """Return the first fall of ``value + sign * (terms of a column)``, from POLYNOMIAL's start.
 
-    The terms stand `width` apart from the place `row` on. The interval that is searched ends at the
-    earliest fall known, in FRACTION: coefficients are scaled by its powers.
+    The terms stand `width` apart from the place `row` on; `bound` is the sum of their sizes. The
+    interval that is searched ends `slack` behind the earliest fall known, in FRACTION: coefficients
+    are scaled by its powers.
 
     Reads: FRACTION, POLYNOMIAL.
     Writes: POLYNOMIAL, ROOM.
     """
-    reach = min(1.0, w[FRACTION] * (1.0 + 1e-12))
+    reach = min(1.0, w[FRACTION] + slack)
+    if value > reach * bound:
+        return NEVER_FALLS
     power = 1.0
     total = 0.0
     first = w[POLYNOMIAL + 1]  # 0 where the first slope is rounding, else 1
@@ -277,36 +304,20 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     w[FRACTION] = 1.0
     for guard in range(2 * n):
         w[whole[ROOTS] + guard] = NEVER_FALLS
-    for i in range(n):
-        mode = whole[whole[MODES] + i]
-        if mode in (FORWARD, BACKWARD):
-            speed = mode * w[whole[Y] + n + i]
-            w[whole[REACHED] + 2 * i] = max(w[whole[REACHED] + 2 * i], abs(speed))
-            if speed > w[moved + i]:
-                continue
-            w[POLYNOMIAL + 1] = 0.0 if speed == 0.0 and is_balanced(i, w, whole) else 1.0
-            row = whole[DENSE] + 1 + states + n + i
-            x = search(speed, row, states, mode, terms, w)
-            best = note_root(2 * i, x, best, w, whole)
-        elif mode == HELD_FAST:
-            for side in range(2):
-                if w[whole[LEVELS] + 2 * i + side] == math.inf:
-                    continue
-                sign = -1.0 if side == 0 else 1.0
-                spare = w[whole[LEVELS] + 2 * i + side] + sign * w[whole[NEEDED_SERIES] + i]
-                guard = 2 * i + side
-                w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(spare))
-                if spare > w[grown + i]:
-                    continue
-                w[POLYNOMIAL + 1] = 1.0
-                x = search(spare, whole[NEEDED_SERIES] + n + i, n, sign, count, w)
-                best = note_root(guard, x, best, w, whole)
+    h = w[LENGTH]
+    slack = max(ROUNDED, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
+    early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
+    if early != NO_GUARD:
+        best = look_at(early, best, slack, w, whole)
+    for guard in range(2 * n):
         if w[FRACTION] == 0.0:
             return best
-    return first_stop(best, w, whole) if whole[N_WALLS] > 0 else best
+        if guard != early:
+            best = look_at(guard, best, slack, w, whole)
+    return first_stop(best, slack, w, whole) if whole[N_WALLS] > 0 else best
 
 
-def first_stop(best: int, w: Vector, whole: Wholes) -> int:
+def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Return the guard that falls first, those of hard stops included.
 
     Reads: FRACTION, Y, DENSE, REACHED, WALLS, MODES.
@@ -323,7 +334,7 @@ def first_stop(best: int, w: Vector, whole: Wholes) -> int:
         w[reached] = max(w[reached], abs(margin))
         w[POLYNOMIAL + 1] = 1.0
         row = whole[DENSE] + 1 + states + wall_coordinate(wall, whole)
-        x = search(margin, row, states, -wall_side(wall, whole), terms, w)
+        x = search(margin, math.inf, slack, row, states, -wall_side(wall, whole), terms, w)
         if x == FALLS_AT_ONCE:
             w[FRACTION] = 0.0
             return first + wall
@@ -331,6 +342,57 @@ def first_stop(best: int, w: Vector, whole: Wholes) -> int:
             w[FRACTION] = x
             best = first + wall
     return best
+
+
+def value_of(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return a guard at the start of the step; infinity for one that nothing watches."""
+    n, i = whole[N_COORDINATES], guard // 2
+    mode = whole[whole[MODES] + i]
+    if mode == HELD_FAST:
+        return w[whole[LEVELS] + guard] + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
+    if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
+        return mode * w[whole[Y] + n + i]
+    return math.inf
+
+
+def side_sign(guard: int) -> float:
+    """Return the sign with which needed friction enters a guard: less the level ahead first."""
+    return -1.0 if guard % 2 == 0 else 1.0
+
+
+def nearest_guard(w: Vector, whole: Wholes) -> int:
+    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`."""
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    best, least = NO_GUARD, 1.0
+    for guard in range(2 * n):
+        i = guard // 2
+        if whole[whole[MODES] + i] == HELD_FAST:
+            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + n + i]
+        else:
+            slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+        value = value_of(guard, w, whole)
+        if value > 0.0 and value < -least * slope:
+            best, least = guard, -value / slope
+    return best
+
+
+def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
+    """Note where a guard falls, if it does before the best one; return which of them is first."""
+    n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
+    mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
+    if value == math.inf:
+        return best
+    w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
+    w[POLYNOMIAL + 1] = 1.0
+    if mode == HELD_FAST:
+        row, count = whole[NEEDED_SERIES] + n + i, int(w[whole[BOUNDS]]) - 1
+        x = search(value, w[whole[DRIFT] + i], slack, row, n, side_sign(guard), count, w)
+    else:
+        if value == 0.0 and is_balanced(i, w, whole):
+            w[POLYNOMIAL + 1] = 0.0
+        row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+        x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+    return note_root(guard, x, best, w, whole)
 
 
 def sum_terms(row: int, width: int, count: int, to: int, n: int, w: Vector) -> None:

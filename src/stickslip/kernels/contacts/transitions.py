@@ -12,6 +12,7 @@ from stickslip.kernels.contacts.guards import (
 )
 from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
 from stickslip.kernels.contacts.motion import mode_of
+from stickslip.kernels.contacts.series import TOGETHER
 from stickslip.kernels.contacts.stops import margin_of, stopped_side
 from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.enums import (
@@ -74,8 +75,6 @@ __all__ = ["begin_contacts", "change_contacts", "settle_contacts"]
 
 OF_MODES = -1
 """Guard of an event in which modes change, in its record, less the guard that fell first."""
-TOGETHER = 4e-15
-"""Time between two falls that are one, over the larger of the present time and the step."""
 REACHED_ZERO = 1e-13
 """Share of its largest value below which a guard has fallen too, where it is sampled."""
 
