@@ -117,7 +117,7 @@ def refuse(run: Trajectory, *, certified: bool = True) -> None:
     """
     if not run.status.complete:
         raise SimulationError(
-            f"{run.status.value}{_numbers(run)} The run ended at t ="
+            f"{run.ending}{_numbers(run)} The run ended at t ="
             f" {quantity(run.span[1], 's', 6)}."
         )
     if certified and not run.certificate.certified:

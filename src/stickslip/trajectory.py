@@ -163,6 +163,13 @@ class Trajectory(InPanels):
     """Gives the sensitivities (n, states, paths) at an array of times, where the solver can."""
     only_contact: str = ""
     """Name of the contact where there is one; empty if it has no name, or there are several."""
+    cause: str = ""
+    """Why the run ended early and what to do, in words, where more can be said than the status."""
+
+    @property
+    def ending(self) -> str:
+        """How the run ended and why, in words."""
+        return f"{self.status.value} {self.cause}".rstrip()
 
     @cached_property
     def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:
@@ -368,7 +375,7 @@ class Trajectory(InPanels):
             ),
         )
         notes = (*self.certificate.problems, *self.certificate.warnings)
-        return Summary(sentence=self.status.value, rows=rows, notes=notes)
+        return Summary(sentence=self.ending, rows=rows, notes=notes)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,6 +6,8 @@ law's switches, as far as it slips, and its load; then come the mechanism's own 
 determinant of the reactions' equations, which ends the run.
 """
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import WITHIN, assemble, side_of
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
@@ -34,7 +36,14 @@ from stickslip.kernels.state_layout import (
     SLIPS,
 )
 
-__all__ = ["LEAST_PIVOT", "contact_guards", "first_contact_guard", "first_own_switch", "law_flags"]
+__all__ = [
+    "LEAST_PIVOT",
+    "contact_guards",
+    "first_contact_guard",
+    "first_own_switch",
+    "has_switches",
+    "law_flags",
+]
 
 ALWAYS = 1.0
 """Value of a guard that nothing watches."""
@@ -104,13 +113,43 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
     if switches > 0 and mode in (FORWARD, BACKWARD):
         flags = whole[whole[LAW_FLAGS] + contact]
-        law_margins(contact, flags, t, w, whole, at)
+        law_margins(contact, flags, t, w, whole, at, ALWAYS)
         for j in range(switches):
             margin = w[whole[LAW_VALUES] + j]
             w[to + j] = margin if flags & (1 << j) else -margin
 
 
-def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
+    """Whether a contact's law has switches, which the series of exact modes does not watch.
+
+    Parameters
+    ----------
+    contact : int
+        Index of the contact.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+
+    Returns
+    -------
+    bool
+        Whether its law has margins.
+    """
+    if whole[LAW_SWITCHES] == 0:
+        return False
+    law_margins(contact, whole[whole[LAW_FLAGS] + contact], t, w, whole, at, math.nan)
+    first = w[whole[LAW_VALUES]]
+    return first == first
+
+
+def law_margins(
+    contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int, absent: float
+) -> None:
     """Write the margins of the switches of a contact's law, positive where they hold."""
     coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
@@ -120,7 +159,7 @@ def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at
     kind = whole[whole[KINDS] + contact]
     values = whole[LAW_VALUES]
     for j in range(whole[LAW_SWITCHES]):
-        w[values + j] = ALWAYS
+        w[values + j] = absent
     evaluate(LAW_MARGINS + kind, side, flags, t, w, row, values)
 
 
@@ -145,7 +184,7 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if whole[whole[MODES] + whole[whole[SLIPS] + c]] not in (FORWARD, BACKWARD):
             continue
         for _ in range(switches):
-            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at)
+            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at, ALWAYS)
             flags = 0
             for j in range(switches):
                 if w[whole[LAW_VALUES] + j] > 0.0:

@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import ask_law, assemble, side_of
+from stickslip.kernels.contacts.guards import has_switches
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
 from stickslip.kernels.equations import POWER, REST, evaluate
@@ -175,11 +176,26 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
         if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
             ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
             linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
+            linear = linear and not has_switches(c, w[TIME], w, whole, whole[Y])
     return linear
+
+
+def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the largest acceleration that forces and friction at a time give the present state."""
+    n = whole[N_COORDINATES]
+    assemble(t, w, whole, whole[Y])
+    largest = 0.0
+    for i in range(n):
+        level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
+        pull = abs(w[whole[FORCE] + i]) + level
+        largest = max(largest, pull / w[whole[MASS] + i * n + i])
+    return largest
 
 
 def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start; what is at rest has those that the forces at hand give.
+
+    Where there are none yet, the forces at the end of the run count, as the drives go on now.
 
     Parameters
     ----------
@@ -190,20 +206,21 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n, y, scale = whole[N_COORDINATES], whole[Y], whole[SCALE]
-    assemble(w[TIME], w, whole, y)
-    largest = 0.0
-    for i in range(n):
-        level = max(w[whole[LEVELS] + 2 * i], w[whole[LEVELS] + 2 * i + 1])
-        pull = abs(w[whole[FORCE] + i]) + level
-        largest = max(largest, pull / w[whole[MASS] + i * n + i])
-    for i in range(whole[N_STATES]):
+    n, states, y, scale = whole[N_COORDINATES], whole[N_STATES], whole[Y], whole[SCALE]
+    largest = largest_pull(w[TIME], w, whole)
+    if largest == 0.0:
+        largest = largest_pull(t_end, w, whole)
+        assemble(w[TIME], w, whole, y)
+    for i in range(states):
         w[scale + i] = abs(w[y + i])
     span = t_end - w[TIME]
+    speed = BEGINNING_SHARE * largest * span
     for i in range(n):
-        speed = BEGINNING_SHARE * largest * span
         w[scale + n + i] = max(w[scale + n + i], speed)
         w[scale + i] = max(w[scale + i], BEGINNING_SHARE * w[scale + n + i] * span)
+    for i in range(2 * n, states):  # bristles, which bend far less than bodies move
+        bent = BEGINNING_SHARE * BEGINNING_SHARE * speed * span
+        w[scale + i] = max(w[scale + i], bent)
     w[LIVELIEST] = 0.0
     note_motion(w, whole)
 

@@ -234,7 +234,9 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         follow_openings(w, whole)
     settle_modes(w, whole)
     write_changes(guard, w, whole)
-    if lifted >= 0:
+    if lifted >= 0:  # after what falls with it: the last event is what ends the run
+        now = mode_of(lifted, whole[whole[MODES] + whole[whole[SLIPS] + lifted]], 0, w, whole)
+        write_event(guard, lifted, now, now, 0.0, w, whole)
         whole[STATUS] = LIFTED_OFF
 
 
@@ -270,9 +272,6 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         write_event(guard, contact, 0, 0, 0.0, w, whole)
         return -1
     if whole[whole[REACTS] + contact]:
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-        now = mode_of(contact, mode, 0, w, whole)
-        write_event(guard, contact, now, now, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1

@@ -128,7 +128,7 @@ def opening_section(about: ContactsReport) -> Section:
     opening = Opening(
         kicker=f"{about.rig.heading}, {about.kinds} friction",
         verdict=verdict,
-        lede=" ".join([run.status.value, *book.warnings]),
+        lede=" ".join([run.ending, *book.warnings]),
         facts=tuple(facts),
         cannot_tell=("Whether the laws describe the contacts: that takes measurements of each.",),
         record="run",
