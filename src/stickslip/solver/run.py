@@ -32,7 +32,7 @@ LOADING = 0.3
 """Time to load kernels that an earlier process compiled [s]."""
 EQUATIONS = 0.1
 """Time to compile the equations of a model [s]."""
-PLAIN_STEP = 1e-4
+PLAIN_STEP = 2e-4
 """Time of a step in plain Python, and as much again for each of several contacts [s]."""
 STRETCH = 500
 """Steps in plain Python after which a run asks whether machine code would pay."""

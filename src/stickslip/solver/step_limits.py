@@ -218,17 +218,19 @@ def cause_of_step_limit(
     """
     steps, events, pieces = (record.whole[place] for place in (STEPS, EVENTS, PIECE))
     t = float(record.w[TIME])
-    whole_run = f", of some {number(steps * t_end / t, 2)} for {quantity(t_end, 's', 4)}"
-    taken = f"{steps} steps led to {quantity(t, 's', 4)}{whole_run if t > 0.0 else ''}."
+    taken = f"{steps} steps led to {quantity(t, 's', 4)}."
+    if t > 0.0:
+        needed = number(steps * t_end / t, 2)
+        taken = f"{taken[:-1]}; at this rate {quantity(t_end, 's', 4)} take {needed} steps."
     advice = "End the run earlier, or allow more steps with EventDriven(max_steps=...)."
     if events > OFTEN * steps:
         return f"{taken} {events} of them ended with an event: the contacts keep switching. {advice}"
     if pieces > OFTEN * steps:
         return f"{taken} The drives have changed their course {pieces} times. {advice}"
-    if t / steps > OFTEN * inputs.time_scale / 6.0:
-        scale = quantity(inputs.time_scale, "s", 2)
-        return f"{taken} A drive changes within {scale}, which allows a sixth of that. {advice}"
     fastest = fastest_motion(model, inputs, record)
+    if inputs.time_scale < (math.inf if fastest is None else fastest.time_scale):
+        scale = quantity(inputs.time_scale, "s", 2)
+        return f"{taken} A drive changes within {scale}, and a step takes a sixth of that. {advice}"
     if fastest is None:
         return f"{taken} {advice}"
     scale = quantity(fastest.time_scale, "s", 2)
