@@ -331,6 +331,10 @@ class Trajectory(InPanels):
                 spans.append((start, end))
         return spans
 
+    def stick_time(self) -> float:
+        """Return how long friction or a hard stop holds the body [s], as `stick_spans` does."""
+        return sum(end - start for start, end in self.stick_spans())
+
     def _first_mode(self) -> int:
         return self.events[0].from_mode if self.events else int(self.at(self.span[0])["mode"][0])
 

@@ -22,8 +22,8 @@ from stickslip.control import closed_loop, dynamics_at
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.experiments import LawEstimates
-from stickslip.selection import criteria_of
 from stickslip.mechanisms import PendulumCart
+from stickslip.selection import criteria_of
 from stickslip.sweep import average_velocity, band_of, basins, bifurcation
 
 PLAIN = EventDriven(tier="python")

@@ -40,9 +40,7 @@ def fastest_of(mechanism, law, y0):
     model = formulate(mechanism, law)
     inputs = gather(mechanism, law, model, 10.0)
     start = within_stops(mechanism, y0)
-    record = execute(
-        model, inputs, start, t_end=10.0, tolerance=1e-9, limit=20, tier="python"
-    )
+    record = execute(model, inputs, start, t_end=10.0, tolerance=1e-9, limit=20, tier="python")
     return fastest_motion(model, inputs, record)
 
 

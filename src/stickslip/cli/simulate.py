@@ -446,7 +446,7 @@ def _show(ran: Ran, settings: Settings) -> None:
     console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
-        held = sum(end - begin for begin, end in run.contact(name).stick_spans())
+        held = run.contact(name).stick_time()
         console.print(
             f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
             markup=False,

@@ -224,7 +224,7 @@ def cause_of_step_limit(
         taken = f"{taken[:-1]}; at this rate {quantity(t_end, 's', 4)} take {needed} steps."
     advice = "End the run earlier, or allow more steps with EventDriven(max_steps=...)."
     if events > OFTEN * steps:
-        return f"{taken} {events} of them ended with an event: the contacts keep switching. {advice}"
+        taken += f" {events} of them ended with an event: the contacts keep switching."
     if pieces > OFTEN * steps:
         return f"{taken} The drives have changed their course {pieces} times. {advice}"
     fastest = fastest_motion(model, inputs, record)
@@ -240,8 +240,8 @@ def cause_of_step_limit(
     named = [path for path, _ in fastest.influences[:MOST_NAMED]]
     return (
         f"{text}, set by {_listed(_values(mechanism, law), named)}. Check these values, or leave"
-        f" that motion out: a stiff spring can be a rigid joint, a small mass none, stiff bristles a"
-        f" law without them. {advice}"
+        f" that motion out: a stiff spring can be a rigid joint, a small mass none, stiff bristles"
+        f" a law without them. {advice}"
     )
 
 

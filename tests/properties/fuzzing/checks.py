@@ -433,7 +433,9 @@ def violations(evidence: Evidence, checks: Any = CHECKS) -> list[tuple[str, str]
     found = []
     for name, check in checks.items():
         views = evidence.each if name in OF_CONTACTS else (evidence,)
-        words = " ".join(f"{one.at_contact} {text}".lstrip() for one in views for text in check(one))
+        words = " ".join(
+            f"{one.at_contact} {text}".lstrip() for one in views for text in check(one)
+        )
         if words:
             found.append((name, words))
     return found

@@ -304,6 +304,4 @@ def draw_joints(rng: Random) -> Case:
     mechanism = MAKERS[rng.choice(list(MAKERS))](rng, size, t_end)
     names = tuple(contact.name for contact in mechanism.contacts())
     case = Case(mechanism=mechanism, law=_laws(rng, names, size), t_end=t_end, y0={})
-    return Case(
-        mechanism=mechanism, law=case.law, t_end=t_end, y0=_start(rng, case, size)
-    )
+    return Case(mechanism=mechanism, law=case.law, t_end=t_end, y0=_start(rng, case, size))

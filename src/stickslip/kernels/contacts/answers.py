@@ -2,13 +2,12 @@
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import prepare, refactor
-from stickslip.kernels.contacts.guards import contact_guards
+from stickslip.kernels.contacts.guards import contact_guards, contacts_are_linear
 from stickslip.kernels.contacts.motion import (
     book_contacts,
     contact_columns,
     contact_power,
     contact_rates,
-    contacts_are_linear,
     contacts_rest,
     first_contact_sizes,
     note_motion,

@@ -9,10 +9,12 @@ determinant of the reactions' equations, which ends the run.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, assemble, side_of
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, assemble, side_of
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
+    AFFINE,
+    BRISTLES,
     CONSTANT_LOADS,
     FIRST_LIMIT,
     FLAGS,
@@ -34,14 +36,16 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    TIME,
+    Y,
 )
 
 __all__ = [
     "LEAST_PIVOT",
     "contact_guards",
+    "contacts_are_linear",
     "first_contact_guard",
     "first_own_switch",
-    "has_switches",
     "law_flags",
 ]
 
@@ -102,6 +106,35 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
         w[to + whole[FIRST_LIMIT]] = w[PIVOT] - LEAST_PIVOT
 
 
+def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
+    """Whether all equations are affine in states and time in the modes at hand.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether the exact series holds.
+    """
+    if not whole[AFFINE]:
+        return False
+    linear = True
+    for c in range(whole[N_CONTACTS]):
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
+            linear = False
+        if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
+            ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
+            linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
+            linear = linear and not has_switches(c, w[TIME], w, whole, whole[Y])
+    return linear
+
+
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the guards of one contact: its law's switches, its load."""
     switches = whole[LAW_SWITCHES]
@@ -120,31 +153,11 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
 
 def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
-    """Whether a contact's law has switches, which the series of exact modes does not watch.
-
-    Parameters
-    ----------
-    contact : int
-        Index of the contact.
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-
-    Returns
-    -------
-    bool
-        Whether its law has margins.
-    """
+    """Whether a contact's law has switches, which the series of exact modes does not watch."""
     if whole[LAW_SWITCHES] == 0:
         return False
     law_margins(contact, whole[whole[LAW_FLAGS] + contact], t, w, whole, at, math.nan)
-    first = w[whole[LAW_VALUES]]
-    return first == first
+    return not math.isnan(w[whole[LAW_VALUES]])
 
 
 def law_margins(

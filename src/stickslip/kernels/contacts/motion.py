@@ -3,18 +3,15 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import ask_law, assemble, side_of
-from stickslip.kernels.contacts.guards import has_switches
+from stickslip.kernels.contacts.assembly import assemble
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
 from stickslip.kernels.equations import POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.state_layout import (
     ACCELERATION,
-    AFFINE,
     BOX,
     BRISTLE_RATES,
-    BRISTLES,
     DAMPING,
     DENSE,
     DIAGONAL,
@@ -24,7 +21,6 @@ from stickslip.kernels.state_layout import (
     FRICTION,
     GIVEN,
     GROSS,
-    LAW_VALUES,
     LENGTH,
     LEVELS,
     LIVELIEST,
@@ -56,7 +52,6 @@ __all__ = [
     "contact_columns",
     "contact_power",
     "contact_rates",
-    "contacts_are_linear",
     "contacts_rest",
     "first_contact_sizes",
     "note_motion",
@@ -149,35 +144,6 @@ def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
     """Return the slip velocity of a contact."""
     rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
     return w[whole[SLIP_FACTORS] + contact] * w[rate]
-
-
-def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
-    """Whether all equations are affine in states and time in the modes at hand.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether the exact series holds.
-    """
-    if not whole[AFFINE]:
-        return False
-    linear = True
-    for c in range(whole[N_CONTACTS]):
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
-        if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
-            linear = False
-        if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
-            ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
-            linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
-            linear = linear and not has_switches(c, w[TIME], w, whole, whole[Y])
-    return linear
 
 
 def largest_pull(t: float, w: Vector, whole: Wholes) -> float:

@@ -16,7 +16,6 @@ import re
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from stickslip import kernels
 from stickslip.formulation import Model
