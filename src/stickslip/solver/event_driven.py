@@ -57,7 +57,8 @@ def status_of(code: int, model: Model) -> Status:
     """
     if code < enums.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
-    return Status.PAINLEVE if model.limits[code - enums.LIMITED] == PAINLEVE else Status.LIMIT
+    limits = model.limits[code - enums.LIMITED :]
+    return Status.LIMIT if limits and limits[0] != PAINLEVE else Status.PAINLEVE
 
 
 TIGHTEST = 1e-13

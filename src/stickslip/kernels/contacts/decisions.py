@@ -64,7 +64,9 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
         needed = w[whole[NEEDED] + i]
         back = 0 if needed >= 0.0 else 1
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
-        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN)
+        # rounding of the forces of others is no push where the level is 0, say
+        own = tolerance * w[whole[MASS] + i * whole[N_COORDINATES] + i]
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
     return sign * w[whole[ACCELERATION] + i] < -tolerance
 
