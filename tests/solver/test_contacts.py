@@ -34,10 +34,14 @@ from stickslip import (
 )
 from stickslip.drives import Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import LAWS, Laws
+from stickslip.formulation import formulate
+from stickslip.friction import LAWS, Laws, assigned
+from stickslip.kernels import enums
+from stickslip.kernels.contacts.assembly import determinant
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
 from stickslip.results import Status
+from stickslip.solver.event_driven import status_of
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
 BENT = {"shoulder": 1.2, "elbow": 0.8}
@@ -560,3 +564,27 @@ def test_needed_friction_that_is_just_the_level_holds():
         assert [e.contact for e in run.events if e.reason == "stop"] == [
             f"clutch-{i}" for i in (2, 3, 4, 1)
         ]
+
+
+def test_a_cart_that_starts_off_the_ground_ends_there():
+    cart = RubbingCart(ball_mass=2.0, cart_mass=0.1)
+    laws = {"wheels": coulomb(0.05), "pivot": coulomb(0.01)}
+    # at the top the ball pulls with m (l omega^2 - g)
+    run = simulate(
+        cart, laws, t_end=1.0, y0={"theta": math.pi, "omega": 20.0}, throw=False, solver=PLAIN
+    )
+    assert run.status is Status.LIFT_OFF
+    assert run.span == (0.0, 0.0)
+    assert [event.reason for event in run.events] == ["lift-off"]
+    assert run["normal_force:wheels"][-1] < 0.0
+
+
+def test_decisions_without_an_answer_have_a_status_in_any_mechanism():
+    model = formulate(chain(2)(), assigned(("x1", "x2"), coulomb(0.5)))
+    assert not model.limits
+    assert status_of(enums.LIMITED, model) is Status.PAINLEVE
+
+
+def test_reactions_that_nothing_determines_have_no_determinant():
+    rows = [1.0, 1.0, 3.0, 1.0, 1.0, 4.0]
+    assert determinant(rows, 0, 2) == 0.0

@@ -174,6 +174,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     enter_pieces(table, w, whole)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)
+        take_changes(w, whole, events)
         ask(FIRST_SIZES, t_end, w, whole)
         w[RHYTHM] = math.inf
     else:

@@ -138,13 +138,15 @@ class Evidence:
 
     @cached_property
     def speed(self) -> float:
-        """Largest slip speed."""
-        return float(np.abs(self.slip).max())
+        """Largest slip speed; beside what moves by rounding, that of what moves most."""
+        fastest = max(float(np.abs(self.seen[rate]).max()) for rate in self.case.mechanism.rates)
+        return max(float(np.abs(self.slip).max()), 1e-9 * fastest)
 
     @cached_property
     def before_lift_off(self) -> np.ndarray:
         """Where the body is on the ground; a drive that jumps may have taken it off at the end."""
-        return (self.times < self.run.span[1]) | (self.run.status is not Status.LIFT_OFF)
+        ended = self.run.status in (Status.LIFT_OFF, Status.PAINLEVE)
+        return (self.times < self.run.span[1]) | (not ended)
 
     @cached_property
     def force(self) -> float:

@@ -101,6 +101,11 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     settle_modes(w, whole)
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
+    whole[CHANGED] = 0
+    for c in range(whole[N_CONTACTS]):
+        pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
+        if pulls and whole[STATUS] != LIFTED_OFF:
+            lift_off(lift_guard(c, whole), c, w, whole)
 
 
 def set_own_flags(w: Vector, whole: Wholes) -> None:
@@ -235,9 +240,20 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     settle_modes(w, whole)
     write_changes(guard, w, whole)
     if lifted >= 0:  # after what falls with it: the last event is what ends the run
-        now = mode_of(lifted, whole[whole[MODES] + whole[whole[SLIPS] + lifted]], 0, w, whole)
-        write_event(guard, lifted, now, now, 0.0, w, whole)
-        whole[STATUS] = LIFTED_OFF
+        lift_off(guard, lifted, w, whole)
+
+
+def lift_guard(contact: int, whole: Wholes) -> int:
+    """Return the guard of the load of a contact."""
+    wide = whole[LAW_SWITCHES] + 1
+    return first_contact_guard(whole) + contact * wide + whole[LAW_SWITCHES]
+
+
+def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
+    """End the run where a contact lifts off."""
+    now = mode_of(contact, whole[whole[MODES] + whole[whole[SLIPS] + contact]], 0, w, whole)
+    write_event(guard, contact, now, now, 0.0, w, whole)
+    whole[STATUS] = LIFTED_OFF
 
 
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
