@@ -18,6 +18,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 CACHE = Path(tempfile.gettempdir()) / "stickslip" / "tests"
 os.environ.setdefault("STICKSLIP_CACHE", str(CACHE))
 
+os.environ.setdefault("STICKSLIP_BACKGROUND", "0")
+
 settings.register_profile("dev", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True)
 settings.register_profile("thorough", deadline=None)

@@ -32,6 +32,7 @@ __all__ = [
     "plugins",
     "shadow",
     "structure",
+    "turned",
     "unchecked",
     "vary",
 ]
@@ -779,3 +780,40 @@ def plugins(group: str, base: type[T]) -> Iterator[tuple[str, type[T]]]:
         if not (isinstance(kind, type) and issubclass(kind, base)):
             raise StickslipError(f"{where} must be a class derived from {base.__name__}.")
         yield where, kind
+
+
+TURNED = {
+    "m": "rad",
+    "m/s": "rad/s",
+    "N": "N m",
+    "kg": "kg m^2",
+    "N/m": "N m/rad",
+    "N s/m": "N m s/rad",
+    "N s^2/m^2": "N m s^2/rad^2",
+    "1/m": "1/rad",
+    "s/m": "s/rad",
+}
+"""Units of a straight motion -> those of the same quantities about an axis."""
+
+
+def turned(unit: str, turning: bool = True) -> str:
+    """Return the unit of the same quantity about an axis; as it is where nothing is `turning`.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit of a quantity along a line.
+    turning : bool
+        Whether the quantity is about an axis.
+
+    Returns
+    -------
+    str
+        SI unit.
+
+    Examples
+    --------
+    >>> turned("N s/m"), turned("1"), turned("m", turning=False)
+    ('N m s/rad', '1', 'm')
+    """
+    return TURNED.get(unit, unit) if turning else unit

@@ -117,8 +117,7 @@ def refuse(run: Trajectory, *, certified: bool = True) -> None:
     """
     if not run.status.complete:
         raise SimulationError(
-            f"{run.status.value}{_numbers(run)} The run ended at t ="
-            f" {quantity(run.span[1], 's', 6)}."
+            f"{run.ending}{_numbers(run)} The run ended at t = {quantity(run.span[1], 's', 6)}."
         )
     if certified and not run.certificate.certified:
         raise SimulationError("The run is not certified: " + "; ".join(run.certificate.problems))

@@ -163,6 +163,13 @@ class Trajectory(InPanels):
     """Gives the sensitivities (n, states, paths) at an array of times, where the solver can."""
     only_contact: str = ""
     """Name of the contact where there is one; empty if it has no name, or there are several."""
+    cause: str = ""
+    """Why the run ended early and what to do, in words, where more can be said than the status."""
+
+    @property
+    def ending(self) -> str:
+        """How the run ended and why, in words."""
+        return f"{self.status.value} {self.cause}".rstrip()
 
     @cached_property
     def _columns(self) -> Mapping[str, "NDArray[np.float64]"]:
@@ -324,6 +331,10 @@ class Trajectory(InPanels):
                 spans.append((start, end))
         return spans
 
+    def stick_time(self) -> float:
+        """Return how long friction or a hard stop holds the body [s], as `stick_spans` does."""
+        return sum(end - start for start, end in self.stick_spans())
+
     def _first_mode(self) -> int:
         return self.events[0].from_mode if self.events else int(self.at(self.span[0])["mode"][0])
 
@@ -368,7 +379,7 @@ class Trajectory(InPanels):
             ),
         )
         notes = (*self.certificate.problems, *self.certificate.warnings)
-        return Summary(sentence=self.status.value, rows=rows, notes=notes)
+        return Summary(sentence=self.ending, rows=rows, notes=notes)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -270,3 +270,39 @@ def test_rig_checks_names_of_contacts_and_states():
         Rig(mechanism=body, initial={"xx": 1.0})
     with pytest.raises(InputError, match="no laws by contact"):
         Rig(mechanism=body).law_by_contact()
+
+
+ARM = """
+[mechanism]
+type = "two-link-arm"
+upper_mass = 0.6
+upper_length = 0.2
+upper_centre = 0.1
+upper_inertia = 0.012
+lower_mass = 0.5
+lower_centre = 0.2
+lower_inertia = 0.03
+[friction]
+kinetic_coefficient = 0.2
+static_coefficient = 0.3
+{shared}
+[friction.elbow]
+{elbow}
+"""
+SPEED = 'stribeck_velocity = "3 deg/s"'
+
+
+@pytest.mark.parametrize(("shared", "elbow"), [(SPEED, ""), ("", SPEED)])
+def test_a_contact_that_slips_along_an_angle_takes_speeds_of_turning(read, shared, elbow):
+    law = read(ARM.format(shared=shared, elbow=elbow)).law_by_contact(
+        {"shoulder": "coulomb", "elbow": "stribeck"}
+    )["elbow"]
+    assert law.stribeck_velocity == pytest.approx(math.radians(3.0))
+
+
+def test_a_contact_that_slips_along_a_line_does_not(read):
+    axis = '[mechanism]\ntype = "axis"\ninertia = 1.0\n[friction]\n'
+    pendulum = axis.replace("axis", "pendulum").replace("inertia", "length = 0.5\nmass")
+    assert read(pendulum + SPEED) is not None
+    with pytest.raises(InputError, match=r"stribeck_velocity \(v_s\) must be in m/s.*deg/s"):
+        read(axis + SPEED)

@@ -22,6 +22,7 @@ from stickslip.control import closed_loop, dynamics_at
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.experiments import LawEstimates
+from stickslip.mechanisms import PendulumCart
 from stickslip.selection import criteria_of
 from stickslip.sweep import average_velocity, band_of, basins, bifurcation
 
@@ -102,3 +103,9 @@ def test_a_foot_that_carries_load_needs_a_law_even_if_nothing_rubs_there():
         simulate(BODY, LAWS | {"front": None}, t_end=1.0, solver=PLAIN)
     run = simulate(BODY, LAWS | {"front": coulomb(0.0)}, t_end=1.0, solver=PLAIN)
     assert not np.any(run["friction:front"])
+
+
+def test_wheels_that_carry_a_cart_need_a_law_even_if_only_its_pivot_rubs():
+    cart = PendulumCart(cart_mass=1.0, ball_mass=0.2, length=0.3, pivot_load=1.0)
+    with pytest.raises(InputError, match=r"wheels has no law but carries load.*levels of 0"):
+        simulate(cart, {"wheels": None, "pivot": coulomb(0.1)}, t_end=1.0, solver=PLAIN)

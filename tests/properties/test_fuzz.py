@@ -13,6 +13,9 @@ from stickslip import EventDriven
 SEED = 5
 FEW = Campaign(seed=SEED, solver=EventDriven(max_steps=400, tier="python"))
 MANY = Campaign(seed=1, solver=EventDriven(max_steps=1000, tier="python"))
+SEVERAL = Campaign(
+    seed=2, solver=EventDriven(max_steps=300, tier="compiled"), seconds=60.0, several=True, tiers=20
+)
 BATCHES, BATCH, QUICK = 20, 15, 10
 
 
@@ -29,6 +32,15 @@ def test_a_random_case_is_solved_or_says_why_not(batch):
     for index in range(batch * BATCH, (batch + 1) * BATCH):
         outcome = FEW.outcome(index)
         assert not outcome.violations, trouble(FEW, outcome)
+
+
+@pytest.mark.parametrize(
+    "batch", [pytest.param(i, marks=[pytest.mark.slow] * (i >= QUICK)) for i in range(10 * QUICK)]
+)
+def test_a_random_case_with_one_to_six_contacts_is_solved_or_says_why_not(batch):
+    for index in range(batch * 10, (batch + 1) * 10):
+        outcome = SEVERAL.outcome(index)
+        assert not outcome.violations, trouble(SEVERAL, outcome)
 
 
 def test_the_cases_of_a_seed_are_the_same_each_time():

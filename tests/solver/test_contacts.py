@@ -1,6 +1,7 @@
 """Mechanisms with several contacts against closed forms and independent references."""
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -20,16 +21,31 @@ from tests.contact_cases import (
 )
 from tests.support import example_of
 
-from stickslip import ClutchTrain, EventDriven, LuGre, Stribeck, ensemble, simulate
-from stickslip.drives import Pulse, Sampled
+from stickslip import (
+    ClutchTrain,
+    DiscBrake,
+    EventDriven,
+    LuGre,
+    PowerViscous,
+    Stribeck,
+    ensemble,
+    mechanisms,
+    simulate,
+)
+from stickslip.drives import Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import LAWS, Laws
+from stickslip.formulation import formulate
+from stickslip.friction import LAWS, Laws, assigned
+from stickslip.kernels import enums
+from stickslip.kernels.contacts.assembly import determinant
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
 from stickslip.results import Status
+from stickslip.solver.event_driven import status_of
 
 ARM = {"shoulder": coulomb(0.3, 0.45), "elbow": coulomb(0.12, 0.2)}
 BENT = {"shoulder": 1.2, "elbow": 0.8}
+PLAIN = EventDriven(tier="python")
 ROUNDING = 5e-13
 """Ten times the differences between the references and the study that they were made for."""
 
@@ -406,6 +422,40 @@ def test_each_law_moves_a_block_as_it_does_alone(kind):
     assert run["x1"][-1] == pytest.approx(alone["x1"][-1], abs=1e-7)
 
 
+def test_drag_that_sets_in_with_the_motion_is_that_of_the_closed_form():
+    law = PowerViscous(kinetic_coefficient=0.3, viscous_coefficient=2.0, exponent=2.0)
+    pad = Lining(radius=0.1, load=10.0)
+    brake = DiscBrake(inertia=0.5, pads=(pad,), drive=Pulse(level=1.0, duration=9.0))
+    run = run_of(brake, law, 5.0)
+    # of v = r omega: v' = r / J (T - r (3 N + 2 v^2)) = 0.14 - 0.04 v^2; below 1e-6 m/s drag is a
+    # straight line, which changes the speed by less than 1e-12 of it
+    speed = math.sqrt(3.5) * math.tanh(math.sqrt(0.14 * 0.04) * 5.0)
+    assert run["omega"][-1] == pytest.approx(10.0 * speed, rel=1e-9)
+
+
+def test_a_torque_that_sets_in_while_all_clutches_are_open_moves_its_rotor():
+    train = ClutchTrain(
+        rotors=(Rotor(inertia=0.2), Rotor(inertia=0.3, torque=Ramp(rate=6.0))),
+        clutches=(Lining(radius=0.1, press=Ramp(rate=-1.0)),),
+    )
+    law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.9, stribeck_velocity=0.01)
+    run = run_of(train, law, 2.0)
+    assert run["psi1"][-1] == pytest.approx(20.0 * 2.0**3 / 6.0, rel=1e-12)
+    assert run["phi"][-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_foot_that_breaks_away_and_lifts_off_in_one_instant_has_its_events_in_order():
+    push = Pulse(level=90.0, duration=1.0, start=0.5)
+    body = mechanisms.TwoFeet(mass=2.0, front=0.1, rear=0.3, height=0.09, drive=push)
+    # friction lifts the rear foot where mu h > a
+    run = simulate(body, coulomb(1.5), t_end=1.0, throw=False, solver=PLAIN)
+    assert run.status is Status.LIFT_OFF
+    for name in ("front", "rear"):
+        own = run.contact(name).events
+        assert all(a.to_mode == b.from_mode for a, b in itertools.pairwise(own))
+    assert run.events[-1].reason == "lift-off"
+
+
 def test_a_force_that_is_switched_on_in_time_moves_what_rested():
     run = run_of(two(lambda t, v: where(t > 1.0, 2.0, 0.0)), HALF, 3.0)
     assert run["x1"][-1] == pytest.approx(0.5 * 1.5 * 4.0, rel=1e-12)
@@ -543,3 +593,27 @@ def test_needed_friction_that_is_just_the_level_holds():
         assert [e.contact for e in run.events if e.reason == "stop"] == [
             f"clutch-{i}" for i in (2, 3, 4, 1)
         ]
+
+
+def test_a_cart_that_starts_off_the_ground_ends_there():
+    cart = RubbingCart(ball_mass=2.0, cart_mass=0.1)
+    laws = {"wheels": coulomb(0.05), "pivot": coulomb(0.01)}
+    # at the top the ball pulls with m (l omega^2 - g)
+    run = simulate(
+        cart, laws, t_end=1.0, y0={"theta": math.pi, "omega": 20.0}, throw=False, solver=PLAIN
+    )
+    assert run.status is Status.LIFT_OFF
+    assert run.span == (0.0, 0.0)
+    assert [event.reason for event in run.events] == ["lift-off"]
+    assert run["normal_force:wheels"][-1] < 0.0
+
+
+def test_decisions_without_an_answer_have_a_status_in_any_mechanism():
+    model = formulate(chain(2)(), assigned(("x1", "x2"), coulomb(0.5)))
+    assert not model.limits
+    assert status_of(enums.LIMITED, model) is Status.PAINLEVE
+
+
+def test_reactions_that_nothing_determines_have_no_determinant():
+    rows = [1.0, 1.0, 3.0, 1.0, 1.0, 4.0]
+    assert determinant(rows, 0, 2) == 0.0

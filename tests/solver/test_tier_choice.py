@@ -5,7 +5,8 @@ import pytest
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
 from stickslip.solver import run
-from stickslip.solver.compile.compile_units import CompileUnit
+from stickslip.solver.compile import background
+from stickslip.solver.compile.compile_units import CompileUnit, units_of
 from stickslip.solver.compile.equations_code import EquationsCode
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -22,8 +23,10 @@ def tiers(monkeypatch):
         return runner_of(model, compiled=False)
 
     run.work_of.cache_clear()
-    monkeypatch.setattr(run.Work, "all_steps", 0)
+    monkeypatch.setattr(run.Work, "all_seconds", 0.0)
     monkeypatch.setattr(run, "runner_of", noted)
+    monkeypatch.setattr(run, "has_kernels", lambda: False)
+    monkeypatch.setattr(run, "compile_in_background", lambda units: False)
     monkeypatch.setattr(run, "is_loaded", lambda model: False)
     monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: False)
     monkeypatch.setattr(EquationsCode, "is_kept", lambda code: False)
@@ -35,7 +38,7 @@ def steps(monkeypatch, seconds):
     """Let the steps of one run stand for a time [s]."""
     taken = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python")).certificate
     monkeypatch.setattr(run, "PLAIN_STEP", seconds / (taken.steps + taken.rejected))
-    monkeypatch.setattr(run.Work, "all_steps", 0)
+    monkeypatch.setattr(run.Work, "all_seconds", 0.0)
     run.work_of.cache_clear()
 
 
@@ -71,6 +74,7 @@ def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
 
 
 def test_where_kernels_are_loaded_plain_runs_pay_for_the_equations_alone(monkeypatch, tiers):
+    monkeypatch.setattr(run, "has_kernels", lambda: True)
     monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: True)
     steps(monkeypatch, 0.4 * run.EQUATIONS)
     tiers.clear()
@@ -80,6 +84,7 @@ def test_where_kernels_are_loaded_plain_runs_pay_for_the_equations_alone(monkeyp
 
 
 def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypatch, tiers):
+    monkeypatch.setattr(run, "has_kernels", lambda: True)
     monkeypatch.setattr(CompileUnit, "is_ready", lambda unit: True)
     monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
     simulate(RIG, LAW, t_end=1.0)
@@ -94,3 +99,47 @@ def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatc
     for rig in (RIG, held, RIG, held):
         simulate(rig, LAW, t_end=1.0)
     assert tiers == [False, False, True, True]
+
+
+def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_as_long(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: True)
+    monkeypatch.setattr(run, "STRETCH", 4)
+    steps(monkeypatch, 2.0 * run.LOADING)
+    plain = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
+    monkeypatch.setattr(run.Work, "all_seconds", 0.0)
+    run.work_of.cache_clear()
+    tiers.clear()
+    begun = simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, True]
+    assert begun.events == plain.events
+    assert begun.certificate == plain.certificate
+
+
+def test_what_nobody_has_compiled_is_compiled_in_the_background(monkeypatch, tiers):
+    monkeypatch.setattr(CompileUnit, "is_kept", lambda unit: False)
+    begun = []
+    monkeypatch.setattr(run, "compile_in_background", lambda units: not begun.extend(units))
+    steps(monkeypatch, 1e3)
+    tiers.clear()
+    for _ in range(3):
+        simulate(RIG, LAW, t_end=1.0)
+    assert tiers == [False, False, False]
+    assert {unit.title for unit in begun} == {"the solver"}
+
+
+def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monkeypatch, tmp_path):
+    units = units_of(formulate(RIG, LAW), ensembles=False)
+    calls, loaded = [], []
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
+    monkeypatch.setattr(background, "_begun", set())
+    monkeypatch.setattr(background.subprocess, "Popen", lambda args, **settings: calls.append(args))
+    assert not background.compile_in_background(units)  # tests forbid it
+    monkeypatch.setenv(background.SWITCH, "1")
+    assert background.compile_in_background(units)
+    assert background.compile_in_background(units)
+    ((_, _, code, wanted),) = calls
+    monkeypatch.setattr(background.sys, "argv", ["-c", wanted])
+    monkeypatch.setattr(background.os, "nice", lambda increment: increment)
+    monkeypatch.setattr(CompileUnit, "load", lambda unit: loaded.append((unit.text, unit.entries)))
+    exec(code)
+    assert loaded == [(unit.text, unit.entries) for unit in units]

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.contact_cases import Arm, coulomb
 
 from stickslip import Axis, Coulomb, Dahl, EventDriven, SpringBlock, Stribeck, TowedBlock, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Sine
 from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
+from stickslip.solver import run
 from stickslip.solver.compile.modules import is_loaded
 from stickslip.solver.run import prepare
 
@@ -72,3 +74,22 @@ def test_a_prepared_model_runs_compiled_from_then_on_whatever_its_parameters():
 def test_an_unknown_tier_is_refused():
     with pytest.raises(ParameterError, match="'auto', 'python' or 'compiled', got 'fast'"):
         EventDriven(tier="fast")
+
+
+@pytest.mark.parametrize(
+    ("rig", "law", "y0"),
+    [(*CASES["pieces and a sine, bristles"][:2], {}), (Arm(), coulomb(0.2, 0.3), {"elbow": 0.8})],
+    ids=["one contact", "two contacts"],
+)
+def test_a_run_that_goes_on_compiled_keeps_its_bits(monkeypatch, rig, law, y0):
+    asked = iter([False, False, True])
+    monkeypatch.setattr(run.Work, "is_enough", lambda work: next(asked))
+    monkeypatch.setattr(run, "STRETCH", 9)
+    begun = simulate(rig, law, t_end=1.5, y0=y0, throw=False)
+    plain = simulate(rig, law, t_end=1.5, y0=y0, throw=False, solver=PYTHON)
+    assert next(asked, None) is None  # it went on
+    assert begun.certificate == plain.certificate
+    assert begun.events == plain.events
+    np.testing.assert_array_equal(begun.t, plain.t)
+    for name in plain.names:
+        np.testing.assert_array_equal(begun[name], plain[name])

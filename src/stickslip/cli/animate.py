@@ -114,7 +114,7 @@ def _content(
         "digest": rig.digest,
         **chosen.to_dict(),
         "status": seen.status.name,
-        "meaning": seen.status.value,
+        "meaning": seen.ending,
         "certified": seen.certificate.certified,
         "frames": count,
         "file": str(output),
@@ -124,7 +124,7 @@ def _content(
 def _show(rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path) -> None:
     console = stdout()
     console.print(Text.assemble((rig.heading, "bold"), f", {law.title} friction"))
-    console.print(seen.status.value, markup=False)
+    console.print(seen.ending, markup=False)
     for problem in seen.certificate.problems:
         console.print(f"Not certified: {problem}", markup=False)
     console.print(f"\nAnimation: {output}, {count} frames", markup=False)

@@ -399,7 +399,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         "digest": ran.rig.digest,
         **_friction_content(ran),
         "status": run.status.name,
-        "meaning": run.status.value,
+        "meaning": run.ending,
         "final": {name: float(ends[name][1]) for name in run.names},
         "events": [asdict(event) for event in run.events],
         "certificate": {
@@ -431,7 +431,7 @@ def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
     console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
     console.print(f", {ran.title} friction", markup=False)
-    console.print(run.status.value, markup=False)
+    console.print(run.ending, markup=False)
     if run.events:
         contact = ["contact"] if run.contacts else []
         show_table("", ["t, s", *contact, "event", "from", "to"], _event_rows(run.events))
@@ -446,7 +446,7 @@ def _show(ran: Ran, settings: Settings) -> None:
     console.print(f"At {number(run.span[1], 6)} s: {final}", markup=False)
     work_by_contact = list(run.certificate.work.items())
     for name, work in work_by_contact[:MOST_STATES]:
-        held = sum(end - begin for begin, end in run.contact(name).stick_spans())
+        held = run.contact(name).stick_time()
         console.print(
             f"{name}: sticks for {number(held, 4)} s, {number(work, 4)} J taken by friction",
             markup=False,

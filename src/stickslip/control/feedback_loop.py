@@ -97,7 +97,7 @@ class ClosedLoop(InPanels):
             ("events", len(self.run.events)),
             ("certified", "yes" if self.run.certificate.certified else "no"),
         )
-        return Summary(sentence=self.status.value, rows=rows)
+        return Summary(sentence=self.run.ending, rows=rows)
 
 
 def closed_loop(

@@ -61,7 +61,6 @@ INSIDE = {
     "scale_of": "travels",
     "spread_of": "estimates",
     "step_of": "differentiation",
-    "turned": "units",
     "unit_on": "estimates",
     "velocity_of": "differentiation",
     "whole_cycles": "travels",

@@ -60,7 +60,6 @@ from stickslip.experiments.travels import scale_of as scale_of
 from stickslip.experiments.travels import whole_cycles as whole_cycles
 from stickslip.experiments.units import check_uncertainty as check_uncertainty
 from stickslip.experiments.units import read_number as read_number
-from stickslip.experiments.units import turned as turned
 
 __all__ = [
     "CarriedLaw",

@@ -16,11 +16,10 @@ from stickslip.experiments.estimates import (
     slips_in_angle,
 )
 from stickslip.experiments.rig import Rig
-from stickslip.experiments.units import turned
 from stickslip.formatting import joined, number, quantity, span
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
-from stickslip.quantities import fields_of, parameters, vary
+from stickslip.quantities import fields_of, parameters, turned, vary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["CarriedLaw", "bristle_remark", "carried", "extrapolations", "unfitted_bristles"]

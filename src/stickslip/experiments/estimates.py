@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.units import turned
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.quantities import Quantity, fields_of, parameters, vary
+from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 
 __all__ = [
     "AT_UNIT_LOAD",

@@ -23,7 +23,6 @@ __all__ = [
     "is_pixel",
     "read_number",
     "shown",
-    "turned",
 ]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -221,43 +220,6 @@ def factor(unit: str, target: str | None) -> float:
     0.001
     """
     return float(_factor(unit, target))
-
-
-TURNED = {
-    "m": "rad",
-    "m/s": "rad/s",
-    "N": "N m",
-    "kg": "kg m^2",
-    "N/m": "N m/rad",
-    "N s/m": "N m s/rad",
-    "N s^2/m^2": "N m s^2/rad^2",
-    "1/m": "1/rad",
-    "s/m": "s/rad",
-}
-"""Units of a straight motion -> those of the same quantities about an axis."""
-
-
-def turned(unit: str, turning: bool = True) -> str:
-    """Return the unit of the same quantity about an axis; as it is where nothing is `turning`.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit of a quantity along a line.
-    turning : bool
-        Whether the quantity is about an axis.
-
-    Returns
-    -------
-    str
-        SI unit.
-
-    Examples
-    --------
-    >>> turned("N s/m"), turned("1"), turned("m", turning=False)
-    ('N m s/rad', '1', 'm')
-    """
-    return TURNED.get(unit, unit) if turning else unit
 
 
 def is_of(unit: str, target: str) -> bool:

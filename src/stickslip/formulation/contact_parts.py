@@ -226,7 +226,7 @@ def _held(mechanism: Mechanism, contacts: Sequence[Contact]) -> tuple[str, ...]:
         for one in mechanism.contacts()
         if one.normal is not None and one.name not in reacting
     ]
-    if len(reacting) != len(normals) and idle:
+    if idle:  # its reaction holds a coordinate, and has to be watched for lift-off
         raise InputError(
             f"{owner}: {', '.join(idle)} has no law but carries load: give it a law with levels of"
             " 0, such as Coulomb(kinetic_coefficient=0.0), where nothing rubs."
@@ -327,8 +327,8 @@ class LawParts:
 
     @property
     def is_linear(self) -> bool:
-        """Whether friction is affine in the speed, whatever its switches are."""
-        return all(case[6] == 1 for case in self.numbers.values())
+        """Whether friction is affine in the speed, and no switch changes how."""
+        return not self.margins and all(case[6] == 1 for case in self.numbers.values())
 
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:

@@ -220,12 +220,13 @@ def run(
 
     `table` has a row a piece: start, then value, slope and start of each drive; `bounds` has least
     and largest value of each drive from the start of each piece on. A run that has reached an end
-    time goes on from there: pieces may be told as late as they begin. Returns the rows of steps and
-    of events, in the vectors given or in longer ones.
+    time goes on from there: pieces may be told as late as they begin. One that has reached its step
+    limit goes on as if there had been none. Returns the rows of steps and of events, in the vectors
+    given or in longer ones.
 
     Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
     POLYNOMIAL, Y, SCALE, VALUES, REACHED, LOWEST, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS,
-    REJECTED, EVENTS, STALLS, BOOKS, MODES, LAW_FLAGS, OPEN.
+    REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     RHYTHM, POLYNOMIAL, ROOM, drives, GIVEN, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS,
     DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS,
@@ -263,6 +264,8 @@ def run(
     most_events = whole[MOST_EVENTS]
     if whole[STATUS] == END_TIME:
         go_on(table, t_end, w, whole, events)
+    elif whole[STATUS] == STEP_LIMIT:
+        whole[STATUS] = RUNNING
     else:
         begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:

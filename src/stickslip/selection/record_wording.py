@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from stickslip import formatting
-from stickslip.experiments import QUANTITIES, Checks, turned
+from stickslip.experiments import QUANTITIES, Checks
 from stickslip.formatting import (
     Scale,
     capital,
@@ -18,6 +18,7 @@ from stickslip.formatting import (
     ratio,
 )
 from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
+from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment

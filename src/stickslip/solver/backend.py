@@ -57,7 +57,12 @@ class Runner:
         """Return the whole numbers of a run that begins, which books its work."""
         whole = list(self.header)
         whole[BOOKS] = 1
-        return np.array(whole, dtype=np.int64) if self.compiled else whole
+        return self.wholes(whole)
+
+    def wholes(self, numbers: Iterable[int]) -> Any:
+        """Return whole numbers as the tier takes them: a list, or an array."""
+        values = [int(number) for number in numbers]
+        return np.array(values, dtype=np.int64) if self.compiled else values
 
     def working(self, numbers: Sequence[float]) -> Any:
         """Return the vector of a run, with the parameters in it.
@@ -75,6 +80,27 @@ class Runner:
         w = self.zeros(self.header[SIZE])
         for place, number in zip(self.places, numbers, strict=True):
             w[place] = number
+        return self._addressed(w)
+
+    def taken_over(self, w: Sequence[Any]) -> Any:
+        """Return the vector of a run that the other tier has begun.
+
+        Parameters
+        ----------
+        w : sequence (SIZE,)
+            The vector; it is left as it is.
+
+        Returns
+        -------
+        array or list (SIZE,)
+            A copy that this tier can go on with.
+        """
+        numbers = list(w)
+        numbers[ADDRESS] = numbers[SEVERAL] = 0.0
+        return self._addressed(self.vector(numbers))
+
+    def _addressed(self, w: Any) -> Any:
+        """Put in where the equations are."""
         if self.compiled:
             w[ADDRESS : SEVERAL + 1].view(np.int64)[:] = self.equations, self.contacts
         else:

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Contact, Mechanism
-from stickslip.quantities import Parametrised
+from stickslip.quantities import Parametrised, turned
 from stickslip.trajectory import Trajectory
 
 __all__ = ["Solver", "column_units", "name_of_only_contact"]
+
+KINDS = {"friction": "N", "mode": "1"}
+"""Units of columns of a contact that slips along a line; others are bristles [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,8 +79,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
     for column in columns:
         kind, _, contact = column.partition(":")
         turns = turning.get(contact, False) if several else any(turning.values())
-        kinds = {"friction": "N m" if turns else "N", "normal_force": "N", "mode": "1"}
-        own[column] = kinds.get(kind, "rad" if turns else "m")
+        own[column] = "N" if kind == "normal_force" else turned(KINDS.get(kind, "m"), turns)
     return units | own | efforts
 
 

@@ -24,6 +24,7 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.reducers import reasons
 from stickslip.solver.run import Record, Tier, execute
 from stickslip.solver.sensitivities import Sensing
+from stickslip.solver.step_limits import cause_of_step_limit
 from stickslip.trajectory import Event, Status, Trajectory
 
 __all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
@@ -56,7 +57,8 @@ def status_of(code: int, model: Model) -> Status:
     """
     if code < enums.LIMITED:
         return _STATUS.get(code, Status.CANCELLED)
-    return Status.PAINLEVE if model.limits[code - enums.LIMITED] == PAINLEVE else Status.LIMIT
+    limits = model.limits[code - enums.LIMITED :]
+    return Status.LIMIT if limits and limits[0] != PAINLEVE else Status.PAINLEVE
 
 
 TIGHTEST = 1e-13
@@ -88,7 +90,7 @@ class EventDriven(Solver):
     stiff_tolerance: Annotated[float, Quantity("rtol", low=TIGHTEST, high=1e-2)] = 1e-8
     """The same in modes with bristles."""
     max_steps: Annotated[float, Quantity("n", low=1)] = 1_000_000
-    """Steps after which a run is given up."""
+    """Steps after which a run is given up: ``Trajectory.cause`` then says what made them short."""
     estimate_error: bool = False
     """Whether to run once more with half the tolerance, and to put the difference into the
     certificate: errors that the tolerance controls are of its size."""
@@ -268,12 +270,16 @@ def trajectory_of(
     """
     whole = record.whole
     playback = Playback.from_log(model, record.runner, inputs, record.log, whole[STEPS])
+    status, cause = status_of(whole[STATUS], model), ""
+    if status is Status.STEP_LIMIT:
+        cause = cause_of_step_limit(mechanism, law, model, inputs, record, t_end)
     return Trajectory(
         t=playback.times(),
         names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),
         units=column_units(mechanism, _others(mechanism, model)),
         events=_events(mechanism, model, record),
-        status=status_of(whole[STATUS], model),
+        status=status,
+        cause=cause,
         certificate=certify(playback, record.w, whole, tolerance),
         span=playback.span(),
         evaluate=playback,

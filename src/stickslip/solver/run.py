@@ -3,14 +3,23 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.kernels.state_layout import EVENT_COLUMNS, REJECTED, ROW_COLUMNS, STEPS, Y
+from stickslip.kernels.enums import STEP_LIMIT
+from stickslip.kernels.state_layout import (
+    EVENT_COLUMNS,
+    REJECTED,
+    ROW_COLUMNS,
+    STATUS,
+    STEPS,
+    Y,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
-from stickslip.solver.compile.compile_units import units_of
+from stickslip.solver.compile.background import compile_in_background
+from stickslip.solver.compile.compile_units import has_kernels, units_of
 from stickslip.solver.compile.equations_code import code_of
 from stickslip.solver.compile.modules import is_loaded, load_compiled
 from stickslip.solver.drive_schedule import Inputs
@@ -23,8 +32,10 @@ LOADING = 0.3
 """Time to load kernels that an earlier process compiled [s]."""
 EQUATIONS = 0.1
 """Time to compile the equations of a model [s]."""
-PLAIN_STEP = 1e-4
-"""Time of a step in plain Python [s]."""
+PLAIN_STEP = 2e-4
+"""Time of a step in plain Python, and as much again for each of several contacts [s]."""
+STRETCH = 500
+"""Steps in plain Python after which a run asks whether machine code would pay."""
 FIRST_ROWS = 64
 """Rows of steps and of events that a run begins with room for."""
 
@@ -35,10 +46,10 @@ class Work:
 
     model: Model
     """Equations of a mechanism with a law."""
-    steps: int = 0
-    """Steps that were taken or rejected."""
-    all_steps: ClassVar[int] = 0
-    """Those of all models."""
+    seconds: float = 0.0
+    """Time of the steps that were taken or rejected [s]."""
+    all_seconds: ClassVar[float] = 0.0
+    """That of all models [s]."""
 
     def add(self, steps: int) -> None:
         """Count steps of a plain run.
@@ -48,24 +59,32 @@ class Work:
         steps : int
             Steps that were taken or rejected.
         """
-        self.steps += steps
-        Work.all_steps += steps
+        spent = steps * PLAIN_STEP * (1 + len(self.model.contacts))
+        self.seconds += spent
+        Work.all_seconds += spent
 
     def is_enough(self) -> bool:
         """Whether machine code is here, or plain runs have taken as long as getting it would.
 
         Runs of this model have to pay for its equations, runs of all models for the kernels, which
-        they share. Few runs then never wait for a compiler, and many take at most twice as long as
-        if they had been compiled from the first.
+        they share. All calls together then take at most twice as long as in plain Python, and many
+        at most twice as long as if they had been compiled from the first. Nobody waits for a
+        compiler: what nobody has compiled yet is compiled by a process in the background.
         """
+        if Work.all_seconds < LOADING and not has_kernels():
+            return False
         if is_loaded(self.model):
             return True
         absent = [u for u in units_of(self.model, ensembles=False) if not u.is_ready()]
         if absent:
-            spent = Work.all_steps * PLAIN_STEP
-            if spent < LOADING or spent < sum(u.seconds() for u in absent if not u.is_kept()):
+            if Work.all_seconds < LOADING:
                 return False
-        return self.steps * PLAIN_STEP >= EQUATIONS or code_of(self.model).is_kept()
+            new = [u for u in absent if not u.is_kept()]
+            if new and (
+                compile_in_background(new) or Work.all_seconds < sum(u.seconds() for u in new)
+            ):
+                return False
+        return self.seconds >= EQUATIONS or code_of(self.model).is_kept()
 
 
 @functools.lru_cache(maxsize=256)
@@ -117,8 +136,8 @@ def execute(
     limit : int
         Most steps.
     tier : Tier
-        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, or has
-        spent as long on plain runs as getting it takes.
+        ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, and as
+        soon as its plain runs, this one included, have taken as long as getting it takes.
 
     Returns
     -------
@@ -131,21 +150,34 @@ def execute(
     w, whole = runner.working(inputs.p), runner.whole()
     for i, value in enumerate(y0, header[Y]):
         w[i] = float(value)
-    log, events = runner.kernels.enter_run(
-        w,
-        whole,
-        runner.flat(inputs.table),
-        runner.flat(inputs.bounds if len(inputs.bounds) else [0.0]),
-        t_end,
-        tolerance,
-        inputs.time_scale / 6.0,
-        limit,
-        runner.zeros(FIRST_ROWS * header[ROW_COLUMNS]),
-        runner.zeros(FIRST_ROWS * EVENT_COLUMNS),
-    )
-    if not runner.compiled:
-        work.add(int(whole[STEPS] + whole[REJECTED]))
-    return Record(runner, log, events, w, [int(x) for x in whole])
+    table, bounds = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
+    log: Any = runner.zeros(FIRST_ROWS * header[ROW_COLUMNS])
+    events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
+    counted = 0
+    while True:
+        most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
+        log, events = runner.kernels.enter_run(
+            w,
+            whole,
+            runner.flat(table),
+            runner.flat(bounds),
+            t_end,
+            tolerance,
+            inputs.time_scale / 6.0,
+            most,
+            log,
+            events,
+        )
+        if not runner.compiled:
+            taken = int(whole[STEPS] + whole[REJECTED])
+            work.add(taken - counted)
+            counted = taken
+        if most >= limit or whole[STATUS] != STEP_LIMIT:
+            return Record(runner, log, events, w, [int(x) for x in whole])
+        if work.is_enough():  # the rest in machine code, which gives the same bits
+            runner = runner_of(model, compiled=True)
+            w, whole = runner.taken_over(w), runner.wholes(whole)
+            log, events = runner.vector(log), runner.vector(events)
 
 
 def prepare(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:

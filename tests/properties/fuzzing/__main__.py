@@ -54,6 +54,8 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--cases", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tier", choices=("python", "compiled", "auto"), default="python")
+    parser.add_argument("--several", action="store_true", help="one to six contacts")
+    parser.add_argument("--tiers", type=int, default=0, help="every which case runs in both tiers")
     parser.add_argument("--structures", type=int, help="sets of equations; compiled: 40")
     parser.add_argument("--steps", type=int, default=1000, help="step limit of a case")
     parser.add_argument("--seconds", type=float, default=10.0, help="time limit of a case")
@@ -88,6 +90,8 @@ def main() -> int:
         solver=EventDriven(max_steps=asked.steps, tier=asked.tier),
         seconds=asked.seconds,
         compare=asked.compare,
+        several=asked.several,
+        tiers=asked.tiers,
     )
     indices = asked.only or campaign.order(asked.cases)
     done: list[Outcome] = []

@@ -16,8 +16,10 @@ from tests.properties.fuzzing.checks import (
     CHECKS,
     Evidence,
     agrees_with_a_coarser_run,
+    is_the_same_in_the_other_tier,
     violations,
 )
+from tests.properties.fuzzing.several import draw_joints
 
 from stickslip import EventDriven
 from stickslip.errors import InputError
@@ -74,6 +76,10 @@ class Campaign:
     """Longest time for one case."""
     compare: int = 10
     """Every which case is run again with coarser steps; 0 for none."""
+    several: bool = False
+    """Whether cases have one to six contacts, each with equations of its own."""
+    tiers: int = 0
+    """Every which case is run in the other tier too; 0 for none."""
 
     def structure(self, index: int) -> Structure:
         """Return what shapes the equations of a case."""
@@ -83,6 +89,8 @@ class Campaign:
 
     def case(self, index: int) -> Case:
         """Return a case by its number."""
+        if self.several:
+            return draw_joints(Random(f"{self.seed} joints {index}"))
         return draw_case(Random(f"{self.seed} numbers {index}"), self.structure(index))
 
     def order(self, cases: int) -> list[int]:
@@ -94,6 +102,8 @@ class Campaign:
         checks = dict(CHECKS)
         if self.compare and index % self.compare == 0:
             checks["agrees with a coarser run"] = agrees_with_a_coarser_run
+        if self.tiers and index % self.tiers == 0:
+            checks["is the same in the other tier"] = is_the_same_in_the_other_tier
         return outcome_of(index, self.case(index), self.solver, self.seconds, checks)
 
     def warm_up(self, index: int) -> None:

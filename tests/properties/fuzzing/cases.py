@@ -18,13 +18,23 @@ from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, towards
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw, Laws, towards
 from stickslip.friction.power_viscous import PLATEAU, PowerViscous
 from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory
 
-__all__ = ["Case", "Structure", "draw_case", "draw_structure", "level_of", "run_case"]
+__all__ = [
+    "Case",
+    "Structure",
+    "draw_case",
+    "draw_law",
+    "draw_shape",
+    "draw_structure",
+    "factor_of_start",
+    "level_of",
+    "run_case",
+]
 
 Kinds = tuple[type[Drive], ...]
 
@@ -34,10 +44,9 @@ STOPS = ("lower_stop", "upper_stop")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Structure:
-    """What shapes the equations of a case; its numbers do not."""
+class Shape:
+    """What shapes the equations of a law, or of a mechanism with its law; numbers do not."""
 
-    mechanism: type[Mechanism]
     law: type[FrictionLaw]
     flags: Mapping[str, bool]
     """Fields that are true or false."""
@@ -49,19 +58,45 @@ class Structure:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Structure(Shape):
+    """What shapes the equations of a case with one contact."""
+
+    mechanism: type[Mechanism]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Case:
     """One call of `simulate`."""
 
     mechanism: Mechanism
-    law: FrictionLaw
+    law: FrictionLaw | Laws
     t_end: float
     y0: Mapping[str, float]
 
     @property
     def title(self) -> str:
         """Mechanism and law in words, and whether rigid bodies with friction can jam."""
-        words = f"{self.mechanism.name} {self.law.name}"
+        words = f"{self.mechanism.name} {len(self.laws)}"
+        if len(self.contact_names) == 1:
+            words = f"{self.mechanism.name} {self.laws[self.contact_names[0]].name}"
         return words + " paradox" if self.may_jam else words
+
+    @property
+    def contact_names(self) -> tuple[str, ...]:
+        """Names of the contacts of the mechanism."""
+        return tuple(contact.name for contact in self.mechanism.contacts())
+
+    @property
+    def laws(self) -> dict[str, FrictionLaw]:
+        """Law of each contact that rubs."""
+        if isinstance(self.law, Laws):
+            return dict(self.law.members)
+        return dict.fromkeys(self.contact_names, self.law)
+
+    @property
+    def has_bristles(self) -> bool:
+        """Whether friction can give energy back."""
+        return any(isinstance(law, BristleLaw) for law in self.laws.values())
 
     @property
     def may_jam(self) -> bool:
@@ -70,7 +105,7 @@ class Case:
         This is the paradox of Painleve: no acceleration, or more than one, belongs to such a state.
         """
         if not isinstance(self.mechanism, PendulumCart):
-            return False
+            return len(self.laws) > 1 and any(c.normal for c in self.mechanism.contacts())
         M, m = self.mechanism.mass, self.mechanism.ball
         bristles = isinstance(self.law, BristleLaw)
         mu = max(level_of(self.law, 1.0, side) for side in (1, -1))
@@ -95,11 +130,16 @@ FUZZED = [
 
 
 def draw_structure(rng: Random) -> Structure:
-    """Return what shapes the equations of a case."""
+    """Return what shapes the equations of a case with one contact."""
     mechanism = rng.choice([*FUZZED, *OWN.values()])
     law = rng.choice(list(LAWS.values()))
+    return Structure(mechanism=mechanism, **vars(draw_shape(rng, law, mechanism)))
+
+
+def draw_shape(rng: Random, law: type[FrictionLaw], *others: type) -> Shape:
+    """Return what shapes the equations of a law, and of a mechanism if one is given."""
     flags, given, drives = {}, {}, {}
-    for kind in (mechanism, law):
+    for kind in (*others, law):
         for name, hint in _fields(kind).items():
             if hint is bool:
                 flags[name] = rng.random() < 0.3
@@ -110,8 +150,7 @@ def draw_structure(rng: Random) -> Structure:
                 drives[name] = tuple(rng.choice(list(DRIVES.values())) for _ in range(count))
             elif type(None) in typing.get_args(hint):
                 given[name] = rng.random() < 0.5 and name not in STOPS
-    return Structure(
-        mechanism=mechanism,
+    return Shape(
         law=law,
         flags=flags,
         given=given,
@@ -145,7 +184,8 @@ def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str,
     return value
 
 
-def _law(rng: Random, structure: Structure, size: Sizes) -> FrictionLaw:
+def draw_law(rng: Random, structure: Shape, size: Sizes) -> FrictionLaw:
+    """Return a law of a shape with numbers of a size."""
     values: dict[str, Any] = {}
     for name in _fields(structure.law):
         quantity = fields_of(structure.law).get(name)
@@ -183,12 +223,25 @@ def level_of(law: FrictionLaw, load: float, direction: int = 1) -> float:
     return float(towards(law, direction).break_away(load))
 
 
+STARTS = ("rest", "rest", "rest", "tiny", "usual", "usual", "large")
+
+
+def _factors(rng: Random) -> dict[str, float]:
+    return {"tiny": rng.choice((1e-9, 1e-15, 1e-150)), "usual": 3.0, "large": 1e3, "guard": 1.0}
+
+
+def factor_of_start(rng: Random) -> float:
+    """Return by how much initial states are larger than usual, 0 at rest."""
+    how = rng.choice(STARTS)
+    return 0.0 if how == "rest" else _factors(rng)[how]
+
+
 def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> dict[str, float]:
     """Return an initial state: rest, tiny, usual, large, or exactly on a guard."""
-    how = rng.choice(("rest", "rest", "rest", "tiny", "usual", "usual", "large", "guard"))
+    how = rng.choice((*STARTS, "guard"))
     if how == "rest":
         return {}
-    factor = {"tiny": rng.choice((1e-9, 1e-15, 1e-150)), "usual": 3.0, "large": 1e3, "guard": 1.0}
+    factor = _factors(rng)
     speed, slip = size.of("m/s"), mechanism.rates[0]
     start: dict[str, float] = {}
     if how == "guard":
@@ -214,7 +267,7 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
 def draw_case(rng: Random, structure: Structure) -> Case:
     """Return a case of a structure."""
     size = sizes(rng)
-    law = _law(rng, structure, size)
+    law = draw_law(rng, structure, size)
     t_end = min(max(around(rng, 10.0 * size.time, 1.0, 0.7), 1e-4), 1e4)
     force = level_of(law, size.load) or size.force
     mechanism = _mechanism(rng, structure, size, force, t_end)

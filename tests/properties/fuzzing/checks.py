@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,12 +11,20 @@ import numpy as np
 from tests.properties.fuzzing.cases import Case, level_of, run_case
 from tests.properties.fuzzing.rigs import PendulumCart
 
-from stickslip import EventDriven
+import stickslip.mechanisms
+from stickslip import EventDriven, TwoLinkArm
 from stickslip.drives import Drive
-from stickslip.friction import BristleLaw
+from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.kernels.enums import UNLOADED
 from stickslip.results import Status, Trajectory
 
-__all__ = ["CHECKS", "Evidence", "agrees_with_a_coarser_run", "violations"]
+__all__ = [
+    "CHECKS",
+    "Evidence",
+    "agrees_with_a_coarser_run",
+    "is_the_same_in_the_other_tier",
+    "violations",
+]
 
 ROUNDED = 1e-9
 """What the certificate allows of a guard while a mode lasts, relative to its size in the run."""
@@ -24,21 +32,57 @@ LOCATED = 1e-6
 """What it allows of a guard where its event was located, also relative to its size."""
 LEAST = 1e-280
 """Where squares are below the least number that has all its digits, nothing can be compared."""
+SENSITIVE = (PendulumCart, stickslip.mechanisms.PendulumCart, TwoLinkArm)
+"""Mechanisms whose errors may grow beyond all bounds."""
 Found = Iterator[str]
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A case, its run, and the run at the times at which it is looked at."""
+    """A case, its run as one of its contacts sees it, at the times at which it is looked at."""
 
     case: Case
     run: Trajectory
     solver: EventDriven
+    at_contact: str = ""
+    """Name of the contact, where there are several."""
+    whole: "Evidence | None" = None
+    """What this is a view of."""
+
+    @cached_property
+    def each(self) -> "tuple[Evidence, ...]":
+        """The same as each contact that rubs sees it."""
+        if not self.run.contacts:
+            return (self,)
+        names = self.run.contacts
+        return tuple(
+            replace(self, run=self.run.contact(name), at_contact=name, whole=self) for name in names
+        )
+
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """Law of the contact."""
+        laws = self.case.laws
+        return laws[self.at_contact] if self.at_contact else next(iter(laws.values()))
+
+    @cached_property
+    def slips(self) -> dict[str, float]:
+        """Slip velocity of the contact over the rate of each coordinate."""
+        names = self.case.contact_names
+        slip = self.case.mechanism.contacts()[names.index(self.at_contact or names[0])].slip
+        factors = {slip: 1.0} if isinstance(slip, str) else slip
+        return {name: float(factors.get(name, 0.0)) for name in self.case.mechanism.coordinates}
 
     @cached_property
     def drives(self) -> dict[str, Drive]:
         """The drives of the mechanism."""
         return dict(self.case.mechanism.drives())
+
+    @property
+    def has_own_drive(self) -> bool:
+        """Whether one drive alone, along the slip of the only contact, changes what it holds."""
+        alone = len(self.case.mechanism.coordinates) == 1 == len(self.case.contact_names)
+        return alone and self.drives.keys() == {"drive"} and set(self.slips.values()) == {1.0}
 
     @cached_property
     def changes(self) -> list[float]:
@@ -48,6 +92,8 @@ class Evidence:
     @cached_property
     def times(self) -> np.ndarray:
         """Evenly spaced times, step ends and middles, and both sides of all that happens."""
+        if self.whole is not None:
+            return self.whole.times
         first, last = self.run.span
         ends = self.run.t[:: max(1, len(self.run.t) // 100)]
         special = np.array([*(e.t for e in self.run.events[:100]), *self.changes[:200]])
@@ -64,7 +110,19 @@ class Evidence:
     @cached_property
     def slip(self) -> np.ndarray:
         """Slip velocity."""
-        return self.seen[self.case.mechanism.rates[0]]
+        rates = zip(self.case.mechanism.rates, self.slips.values(), strict=True)
+        return np.asarray(sum(factor * self.seen[rate] for rate, factor in rates if factor))
+
+    @cached_property
+    def place(self) -> np.ndarray:
+        """What has slipped."""
+        slips = self.slips.items()
+        return np.asarray(sum(factor * self.seen[name] for name, factor in slips if factor))
+
+    @cached_property
+    def slides(self) -> np.ndarray:
+        """Where the contact neither holds nor is open."""
+        return np.abs(self.mode) == 1
 
     @cached_property
     def mode(self) -> np.ndarray:
@@ -75,18 +133,20 @@ class Evidence:
     def level(self) -> np.ndarray:
         """Break-away level."""
         pairs = zip(self.seen["normal_force"], self.seen["friction"], strict=True)
-        law = self.case.law
+        law = self.law
         return np.array([level_of(law, load, 1 if force > 0 else -1) for load, force in pairs])
 
     @cached_property
     def speed(self) -> float:
-        """Largest slip speed."""
-        return float(np.abs(self.slip).max())
+        """Largest slip speed; beside what moves by rounding, that of what moves most."""
+        fastest = max(float(np.abs(self.seen[rate]).max()) for rate in self.case.mechanism.rates)
+        return max(float(np.abs(self.slip).max()), 1e-9 * fastest)
 
     @cached_property
     def before_lift_off(self) -> np.ndarray:
         """Where the body is on the ground; a drive that jumps may have taken it off at the end."""
-        return (self.times < self.run.span[1]) | (self.run.status is not Status.LIFT_OFF)
+        ended = self.run.status in (Status.LIFT_OFF, Status.PAINLEVE)
+        return (self.times < self.run.span[1]) | (not ended)
 
     @cached_property
     def force(self) -> float:
@@ -157,13 +217,12 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
     wrong = (e.mode == 0) & (e.slip != 0)
     if wrong.any():
         yield f"moves while stuck, {e.first(wrong)}"
-    place = e.seen[e.case.mechanism.coordinates[0]]
     stuck = (e.mode[1:] == 0) & (e.mode[:-1] == 0)
     spans = np.array([start for start, _ in e.run.stick_spans()])
     same = np.searchsorted(spans, e.times[1:], "right") == np.searchsorted(
         spans, e.times[:-1], "right"
     )
-    wrong = np.append(False, stuck & same & (np.diff(place) != 0))
+    wrong = np.append(False, stuck & same & (np.diff(e.place) != 0))
     if wrong.any():
         yield f"is elsewhere while stuck, {e.first(wrong)}"
 
@@ -178,10 +237,10 @@ def holds_no_more_than_break_away(e: Evidence) -> Found:
 
 def takes_energy_while_sliding(e: Evidence) -> Found:
     """Friction of a law without bristles never drives."""
-    if isinstance(e.case.law, BristleLaw):
+    if isinstance(e.law, BristleLaw):
         return
     wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force
-    wrong &= (e.mode != 0) & e.before_lift_off
+    wrong &= e.slides & e.before_lift_off
     if wrong.any():
         yield f"friction drives, {e.first(wrong)}"
 
@@ -190,7 +249,7 @@ def moves_as_its_mode_says(e: Evidence) -> Found:
     """Mode and velocity have one sign, where the rigid equations have one solution at all."""
     if e.case.may_jam:
         return
-    wrong = e.mode * e.slip < -LOCATED * e.speed
+    wrong = (e.mode * e.slip < -LOCATED * e.speed) & e.slides
     if wrong.any():
         yield f"moves against its mode, {e.first(wrong)}"
 
@@ -199,7 +258,7 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
     """While sliding, friction is what the law says, evaluated as plain numbers."""
     loads, friction = e.seen["normal_force"], e.seen["friction"]
     wrong = np.zeros(len(friction), dtype=bool)
-    for i in np.flatnonzero(e.mode * e.slip > 0):
+    for i in np.flatnonzero((e.mode * e.slip > 0) & e.slides):
         v, load = float(e.slip[i]), float(loads[i])
         rounded = ((1, 1), (1 - 1e-15, 1), (1 + 1e-15, 1), (1, 1 - 1e-15), (1, 1 + 1e-15))
         expected = [_by_law(e, i, v * f, load, share) for f, share in rounded]
@@ -210,20 +269,20 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
 
 
 def _by_law(e: Evidence, at: int, v: float, load: float, share: float) -> float:
-    law = e.case.law
-    if not isinstance(law, BristleLaw):
-        return law.force(v, load)
-    return law.force(v, tuple(float(e.seen[name][at]) * share for name in law.bristles), load)
+    if not isinstance(e.law, BristleLaw):
+        return e.law.force(v, load)
+    names = [f"{z}:{e.at_contact}" if e.at_contact else z for z in e.law.bristles]
+    return e.law.force(v, tuple(float(e.seen[name][at]) * share for name in names), load)
 
 
 def presses_on_the_ground(e: Evidence) -> Found:
     """The normal force is positive before the end, and gone where the body lifts off."""
     load = e.seen["normal_force"]
     size = np.abs(load).max()
-    wrong = (load < -ROUNDED * size) & e.before_lift_off
+    wrong = (load < -ROUNDED * size) & e.before_lift_off & (e.mode != UNLOADED)
     if wrong.any():
         yield f"pulls at the ground, {e.first(wrong)}"
-    lifts_off = e.run.status is Status.LIFT_OFF and not e.case.may_jam
+    lifts_off = any(x.reason == "lift-off" for x in e.run.events) and not e.case.may_jam
     if lifts_off and load[-1] > 1e-6 * size:
         yield f"lifts off with {load[-1]!r} N"
 
@@ -241,13 +300,16 @@ def keeps_its_books(e: Evidence) -> Found:
     if trust.certified and not abs(mismatch) <= 1.1e-5 * (size + _to_and_fro(e)):
         yield f"certified with a mismatch of {mismatch!r} J of {size!r} J"
     taken = trust.work_friction
-    if not isinstance(e.case.law, BristleLaw) and not taken >= -ROUNDED * size:
+    if not e.case.has_bristles and not taken >= -ROUNDED * size:
         yield f"friction has put in {-taken!r} J of {size!r} J"
+    for name, work in trust.work.items():
+        if not isinstance(e.case.laws[name], BristleLaw) and not work >= -ROUNDED * size:
+            yield f"friction at {name} has put in {-work!r} J of {size!r} J"
 
 
 def _to_and_fro(e: Evidence) -> float:
     """Return about how much energy bristles and drives have given and taken back."""
-    power = np.abs(e.seen["friction"] * e.slip)
+    power = np.sum([np.abs(one.seen["friction"] * one.slip) for one in e.each], axis=0)
     energies = [_energy(e.case, e.seen, i)[0] for i in range(len(e.times))]
     by_bristles = np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(e.times))
     return float(by_bristles + np.abs(np.diff(energies)).sum())
@@ -256,7 +318,8 @@ def _to_and_fro(e: Evidence) -> float:
 def _energy(case: Case, at: Trajectory, i: int = 0) -> tuple[float, float]:
     """Return the energy by the mechanism's own equations, and the size of its parts."""
     mechanism = case.mechanism
-    held = {contact.normal: 0.0 for contact in mechanism.contacts() if contact.normal}
+    normals = [name for contact in mechanism.contacts() for name in contact.normals]
+    held = dict.fromkeys((*normals, *mechanism.held()), 0.0)
     q = {name: float(at[name][i]) for name in mechanism.coordinates} | held
     names = zip(mechanism.coordinates, mechanism.rates, strict=True)
     q_dot = {name: float(at[rate][i]) for name, rate in names} | held
@@ -267,7 +330,7 @@ def _energy(case: Case, at: Trajectory, i: int = 0) -> tuple[float, float]:
 
 def follows_its_drive_while_stuck(e: Evidence) -> Found:
     """While stuck, friction less a drive along the slip does not change."""
-    if e.drives.keys() != {"drive"} or len(e.case.mechanism.coordinates) > 1:
+    if not e.has_own_drive:
         return
     drive = e.drives["drive"]
     rest = e.seen["friction"] - np.array([drive.value(float(t)) for t in e.times])
@@ -283,9 +346,9 @@ def rests_for_good(e: Evidence) -> Found:
     """What is said to rest for good is held against all that its drive still does."""
     if e.run.status is not Status.AT_REST:
         return
-    if e.mode[-1] != 0:
+    if e.slides[-1]:
         yield f"rests in mode {e.mode[-1]}"
-    if e.drives.keys() != {"drive"} or len(e.case.mechanism.coordinates) > 1:
+    if not e.has_own_drive:
         return
     drive, last = e.drives["drive"], e.run.span[1]
     begin = last if e.changes == [] else max(last, *e.changes)
@@ -294,7 +357,7 @@ def rests_for_good(e: Evidence) -> Found:
     change = np.array([drive.value(t) for t in later]) - drive.value(last)
     needed, load = e.seen["friction"][-1] + change, float(e.seen["normal_force"][-1])
     for side in (1, -1):
-        level, most = level_of(e.case.law, load, side), float((side * needed).max())
+        level, most = level_of(e.law, load, side), float((side * needed).max())
         if most > level + ROUNDED * e.force:
             yield f"at rest for good, but needs {most!r} N of {level!r} N later"
 
@@ -313,7 +376,7 @@ def says_how_it_ended(e: Evidence) -> Found:
 
 def agrees_with_a_coarser_run(e: Evidence) -> Found:
     """A certified run is met by one with coarser steps, coarsely, unless it may fall over."""
-    if isinstance(e.case.mechanism, PendulumCart):  # upside down: errors grow beyond all bounds
+    if isinstance(e.case.mechanism, SENSITIVE):  # upside down: errors grow beyond all bounds
         return
     coarse = EventDriven(
         tolerance=1e-9, stiff_tolerance=1e-6, max_steps=e.solver.max_steps, tier=e.solver.tier
@@ -331,25 +394,39 @@ def agrees_with_a_coarser_run(e: Evidence) -> Found:
             yield f"{name} differs by {error / size:.1e} of its size from a coarser run"
 
 
-CHECKS: dict[str, Callable[[Evidence], Found]] = {
-    check.__name__.replace("_", " "): check
-    for check in (
-        is_finite,
-        has_its_span,
-        has_a_chain_of_events,
-        has_the_modes_of_its_events,
-        does_not_move_while_stuck,
-        holds_no_more_than_break_away,
-        takes_energy_while_sliding,
-        moves_as_its_mode_says,
-        has_the_friction_of_its_law,
-        presses_on_the_ground,
-        keeps_its_books,
-        follows_its_drive_while_stuck,
-        rests_for_good,
-        says_how_it_ended,
-    )
-}
+def is_the_same_in_the_other_tier(e: Evidence) -> Found:
+    """Compiled and plain runs are equal to the last bit."""
+    tier = "python" if e.solver.tier == "compiled" else "compiled"
+    other = run_case(e.case, replace(e.solver, tier=tier))
+    if (other.status, other.events) != (e.run.status, e.run.events):
+        yield f"{e.run.status.name} and {len(e.run.events)} events, in the other tier"
+        yield f"{other.status.name} and {len(other.events)} events"
+        return
+    times = np.linspace(*e.run.span, 41)
+    a, b = e.run.at(times), other.at(times)
+    for name in e.run.names:
+        if not np.array_equal(a[name], b[name], equal_nan=True):
+            yield f"{name} differs by up to {np.nanmax(np.abs(a[name] - b[name])):.1e}"
+
+
+def _by_name(*checks: Callable[[Evidence], Found]) -> dict[str, Callable[[Evidence], Found]]:
+    return {check.__name__.replace("_", " "): check for check in checks}
+
+
+OF_CONTACTS = _by_name(
+    has_a_chain_of_events,
+    has_the_modes_of_its_events,
+    does_not_move_while_stuck,
+    holds_no_more_than_break_away,
+    takes_energy_while_sliding,
+    moves_as_its_mode_says,
+    has_the_friction_of_its_law,
+    presses_on_the_ground,
+    follows_its_drive_while_stuck,
+    rests_for_good,
+)
+"""What each contact must do."""
+CHECKS = OF_CONTACTS | _by_name(is_finite, has_its_span, keeps_its_books, says_how_it_ended)
 """The checks by what they ask for."""
 
 
@@ -357,7 +434,10 @@ def violations(evidence: Evidence, checks: Any = CHECKS) -> list[tuple[str, str]
     """Return the name of each violated check, with what it found."""
     found = []
     for name, check in checks.items():
-        words = " ".join(check(evidence))
+        views = evidence.each if name in OF_CONTACTS else (evidence,)
+        words = " ".join(
+            f"{one.at_contact} {text}".lstrip() for one in views for text in check(one)
+        )
         if words:
             found.append((name, words))
     return found

@@ -6,7 +6,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from stickslip.experiments import units
 from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.checking.motion import Motion, motion_of
 from stickslip.experiments.differentiation import acceleration_of
@@ -14,7 +13,7 @@ from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.slicing import between_gaps
 from stickslip.formatting import number, percent
 from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
-from stickslip.quantities import vary
+from stickslip.quantities import turned, vary
 
 __all__ = ["energy", "missing", "proportion"]
 
@@ -305,7 +304,7 @@ def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Fin
         if factor > 1.0:
             cure = "check that time is in s (not ms), position in m, force in N (not mN)"
         severity = "error" if max(factor, 1.0 / factor) >= IMPOSSIBLE else "warning"
-    unit = units.turned("kg", record.turning)
+    unit = turned("kg", record.turning)
     yield Finding(
         kind="units",
         severity=severity,

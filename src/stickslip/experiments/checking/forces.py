@@ -10,9 +10,9 @@ from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.readers.unit_conversion import load_stated
-from stickslip.experiments.units import turned
 from stickslip.formatting import number, percent, quantity
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import turned
 
 __all__ = ["coefficient", "direction"]
 

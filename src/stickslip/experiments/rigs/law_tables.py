@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import inspect
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar
 
@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.rigs.rig_models import Number, Table
 from stickslip.friction import LAWS, FrictionLaw, laws
-from stickslip.quantities import Quantity, fields_of
+from stickslip.quantities import Quantity, fields_of, turned
 
 __all__ = ["FrictionTable", "force_parameters", "friction_table", "python_name"]
 
@@ -81,6 +81,13 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     return MappingProxyType(found)
 
 
+def _number(quantities: Sequence[Quantity], turning: bool) -> Any:
+    """Return the annotation of a value of laws, which about an axis may have its unit there."""
+    others = (dataclasses.replace(one, unit=turned(one.unit)) for one in quantities if turning)
+    alternatives = (*quantities[1:], *others)
+    return Annotated[Any, Number(quantities[0], mark="assumed", alternatives=alternatives)]
+
+
 def _forces_table(law: type[FrictionLaw]) -> type[Table]:
     fields: dict[str, Any] = {"load": (Annotated[Any, Number(LOAD)], ...)}
     for key, (_, quantity) in force_parameters(law).items():
@@ -90,11 +97,11 @@ def _forces_table(law: type[FrictionLaw]) -> type[Table]:
     return model
 
 
-def _law_table(law: type[FrictionLaw]) -> type[Table]:
+def _law_table(law: type[FrictionLaw], turning: bool) -> type[Table]:
     fields: dict[str, Any] = {}
     for field in dataclasses.fields(law):
         default = None if field.default is dataclasses.MISSING else field.default
-        fields[field.name] = (_hint(law, field.name), default)
+        fields[field.name] = (_hint(law, field.name, turning), default)
     if force_parameters(law):
         fields["forces"] = (_forces_table(law) | None, None)
     model = create_model(law.__name__, __base__=Table, **fields)
@@ -102,10 +109,10 @@ def _law_table(law: type[FrictionLaw]) -> type[Table]:
     return model
 
 
-def _hint(law: type[FrictionLaw], name: str) -> Any:
+def _hint(law: type[FrictionLaw], name: str, turning: bool) -> Any:
     quantity = fields_of(law).get(name)
     if quantity is not None:
-        return Annotated[Any, Number(quantity, mark="assumed")]
+        return _number([quantity], turning)
     return typing.get_type_hints(law, include_extras=True)[name]
 
 
@@ -132,7 +139,7 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 
 @functools.cache
 def friction_table(
-    more: tuple[type[FrictionLaw], ...] = (), contacts: tuple[str, ...] = ()
+    more: tuple[type[FrictionLaw], ...] = (), contacts: tuple[tuple[str, bool], ...] = ()
 ) -> type[FrictionTable]:
     """Return the model of ``[friction]`` for all laws that are installed, and more.
 
@@ -140,8 +147,9 @@ def friction_table(
     ----------
     more : tuple of type of FrictionLaw
         Types of laws that are in no registry.
-    contacts : tuple of str
-        Contacts that may have tables of their own, in which the same keys stand.
+    contacts : tuple of (str, bool)
+        Names of the contacts, and whether each slips along an angle: speeds are then in rad/s too.
+        Several may have tables of their own, in which the same keys stand.
 
     Returns
     -------
@@ -154,8 +162,10 @@ def friction_table(
         If a contact has the name of a law, or of a law's parameter.
     """
     kinds = {**laws(), **{law.name: law for law in more}}
-    if contacts:
-        return _by_contact(friction_table(more), contacts)
+    turning = bool(contacts) and all(turns for _, turns in contacts)
+    if len(contacts) > 1:
+        alone = {name: friction_table(more, ((name, turns),)) for name, turns in contacts}
+        return _by_contact(friction_table(more, (("", turning),)), alone)
     fields: dict[str, Any] = {}
     misplaced = {}
     for name, owners in _owners(kinds.values()).items():
@@ -165,12 +175,11 @@ def friction_table(
             continue
         quantities = [fields_of(law)[name] for law in owners if name in fields_of(law)]
         if quantities:
-            number = Number(quantities[0], mark="assumed", alternatives=tuple(quantities[1:]))
-            fields[name] = (Annotated[Any, number], None)
+            fields[name] = (_number(quantities, turning), None)
         else:
-            fields[name] = (_hint(owners[0], name), None)
+            fields[name] = (_hint(owners[0], name, turning), None)
     for law_name, law in kinds.items():
-        own = _law_table(law) | None
+        own = _law_table(law, turning) | None
         fields[python_name(law_name)] = (own, Field(default=None, alias=law_name))
     model = create_model("Friction", __base__=FrictionTable, **fields)
     model.__doc__ = FrictionTable.__doc__
@@ -182,17 +191,19 @@ def _table_or_none(value: object) -> object:
     return None if value == NONE else value
 
 
-def _by_contact(of_one: type[FrictionTable], contacts: tuple[str, ...]) -> type[FrictionTable]:
-    """Return the table of one contact with a table of the same kind for each of several."""
+def _by_contact(
+    of_one: type[FrictionTable], contacts: Mapping[str, type[FrictionTable]]
+) -> type[FrictionTable]:
+    """Return the table of one contact with a table of its own for each of several."""
     taken = {field.alias or name for name, field in of_one.model_fields.items()}
     fields: dict[str, Any] = {}
-    for name in contacts:
+    for name, table in contacts.items():
         if name in (*taken, *of_one.misplaced):
             raise InputError(
                 f"the contact {name!r} has the name of a law or of a law's parameter, which"
                 " [friction] of a rig file could not tell apart: give the contact another name."
             )
-        own: Any = of_one
+        own: Any = table
         own = Annotated[own | None, BeforeValidator(_table_or_none)]
         fields[python_name(name, "contact")] = (own, Field(default=None, alias=name))
     model = create_model("FrictionByContact", __base__=of_one, **fields)

@@ -84,7 +84,8 @@ def read_rig(
         raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
     kinds = {**laws(), **own.laws}
-    of_contacts = by_contact(table.friction, contacts, file, overrides, kinds)
+    names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
+    of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()
     if not of_contacts:
         known = known_laws(table.friction, file, overrides, kinds)
@@ -116,8 +117,8 @@ def read_rig(
 
 def _contacts(
     raw: Mapping[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
-) -> tuple[str, ...]:
-    """Return the names of the contacts where there are several: what `[friction]` may have.
+) -> tuple[tuple[str, bool], ...]:
+    """Return the names of the contacts, and whether each slips along an angle.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
     """
@@ -130,8 +131,12 @@ def _contacts(
         if "mechanism" not in raw or not isinstance(friction, dict):
             return ()
         raise complaint(error, raw, file, overrides) from None
-    contacts = _mechanism(table, file, overrides).contacts()
-    return tuple(one.name for one in contacts) if len(contacts) > 1 else ()
+    mechanism = _mechanism(table, file, overrides)
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    return tuple(
+        (one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad")
+        for one in mechanism.contacts()
+    )
 
 
 def _digest(data: bytes, overrides: Mapping[str, Any]) -> str:

@@ -241,7 +241,7 @@ class RigTable(Table):
 def rig_table(
     mechanism: tuple[str, type[Mechanism]] | None = None,
     laws: tuple[type[FrictionLaw], ...] = (),
-    contacts: tuple[str, ...] = (),
+    contacts: tuple[tuple[str, bool], ...] = (),
 ) -> type[RigTable]:
     """Return the model of a rig file with all mechanisms, drives and laws that are installed.
 
@@ -253,8 +253,8 @@ def rig_table(
         Import path and class of a mechanism that is in no registry.
     laws : tuple of type of FrictionLaw
         Types of laws that are in no registry.
-    contacts : tuple of str
-        Names of the contacts where there are several.
+    contacts : tuple of (str, bool)
+        Names of the contacts, and whether each slips along an angle.
 
     Returns
     -------

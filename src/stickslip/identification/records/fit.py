@@ -19,7 +19,6 @@ from stickslip.experiments import (
     levels_at,
     refuse_lack,
     refuse_unused,
-    turned,
 )
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw, Laws
@@ -39,7 +38,7 @@ from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import vary
+from stickslip.quantities import turned, vary
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -3,9 +3,10 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stickslip.experiments import AT_UNIT_LOAD, Measurement, levels_at, turned
+from stickslip.experiments import AT_UNIT_LOAD, Measurement, levels_at
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import turned
 
 __all__ = ["by_joint", "in_forces", "reads_as_forces", "turned_as"]
 

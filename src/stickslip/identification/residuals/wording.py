@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.experiments import Measurement, turned
+from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent, quantities, quantity
 from stickslip.identification.residuals.effects import Effect
+from stickslip.quantities import turned
 
 __all__ = ["finding_of"]
 

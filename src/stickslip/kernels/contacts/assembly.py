@@ -603,6 +603,8 @@ def determinant(w: Vector, rows: int, count: int) -> float:
                 w[rows + best * wide + j] = other
         pivot = w[rows + k * wide + k]
         product *= pivot
+        if pivot == 0.0:  # nothing that is a number would come of it
+            return 0.0
         for i in range(count):
             if i != k:
                 factor = w[rows + i * wide + k] / pivot

@@ -63,14 +63,16 @@ TOLERATED = 1e-12
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
     """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
 
-    Reads: ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    Reads: MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
     """
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
         needed = w[whole[NEEDED] + i]
         back = 0 if needed >= 0.0 else 1
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
-        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN)
+        # rounding of the forces of others is no push where the level is 0, say
+        own = tolerance * w[whole[MASS] + i * whole[N_COORDINATES] + i]
+        return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
     return sign * w[whole[ACCELERATION] + i] < -tolerance
 

@@ -10,11 +10,13 @@ the distances from hard stops.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, assemble, put_motion, side_of
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, assemble, put_motion, side_of
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.state_layout import (
+    AFFINE,
+    BRISTLES,
     CONSTANT_LOADS,
     FIRST_LIMIT,
     FLAGS,
@@ -38,9 +40,18 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    TIME,
+    Y,
 )
 
-__all__ = ["LEAST_PIVOT", "contact_guards", "first_contact_guard", "first_own_switch", "law_flags"]
+__all__ = [
+    "LEAST_PIVOT",
+    "contact_guards",
+    "contacts_are_linear",
+    "first_contact_guard",
+    "first_own_switch",
+    "law_flags",
+]
 
 ALWAYS = 1.0
 """Value of a guard that nothing watches."""
@@ -122,6 +133,38 @@ def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
         evaluate(LIMITS, 0, whole[FLAGS], t, w, whole[MOTION_POINT], to + pivots)
 
 
+def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
+    """Whether all equations are affine in states and time in the modes at hand.
+
+    Reads: TIME, Y, LAW_ROWS, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, LAW_VALUES.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether the exact series holds.
+    """
+    if not whole[AFFINE]:
+        return False
+    linear = True
+    for c in range(whole[N_CONTACTS]):
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
+            linear = False
+        if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
+            ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
+            linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
+            linear = linear and not has_switches(c, w[TIME], w, whole, whole[Y])
+    return linear
+
+
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the guards of one contact: its law's switches, its load.
 
@@ -137,13 +180,27 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
     if switches > 0 and mode in (FORWARD, BACKWARD):
         flags = whole[whole[LAW_FLAGS] + contact]
-        law_margins(contact, flags, t, w, whole, at)
+        law_margins(contact, flags, t, w, whole, at, ALWAYS)
         for j in range(switches):
             margin = w[whole[LAW_VALUES] + j]
             w[to + j] = margin if flags & (1 << j) else -margin
 
 
-def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
+    """Whether a contact's law has switches, which the series of exact modes does not watch.
+
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES, LAW_FLAGS.
+    Writes: LAW_ROWS, LAW_VALUES.
+    """
+    if whole[LAW_SWITCHES] == 0:
+        return False
+    law_margins(contact, whole[whole[LAW_FLAGS] + contact], t, w, whole, at, math.nan)
+    return not math.isnan(w[whole[LAW_VALUES]])
+
+
+def law_margins(
+    contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int, absent: float
+) -> None:
     """Write the margins of the switches of a contact's law, positive where they hold.
 
     Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES.
@@ -157,7 +214,7 @@ def law_margins(contact: int, flags: int, t: float, w: Vector, whole: Wholes, at
     kind = whole[whole[KINDS] + contact]
     values = whole[LAW_VALUES]
     for j in range(whole[LAW_SWITCHES]):
-        w[values + j] = ALWAYS
+        w[values + j] = absent
     evaluate(LAW_MARGINS + kind, side, flags, t, w, row, values)
 
 
@@ -185,7 +242,7 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if whole[whole[MODES] + whole[whole[SLIPS] + c]] not in (FORWARD, BACKWARD):
             continue
         for _ in range(switches):
-            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at)
+            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at, ALWAYS)
             flags = 0
             for j in range(switches):
                 if w[whole[LAW_VALUES] + j] > 0.0:

@@ -3,7 +3,7 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import ask_law, assemble, put_motion, side_of
+from stickslip.kernels.contacts.assembly import assemble, put_motion
 from stickslip.kernels.contacts.stops import finite, stopped_side
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
@@ -11,10 +11,8 @@ from stickslip.kernels.equations import EFFORTS, POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
 from stickslip.kernels.state_layout import (
     ACCELERATION,
-    AFFINE,
     BOX,
     BRISTLE_RATES,
-    BRISTLES,
     DAMPING,
     DENSE,
     DIAGONAL,
@@ -25,7 +23,6 @@ from stickslip.kernels.state_layout import (
     GIVEN,
     GROSS,
     HAS_BRISTLES,
-    LAW_VALUES,
     LENGTH,
     LEVELS,
     LIVELIEST,
@@ -59,7 +56,6 @@ __all__ = [
     "contact_columns",
     "contact_power",
     "contact_rates",
-    "contacts_are_linear",
     "contacts_rest",
     "first_contact_sizes",
     "mode_of",
@@ -224,39 +220,29 @@ def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
     return w[whole[SLIP_FACTORS] + contact] * w[rate]
 
 
-def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
-    """Whether all equations are affine in states and time in the modes at hand.
+def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the largest acceleration that forces and friction at a time give the present state.
 
-    Reads: TIME, Y, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
-    Writes: LAW_ROWS, LAW_VALUES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether the exact series holds.
+    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS.
     """
-    if not whole[AFFINE]:
-        return False
-    linear = True
-    for c in range(whole[N_CONTACTS]):
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
-        if whole[whole[BRISTLES] + c] >= 0 and not whole[whole[OPEN] + c]:
-            linear = False
-        if mode in (FORWARD, BACKWARD) and not whole[whole[OPEN] + c]:
-            ask_law(c, side_of(c, w, whole, whole[Y]), w[TIME], w, whole, whole[Y])
-            linear = linear and w[whole[LAW_VALUES] + 6] > 0.0
-    return linear
+    n = whole[N_COORDINATES]
+    assemble(t, w, whole, whole[Y])
+    largest = 0.0
+    for i in range(n):
+        level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
+        pull = abs(w[whole[FORCE] + i]) + level
+        largest = max(largest, pull / w[whole[MASS] + i * n + i])
+    return largest
 
 
 def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start; what is at rest has those that the forces at hand give.
+
+    Where there are none yet, the forces at the end of the run count, as the drives go on now.
 
     Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
     LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
@@ -273,20 +259,21 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n, y, scale = whole[N_COORDINATES], whole[Y], whole[SCALE]
-    assemble(w[TIME], w, whole, y)
-    largest = 0.0
-    for i in range(n):
-        level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
-        pull = abs(w[whole[FORCE] + i]) + level
-        largest = max(largest, pull / w[whole[MASS] + i * n + i])
-    for i in range(whole[N_STATES]):
+    n, states, y, scale = whole[N_COORDINATES], whole[N_STATES], whole[Y], whole[SCALE]
+    largest = largest_pull(w[TIME], w, whole)
+    if largest == 0.0:
+        largest = largest_pull(t_end, w, whole)
+        assemble(w[TIME], w, whole, y)
+    for i in range(states):
         w[scale + i] = abs(w[y + i])
     span = t_end - w[TIME]
+    speed = BEGINNING_SHARE * largest * span
     for i in range(n):
-        speed = BEGINNING_SHARE * largest * span
         w[scale + n + i] = max(w[scale + n + i], speed)
         w[scale + i] = max(w[scale + i], BEGINNING_SHARE * w[scale + n + i] * span)
+    for i in range(2 * n, states):  # bristles, which bend far less than bodies move
+        bent = BEGINNING_SHARE * BEGINNING_SHARE * speed * span
+        w[scale + i] = max(w[scale + i], bent)
     w[LIVELIEST] = 0.0
     note_motion(w, whole)
 

@@ -101,7 +101,11 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
 
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Fill the series where accelerations and needed friction at the state are at hand."""
+    """Fill the series where accelerations and needed friction at the state are at hand.
+
+    Reads: `at`, TIME, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
     evaluate(FORCE_SLOPES, 0, whole[FLAGS], w[TIME], w, at, whole[SLOPE_VALUES])
@@ -179,11 +183,8 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
-    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, Y1, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
-    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+    Reads: TIME, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
 
     Parameters
     ----------
@@ -279,8 +280,8 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
 
-    Reads: Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, ACCELERATION, LEVELS, FRICTION,
-    NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS,
+    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
@@ -345,7 +346,10 @@ def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
 
 
 def value_of(guard: int, w: Vector, whole: Wholes) -> float:
-    """Return a guard at the start of the step; infinity for one that nothing watches."""
+    """Return a guard at the start of the step; infinity for one that nothing watches.
+
+    Reads: Y, LEVELS, NEEDED_SERIES, MODES.
+    """
     n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -361,7 +365,10 @@ def side_sign(guard: int) -> float:
 
 
 def nearest_guard(w: Vector, whole: Wholes) -> int:
-    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`."""
+    """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`.
+
+    Reads: Y, DENSE, LEVELS, NEEDED_SERIES, MODES.
+    """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     best, least = NO_GUARD, 1.0
     for guard in range(2 * n):
@@ -377,7 +384,12 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 
 
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
-    """Note where a guard falls, if it does before the best one; return which of them is first."""
+    """Note where a guard falls, if it does before the best one; return which of them is first.
+
+    Reads: FRACTION, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE, MASS,
+    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, REACHED, ROOTS.
+    """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:

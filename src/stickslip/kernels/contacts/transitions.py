@@ -123,6 +123,11 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     end_beyond_limits(w, whole)
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
+    whole[CHANGED] = 0
+    for c in range(whole[N_CONTACTS]):
+        pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
+        if pulls and whole[STATUS] != LIFTED_OFF:
+            lift_off(lift_guard(c, whole), c, w, whole)
 
 
 def rubs(i: int, whole: Wholes) -> bool:
@@ -346,8 +351,27 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     write_impacts(guard, w, whole)
     write_changes(guard, w, whole)
     end_beyond_limits(w, whole)
-    if lifted >= 0:
-        whole[STATUS] = LIFTED_OFF
+    if lifted >= 0:  # after what falls with it: the last event is what ends the run
+        lift_off(guard, lifted, w, whole)
+
+
+def lift_guard(contact: int, whole: Wholes) -> int:
+    """Return the guard of the load of a contact."""
+    wide = whole[LAW_SWITCHES] + 1
+    return first_contact_guard(whole) + contact * wide + whole[LAW_SWITCHES]
+
+
+def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
+    """End the run where a contact lifts off.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS.
+    Writes: CHANGES, STATUS, CHANGED.
+    """
+    now = mode_of(
+        contact, whole[whole[MODES] + whole[whole[SLIPS] + contact]], 0, w, whole, whole[Y]
+    )
+    write_event(guard, contact, now, now, 0.0, w, whole)
+    whole[STATUS] = LIFTED_OFF
 
 
 def bounce(guard: int, w: Vector, whole: Wholes) -> None:
@@ -405,7 +429,7 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
     """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
 
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS, OPEN.
     Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
     """
     wide = whole[LAW_SWITCHES] + 1
@@ -415,9 +439,6 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         write_event(guard, contact, 0, 0, 0.0, w, whole)
         return -1
     if whole[whole[REACTS] + contact]:
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-        now = mode_of(contact, mode, 0, w, whole, whole[Y])
-        write_event(guard, contact, now, now, 0.0, w, whole)
         return contact
     whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
     return -1

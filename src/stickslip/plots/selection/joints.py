@@ -12,6 +12,7 @@ from stickslip.identification import Prediction, RecordFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.theme import C1, DATA, MUTED
+from stickslip.quantities import turned
 
 __all__ = ["plot_joints", "refuse_joints"]
 
@@ -61,7 +62,7 @@ def plot_joints(
         panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for axes, (name, unit) in zip(panels, units.items(), strict=True):
             own = seen.of(name)
-            _draw_one(axes, own, own.record == record, "N m" if unit == "rad" else "N")
+            _draw_one(axes, own, own.record == record, turned("N", unit == "rad"))
             axes.set_title(name, loc="left", fontsize="medium")
         panels[0].legend(
             loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False,

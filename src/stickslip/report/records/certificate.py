@@ -93,7 +93,7 @@ def _runs(fit: RecordFit) -> list[KeyValue]:
         return []
     sure = sum(one.certified for one in known)
     turns = sum(len(run.events) for run in runs)
-    rest = sum(b - a for run in runs for a, b in run.stick_spans())
+    rest = sum(run.stick_time() for run in runs)
     energy = residue(max(one.energy_error for one in known))
     drift = max(one.stick_drift for one in known)
     still = f"; drift at rest {quantity(drift, 'm', 1) if drift else 'exactly 0'}" if rest else ""

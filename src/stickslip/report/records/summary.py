@@ -8,7 +8,6 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.errors import InputError
-from stickslip.experiments import turned
 from stickslip.formatting import number, rounded, signed_percent, significant, with_unit
 from stickslip.friction import (
     Coulomb,
@@ -20,7 +19,7 @@ from stickslip.friction import (
 )
 from stickslip.identification import Estimate, RecordFit
 from stickslip.plots import map_points
-from stickslip.quantities import fields_of
+from stickslip.quantities import fields_of, turned
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
 from stickslip.report.core.markup import label_of, typeset

@@ -128,7 +128,7 @@ def opening_section(about: ContactsReport) -> Section:
     opening = Opening(
         kicker=f"{about.rig.heading}, {about.kinds} friction",
         verdict=verdict,
-        lede=" ".join([run.status.value, *book.warnings]),
+        lede=" ".join([run.ending, *book.warnings]),
         facts=tuple(facts),
         cannot_tell=("Whether the laws describe the contacts: that takes measurements of each.",),
         record="run",
@@ -166,9 +166,8 @@ def contacts_section(about: ContactsReport) -> Section:
     first, last = run.span
     rows = []
     for name, own in about.views.items():
-        held = sum(end - begin for begin, end in own.stick_spans())
         work = run.certificate.work.get(name, run.certificate.work_friction)
-        share = percent(held / (last - first)) if last > first else "none"
+        share = percent(own.stick_time() / (last - first)) if last > first else "none"
         rows.append(Row(cells=(name, f"{len(own.events):,}", share, number(work, 4))))
     columns = (
         Column(head="contact"),

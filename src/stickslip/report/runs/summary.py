@@ -42,7 +42,7 @@ def _headline(about: RunReport) -> str:
 
 
 def _lede(about: RunReport) -> str:
-    said = [about.run.status.value]
+    said = [about.run.ending]
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
         travel = sum(one.travel for one in about.cycles)

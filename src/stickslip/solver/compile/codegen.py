@@ -16,7 +16,6 @@ import re
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from stickslip import kernels
 from stickslip.formulation import Model
@@ -111,27 +110,27 @@ def _modules() -> list[ModuleType]:
 
 @functools.cache
 def _body(kernel: ModuleType) -> str:
-    """Return a kernel's text without its imports, docstring and list of names."""
-    tree = ast.parse(inspect.getsource(kernel))
+    """Return a kernel's text without its imports, annotations, docstrings and list of names.
+
+    Statements stand as they are in the file: to write them anew from the syntax tree would take as
+    long as loading the machine code.
+    """
+    source = inspect.getsource(kernel)
+    lines = source.splitlines()
     kept = []
-    for node in tree.body:
+    for node in ast.parse(source).body:
         names = [t.id for t in getattr(node, "targets", []) if isinstance(t, ast.Name)]
         is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
         skipped = (ast.Import, ast.ImportFrom, ast.AnnAssign)
         if isinstance(node, skipped) or "__all__" in names or is_text:
             continue
-        kept.append(_bare(node))
-    return "\n\n".join(ast.unparse(node) for node in kept)
-
-
-def _bare(node: Any) -> Any:
-    """Drop annotations and docstrings, which the module has no use for."""
-    if isinstance(node, ast.FunctionDef):
-        node.returns = None
-        for argument in node.args.args:
-            argument.annotation = None
-        node.body = node.body[1:] if ast.get_docstring(node) else node.body
-    return node
+        first = node.lineno
+        if isinstance(node, ast.FunctionDef):
+            arguments = ", ".join(argument.arg for argument in node.args.args)
+            kept.append(f"def {node.name}({arguments}):")
+            first = node.body[1 if ast.get_docstring(node) else 0].lineno
+        kept += [*lines[first - 1 : node.end_lineno], "", ""]
+    return "\n".join(kept)
 
 
 @functools.cache

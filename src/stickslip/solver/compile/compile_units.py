@@ -9,7 +9,7 @@ from stickslip.formulation import Model
 from stickslip.solver.compile.codegen import contacts_text, kernels_text
 from stickslip.solver.compile.module_cache import is_kept, keep, locked, module_of
 
-__all__ = ["CompileUnit", "units_of"]
+__all__ = ["CompileUnit", "has_kernels", "units_of"]
 
 CONTACTS = "contacts"
 """A function that is called by its address; it is compiled when its module is executed."""
@@ -27,14 +27,16 @@ TAKES = {
 }
 """Arguments of the entries: (V)ectors of reals, of (W)holes, and single re(f)als and whole (i)."""
 SECONDS = {
-    CONTACTS: 10,
-    RUNS[0]: 2,
-    ENSEMBLES[0]: 3,
-    SENSES[0]: 5,
-    SENSED_ENSEMBLES[0]: 9,
+    CONTACTS: 30,
+    RUNS[0]: 5,
+    RUNS[1]: 2,
+    ENSEMBLES[0]: 10,
+    SENSES[0]: 10,
+    SENSED_ENSEMBLES[0]: 10,
 }
-KERNELS = 10
-"""What compiling takes [s], for a message; the entries of a unit share a part."""
+KERNELS = 20
+"""What compiling takes [s of processor time, measured], for a message; the entries of a unit share
+a part."""
 
 _ready: set[tuple[str, str]] = set()
 """Texts and entries whose machine code is in this process."""
@@ -78,6 +80,11 @@ class CompileUnit:
                 keep(self.text, entry, _files(module, entry))
             _ready.add((self.text, entry))
         return any(compiled)
+
+
+def has_kernels() -> bool:
+    """Whether any machine code of kernels is in this process."""
+    return bool(_ready)
 
 
 def _compile(module: ModuleType, entry: str) -> bool:

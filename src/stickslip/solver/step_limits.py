@@ -1,0 +1,261 @@
+"""Why a run took more steps than it may: its fastest motion, its drives, or its events."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.formatting import number, quantity
+from stickslip.formulation import Model
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels.enums import FORWARD, HELD_FAST
+from stickslip.kernels.model_interface import field
+from stickslip.kernels.questions import PREPARE, RESTORE, ask_here
+from stickslip.kernels.state_layout import (
+    EVENTS,
+    MODE,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    PIECE,
+    SCALE,
+    STEPS,
+    TIME,
+    Y,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.quantities import parameters
+from stickslip.solver.backend import runner_of
+from stickslip.solver.drive_schedule import Inputs
+from stickslip.solver.run import Record
+
+__all__ = ["FastestMotion", "cause_of_step_limit", "fastest_motion"]
+
+STATE_STEP = 1e-6
+"""Change of a state over its size, for differences: between rounding and what is not linear."""
+PARAMETER_STEP = 1e-4
+"""The same of a parameter; the difference of differences has larger rounding errors."""
+MATTERS = 0.1
+"""Share of the largest influence on the time scale below which a parameter is not named."""
+MOST_NAMED = 3
+OFTEN = 0.25
+"""Share of the steps that events or pieces of the drives end, from which they are the cause."""
+
+
+@dataclass(frozen=True)
+class FastestMotion:
+    """The eigenvalue of largest size of the equations, linearised at a state."""
+
+    time_scale: float
+    """One over the size of the eigenvalue [s]."""
+    influences: tuple[tuple[str, float], ...]
+    """Paths of parameters, and the power with which each enters the time scale, the largest first.
+    """
+
+
+class _Rates:
+    """Rates of the states in plain Python, at the end of a run."""
+
+    def __init__(self, model: Model, record: Record) -> None:
+        runner = runner_of(model, compiled=False)
+        self.whole = list(record.whole)
+        self.w: list[Any] = runner.taken_over(record.w)
+        self.places = runner.places
+        self.n = len(model.states)
+        self.first, self.to = self.whole[Y], len(self.w)
+        self.w += [0.0] * self.n
+        self.y = np.array(self.w[self.first : self.first + self.n])
+        reached = np.abs(self.w[self.whole[SCALE] : self.whole[SCALE] + self.n])
+        self.sizes = np.maximum(reached, np.abs(self.y))
+        self.sizes[self.sizes == 0.0] = self.sizes.max(initial=0.0) or 1.0
+
+    def slip(self) -> None:
+        """Let all that is held slip."""
+        if self.whole[N_CONTACTS] == 0:
+            self.whole[MODE] = self.whole[MODE] or FORWARD
+            return
+        modes = self.whole[MODES]
+        for i in range(modes, modes + self.whole[N_COORDINATES]):
+            if self.whole[i] == HELD_FAST:
+                self.whole[i] = FORWARD
+
+    def prepare(self) -> None:
+        """Write what follows from the parameters and modes alone."""
+        if self.whole[N_CONTACTS] > 0:
+            ask_here(PREPARE, self.w, self.whole)
+            ask_here(RESTORE, self.w, self.whole)
+
+    def at(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the rates (n,) at a state (n,)."""
+        self.w[self.first : self.first + self.n] = y.tolist()
+        field(self.w[TIME], self.w, self.whole, self.first, self.to)
+        return np.array(self.w[self.to : self.to + self.n])
+
+    def along(self, direction: NDArray[Any]) -> NDArray[Any]:
+        """Return the Jacobian times a direction (n,), which may be complex."""
+        if np.iscomplexobj(direction):
+            return self.along(direction.real) + 1j * self.along(direction.imag)
+        largest = float((np.abs(direction) / self.sizes).max())
+        if largest == 0.0:
+            return np.zeros(self.n)
+        step = STATE_STEP / largest
+        after, before = self.at(self.y + step * direction), self.at(self.y - step * direction)
+        return (after - before) / (2.0 * step)
+
+
+def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotion | None:
+    """Return the fastest motion of the equations at the end of a run, in its modes or slipping.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    inputs : Inputs
+        Parameters of the run.
+    record : Record
+        What the kernels wrote down of it.
+
+    Returns
+    -------
+    FastestMotion or None
+        None where nothing moves by itself, or a rate is not finite.
+    """
+    rates = _Rates(model, record)
+    found = _eigen(rates)
+    rates.slip()
+    slipping = _eigen(rates)
+    if found is None or (slipping is not None and abs(slipping[0]) > abs(found[0])):
+        found = slipping
+    else:
+        rates = _Rates(model, record)
+    if found is None:
+        return None
+    value, right, left = found
+    powers = []
+    for path, place, number_ in zip(model.parameter_paths, rates.places, inputs.p, strict=True):
+        power = _power(rates, place, number_, value, right, left)
+        if math.isfinite(power):
+            powers.append((path, power))
+    powers.sort(key=lambda pair: -abs(pair[1]))
+    largest = abs(powers[0][1]) if powers else 0.0
+    named = [(path, power) for path, power in powers if abs(power) > MATTERS * largest > 0.0]
+    return FastestMotion(1.0 / abs(value), tuple(named))
+
+
+def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
+    """Return the largest eigenvalue with its right and left vector, whose product is 1."""
+    rates.prepare()
+    with np.errstate(all="ignore"):
+        columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
+        scaled = np.array(columns).T / rates.sizes[:, None]
+        if not np.isfinite(scaled).all():
+            return None
+        values, vectors = np.linalg.eig(scaled)
+        at = int(np.argmax(np.abs(values)))
+        try:
+            left = np.linalg.inv(vectors)[at]
+        except np.linalg.LinAlgError:  # a double eigenvalue with one vector
+            left = np.full(rates.n, math.nan)
+    if values[at] == 0.0:
+        return None
+    return complex(values[at]), vectors[:, at] * rates.sizes, left / rates.sizes
+
+
+def _power(
+    rates: _Rates,
+    place: int,
+    value: float,
+    eigenvalue: complex,
+    right: NDArray[Any],
+    left: NDArray[Any],
+) -> float:
+    """Return the power with which a parameter enters the time scale."""
+    if value == 0.0:
+        return 0.0
+    sides = []
+    for sign in (1.0, -1.0):
+        rates.w[place] = value * (1.0 + sign * PARAMETER_STEP)
+        rates.prepare()
+        sides.append(rates.along(right))
+    rates.w[place] = value
+    rates.prepare()
+    slope = complex(left @ (sides[0] - sides[1])) / (2.0 * PARAMETER_STEP)
+    return -(slope / eigenvalue).real
+
+
+def cause_of_step_limit(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    inputs: Inputs,
+    record: Record,
+    t_end: float,
+) -> str:
+    """Say what makes the steps of a run so short, and what to do.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
+    model : Model
+        Their equations.
+    inputs : Inputs
+        Parameters and drives of the run.
+    record : Record
+        What the kernels wrote down of a run that reached its step limit.
+    t_end : float
+        Last time that was asked for [s].
+
+    Returns
+    -------
+    str
+        Sentences for users.
+    """
+    steps, events, pieces = (record.whole[place] for place in (STEPS, EVENTS, PIECE))
+    t = float(record.w[TIME])
+    taken = f"{steps} steps led to {quantity(t, 's', 4)}."
+    if t > 0.0:
+        needed = number(steps * t_end / t, 2)
+        taken = f"{taken[:-1]}; at this rate {quantity(t_end, 's', 4)} take {needed} steps."
+    advice = "End the run earlier, or allow more steps with EventDriven(max_steps=...)."
+    if events > OFTEN * steps:
+        taken += f" {events} of them ended with an event: the contacts keep switching."
+    if pieces > OFTEN * steps:
+        return f"{taken} The drives have changed their course {pieces} times. {advice}"
+    fastest = fastest_motion(model, inputs, record)
+    if inputs.time_scale < (math.inf if fastest is None else fastest.time_scale):
+        scale = quantity(inputs.time_scale, "s", 2)
+        return f"{taken} A drive changes within {scale}, and a step takes a sixth of that. {advice}"
+    if fastest is None:
+        return f"{taken} {advice}"
+    scale = quantity(fastest.time_scale, "s", 2)
+    text = f"{taken} The fastest motion of the equations has a time scale of {scale}"
+    if not fastest.influences:
+        return f"{text}. {advice}"
+    named = [path for path, _ in fastest.influences[:MOST_NAMED]]
+    return (
+        f"{text}, set by {_listed(_values(mechanism, law), named)}. Check these values, or leave"
+        f" that motion out: a stiff spring can be a rigid joint, a small mass none, stiff bristles"
+        f" a law without them. {advice}"
+    )
+
+
+def _values(mechanism: Mechanism, law: FrictionLaw | Laws) -> dict[str, str]:
+    """Return the parameters in words, by path."""
+    roots = ((mechanism, "mechanism"), (law, "friction"))
+    return {
+        path: f"{path} = {quantity(value, declared.unit, 3)}"
+        for root, prefix in roots
+        for path, declared, value in parameters(root, prefix)
+    }
+
+
+def _listed(values: dict[str, str], paths: Sequence[str]) -> str:
+    """Return parameters in a row, with their values."""
+    words = [values[path] for path in paths]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,92 @@
+"""What a run that reaches its step limit says of the cause."""
+
+import math
+
+import pytest
+from tests.contact_cases import coulomb
+
+from stickslip import (
+    Axis,
+    BlockChain,
+    EventDriven,
+    LuGre,
+    Stribeck,
+    TowedBlock,
+    TwoMassAxis,
+    Viscous,
+    simulate,
+)
+from stickslip.drives import Sine
+from stickslip.errors import SimulationError
+from stickslip.formulation import formulate
+from stickslip.results import Status
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.initial_states import within_stops
+from stickslip.solver.run import execute
+from stickslip.solver.step_limits import fastest_motion
+
+FEW = EventDriven(max_steps=20, tier="python")
+LAYER = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
+BRISTLES = LuGre(
+    kinetic_coefficient=1.0,
+    static_coefficient=1.5,
+    stribeck_velocity=0.1,
+    bristle_stiffness=1e15,
+    bristle_damping=0.0,
+)
+
+
+def fastest_of(mechanism, law, y0):
+    model = formulate(mechanism, law)
+    inputs = gather(mechanism, law, model, 10.0)
+    start = within_stops(mechanism, y0)
+    record = execute(model, inputs, start, t_end=10.0, tolerance=1e-9, limit=20, tier="python")
+    return fastest_motion(model, inputs, record)
+
+
+@pytest.mark.parametrize("mode", ["sliding", "held"])
+def test_masses_on_a_spring_have_the_time_scale_of_the_textbook(mode):
+    m1, m2, k = 1e-7, 3e-7, 1e13
+    axis = TwoMassAxis(motor_inertia=m1, load_inertia=m2, stiffness=k, damping=0.0)
+    found = fastest_of(axis, Viscous(viscous_coefficient=0.0), [0.0, 0.0, float(mode[0] == "s"), 0])
+    assert found.time_scale == pytest.approx(math.sqrt(m1 * m2 / (m1 + m2) / k), rel=1e-6)
+    powers = dict(found.influences)
+    # half the logarithm of m1 m2 / (m1 + m2) / k
+    assert powers["mechanism.stiffness"] == pytest.approx(-0.5, rel=1e-5)
+    assert powers["mechanism.motor_inertia"] == pytest.approx(0.5 * m2 / (m1 + m2), rel=1e-5)
+    assert powers["mechanism.load_inertia"] == pytest.approx(0.5 * m1 / (m1 + m2), rel=1e-5)
+
+
+def test_blocks_in_a_row_have_the_time_scale_of_their_highest_mode():
+    chain = BlockChain(blocks=3, mass=2.0, coupling=1e9)
+    found = fastest_of(chain, coulomb(0.5), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    assert found.time_scale == pytest.approx(math.sqrt(2.0 / 3e9), rel=1e-6)
+    assert dict(found.influences) == {
+        "mechanism.coupling": pytest.approx(-0.5, rel=1e-5),
+        "mechanism.mass": pytest.approx(0.5, rel=1e-5),
+    }
+
+
+def test_a_run_that_ends_at_its_limit_names_the_parameters_and_a_cure():
+    tow = TowedBlock(mass=2.0, stiffness=2.0, speed=0.1, load=1.0)
+    with pytest.raises(SimulationError) as caught:
+        simulate(tow, BRISTLES, t_end=60.0, solver=FEW)
+    # sqrt(m / (sigma_0 N))
+    assert "time scale of 0.045 µs" in str(caught.value)
+    assert "friction.bristle_stiffness = 1 × 10¹⁵ 1/m" in str(caught.value)
+    assert "mechanism.mass = 2 kg" in str(caught.value)
+    assert "max_steps" in str(caught.value)
+    run = simulate(tow, BRISTLES, t_end=60.0, solver=FEW, throw=False)
+    assert run.ending == f"{Status.STEP_LIMIT.value} {run.cause}"
+    assert "bristle_stiffness" in repr(run._summary().sentence)
+
+
+def test_a_drive_that_is_faster_than_all_motion_is_named_instead():
+    axis = Axis(inertia=1.0, drive=Sine(amplitude=5.0, frequency=1e6))
+    run = simulate(axis, LAYER, t_end=60.0, solver=FEW, throw=False)
+    assert "A drive changes within" in run.cause
+
+
+def test_a_run_that_gets_to_its_end_has_no_cause():
+    run = simulate(Axis(inertia=1.0), LAYER, t_end=1.0, y0={"v": 0.1})
+    assert (run.cause, run.ending) == ("", run.status.value)
