@@ -25,6 +25,9 @@ from stickslip.selection.fixed_step_comparison import rounded_step as rounded_st
 from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
+from stickslip.selection.joint_verdict import JointVerdict as JointVerdict
+from stickslip.selection.joints import joint_specifications as joint_specifications
+from stickslip.selection.joints import select_joints as select_joints
 from stickslip.selection.lab_sheet import Plan as Plan
 from stickslip.selection.lab_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.selection.limits import limit_of as limit_of
@@ -73,6 +76,7 @@ __all__ = [
     "FeatureCandidate",
     "FeatureVerdict",
     "FixedStepRow",
+    "JointVerdict",
     "OtherSpeed",
     "OtherStep",
     "PURPOSES",
@@ -88,6 +92,7 @@ __all__ = [
     "criteria_of",
     "plan",
     "select_features",
+    "select_joints",
     "select_rate_state",
     "select_records",
     "select_travels",
