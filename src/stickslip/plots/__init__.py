@@ -119,6 +119,8 @@ INSIDE = {
     "horizon": "core.helpers",
     "is_timed": "selection.fit_data",
     "loop_sizes": "laws.hysteresis",
+    "joint_figure": "selection.joints",
+    "joint_sizes": "selection.joints",
     "map_points": "selection.fit_data",
     "panel_of": "selection.fit_data",
     "piece_sizes": "selection.prediction_excerpts",

@@ -26,6 +26,7 @@ from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.joint_verdict import JointVerdict as JointVerdict
+from stickslip.selection.joint_verdict import joint_label as joint_label
 from stickslip.selection.joints import joint_specifications as joint_specifications
 from stickslip.selection.joints import select_joints as select_joints
 from stickslip.selection.lab_sheet import Plan as Plan
@@ -64,6 +65,7 @@ from stickslip.selection.travels import select_travels as select_travels
 from stickslip.selection.verdict import Candidate as Candidate
 from stickslip.selection.verdict import Verdict as Verdict
 from stickslip.selection.verdict import Wording as Wording
+from stickslip.selection.verdict import plain as plain
 from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
 from stickslip.selection.wording import friction_of as friction_of

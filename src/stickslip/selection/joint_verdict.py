@@ -16,7 +16,7 @@ from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.verdict import Wording, score_scale, score_text
 from stickslip.selection.wording import CORRECT_FIRST
 
-__all__ = ["JointVerdict", "combination_of", "joint_wording"]
+__all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording"]
 
 Lines: TypeAlias = Callable[[Wording], Sequence[str]]
 """Some lines of the words of a verdict."""
@@ -52,6 +52,8 @@ class JointVerdict(CrossValidatedVerdict[RecordCandidate]):
     """How often the joints were gone through."""
     settled: bool
     """Whether the last sweep changed no choice."""
+    usual: bool
+    """Whether the laws are those that are compared where none are named."""
     plan: Plan
     """Blocks, gaps and horizon of the held-out errors."""
     second: Measurement | None = None
@@ -70,6 +72,17 @@ class JointVerdict(CrossValidatedVerdict[RecordCandidate]):
     def score_unit(self) -> str:
         units = {one.score_unit for one in self.joints.values()}
         return units.pop() if len(units) == 1 else ""
+
+    @property
+    def picks(self) -> Mapping[str, str]:
+        """What other criteria would pick: of combinations nothing, of each joint see `joints`."""
+        return {}
+
+    @property
+    def blocks_scored(self) -> int:
+        """Number of held-out blocks that are scored."""
+        validation = self.closest.validation
+        return len(validation.losses) if validation else 0
 
     @property
     def scale(self) -> Scale:
@@ -125,7 +138,7 @@ def joint_wording(
     """
     exchanged = checks.of("exchanged joints")
     said = {name: one.words.verdict for name, one in verdicts.items()}
-    verdict = " ".join(f"{_label(name)}: {lower_first(text)}" for name, text in said.items())
+    verdict = " ".join(f"{joint_label(name)}: {lower_first(text)}" for name, text in said.items())
     if exchanged:
         verdict = f"No law is recommended. {exchanged[0].sentence}"
     return Wording(
@@ -169,7 +182,7 @@ def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, .
     ]
     shared = shared if len(own) > 1 else []
     columns = [
-        [f"{_label(name)}: {line}" for line in each if line not in shared]
+        [f"{joint_label(name)}: {line}" for line in each if line not in shared]
         for name, each in own.items()
     ]
     turns = itertools.zip_longest(*columns)
@@ -183,6 +196,12 @@ def _next(verdicts: Mapping[str, RecordVerdict], checks: Checks) -> tuple[str, .
     return (*first, *_spread(verdicts, lambda words: words.measure_next))[:MOST]
 
 
-def _label(name: str) -> str:
-    """Return the name of a joint at the start of a line; one that is a code stays as it is."""
+def joint_label(name: str) -> str:
+    """Return the name of a joint at the start of a line; one that is a code stays as it is.
+
+    Examples
+    --------
+    >>> joint_label("elbow"), joint_label("q1")
+    ('Elbow', 'q1')
+    """
     return capital(name) if name.isalpha() and name.islower() else name

@@ -153,6 +153,7 @@ def select_joints(
         found = Finding(kind="exchanged joints", sentence=fitter.exchanged, severity="warning")
         checks = replace(checks, findings=(found, *checks.findings))
     descent = _Descent.of(fitter, specs, validate, checks, progress, executor)
+    descent.usual = laws is None
     return descent.verdict()
 
 
@@ -179,6 +180,8 @@ class _Descent:
     """Held-out blocks of all comparisons."""
     records: dict[str, tuple[tuple[Measurement, Measurement], ...]]
     """Of each contact, what was fitted and validated of its joint, with the whole records."""
+    usual: bool = False
+    """Whether no laws were named."""
     stopped: bool = False
     """Whether the search was ended early."""
 
@@ -326,6 +329,7 @@ class _Descent:
             joints=dict(verdicts),
             sweeps=sweeps,
             settled=settled,
+            usual=self.usual,
             plan=self.plan,
             second=self.validate,
             settings=self.fitter.settings,
