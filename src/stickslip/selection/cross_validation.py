@@ -85,8 +85,9 @@ class CrossValidation:
             losses=tuple(one.mean for one in losses),
             extrapolation=math.nan if ahead is None else math.sqrt(ahead.mean),
             joints={
-                name: cls.of([one.joints[name] for one in losses], ahead and ahead.joints[name])
+                name: cls.of(own, None if ahead is None else ahead.joints.get(name))
                 for name in joints
+                if (own := [one.joints[name] for one in losses if name in one.joints])
             },
         )
 
@@ -280,7 +281,8 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     after = tested[:, 0] >= border
     before = refitted(fit, border - plan.gap, math.inf) if after.any() else None
     ahead = None if before is None else _loss(judged, before.values, after)
-    return CrossValidation.of(losses, ahead, losses[0].joints)
+    names = dict.fromkeys(name for one in losses for name in one.joints)
+    return CrossValidation.of(losses, ahead, names)
 
 
 def _loss(judged: RecordProblem, values: Array, held: NDArray[np.bool_]) -> _Loss:
@@ -291,7 +293,8 @@ def _loss(judged: RecordProblem, values: Array, held: NDArray[np.bool_]) -> _Los
     found = settled(judged, values, only=np.flatnonzero(held).tolist())
     parts = judged.by_joint(found)
     mean = found.cost / len(found.residual)
-    return _Loss(mean, {name: _Loss(one.rms**2) for name, one in parts.items()})
+    moving = {name: one for name, one in parts.items() if len(one.residual)}
+    return _Loss(mean, {name: _Loss(one.rms**2) for name, one in moving.items()})
 
 
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:

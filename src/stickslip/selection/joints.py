@@ -301,7 +301,7 @@ class _Descent:
             one,
             fit=fit,
             left_out=tuple(path.replace(prefix, "friction.", 1) for path in gone),
-            validation=one.validation and one.validation.joints[joint],
+            validation=one.validation and one.validation.joints.get(joint),
             second=one.second and one.second.joints[joint],
         )
 

@@ -45,6 +45,7 @@ __all__ = [
     "check_joints",
     "contacts_along",
     "joint_stretches",
+    "with_own_segments",
 ]
 
 Array = NDArray[np.float64]
@@ -188,6 +189,23 @@ def check_joints(record: Measurement, names: Sequence[str]) -> None:
                 f"{label} has no force of the joint {name!r}: give what drives it; zeros if nothing"
                 " does."
             )
+
+
+def with_own_segments(stretches: Stretches) -> Stretches:
+    """Return the stretches of one joint with segments numbered without those that it rests in.
+
+    Parameters
+    ----------
+    stretches : tuple of MotionSegment
+        Stretches of one joint, whose segments are numbered for all joints.
+
+    Returns
+    -------
+    tuple of MotionSegment
+        The same, as if there were no other joint.
+    """
+    used = np.unique(np.concatenate([one.segment[one.segment >= 0] for one in stretches]))
+    return tuple(_renumbered(one, used) for one in stretches)
 
 
 def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:

@@ -67,7 +67,9 @@ UNEXPLAINED = 0.8
 """Residual over the variation of the force of a joint above which the record is doubted."""
 DOUBTED, BETTER = 0.5, 0.5
 """Residual of a regression over the spread of a force from which exchanged joints are looked for,
-and share of the sum of squares that the exchange must at least take off."""
+and how much less it must be with the exchange."""
+SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
+"""What may be exchanged, and the quantities of a record that it is."""
 FOLLOWED = 1_000
 """Samples of a record along which bristles are integrated, unless the filter asks for more."""
 WIDE = 30.0
@@ -428,7 +430,7 @@ class JointFitter:
 
 
 def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
-    """Return two joints whose exchanged positions would explain the forces, as a sentence.
+    """Return which signals of two joints would explain the forces if exchanged, as a sentence.
 
     Looked for where a regression leaves much of the force of some joint.
     """
@@ -436,43 +438,39 @@ def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _M
     shares = motion.left / motion.size
     if float(np.max(shares)) < DOUBTED:
         return ""
-    for i, j in itertools.combinations(range(len(names)), 2):
+    found = []
+    for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
         if units[i] != units[j]:
             continue
+        other = _with_exchanged(measurement, names[i], names[j], SIGNALS[what])
         try:
-            other = _Motion.of(
-                asked, _with_exchanged(measurement, names[i], names[j]), hold, bristles=False
-            )
+            seen = _Motion.of(asked, other, hold, bristles=False)
         except InputError:
             continue
-        others = other.left / other.size
-        if np.sum(others**2) < BETTER * np.sum(shares**2):
-            before, after = (percent(float(np.max(each[[i, j]]))) for each in (shares, others))
-            return (
-                f"The positions of {names[i]} and {names[j]} seem to be exchanged: with the one as"
-                f" the other, what the arm does not explain of their forces falls from {before} to"
-                f" {after}."
-                " Check which column is of which joint."
-            )
-    return ""
+        found.append((float(np.max(seen.left / seen.size)), what, names[i], names[j]))
+    left, what, first, second = min(found, default=(np.inf, "", "", ""))
+    if left > BETTER * float(np.max(shares)):
+        return ""
+    return (
+        f"The {what} of {first} and {second} seem to be exchanged: with the one as the other, what"
+        f" the mechanism does not explain of the forces falls from {percent(float(np.max(shares)))}"
+        f" to {percent(left)}. Check which column is of which joint."
+    )
 
 
-def _with_exchanged(measurement: Measurement, one: str, other: str) -> Measurement:
-    """Return records in which two joints have each other's motion."""
+def _with_exchanged(
+    measurement: Measurement, one: str, other: str, names: Sequence[str]
+) -> Measurement:
+    """Return records in which two joints have each other's signals of some names."""
     records = []
     for record in measurement.records():
         joints = dict(record.joints)
         for a, b in ((one, other), (other, one)):
-            own = record.joints[b]
-            joints[a] = replace(
-                record.joints[a],
-                position=own.position,
-                velocity=own.velocity,
-                offset={
-                    **{name: size for name, size in own.offset.items() if name != "force"},
-                    **{k: v for k, v in record.joints[a].offset.items() if k == "force"},
-                },
-            )
+            own, from_ = record.joints[a], record.joints[b]
+            signals = {name: getattr(from_, name) for name in names}
+            kept = {name: size for name, size in own.offset.items() if name not in names}
+            moved = {name: size for name, size in from_.offset.items() if name in names}
+            joints[a] = replace(own, **signals, offset={**kept, **moved})
         records.append(replace(record, joints=joints))
     return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 

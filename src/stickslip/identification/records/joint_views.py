@@ -23,6 +23,7 @@ from stickslip.identification.force_map.joint_balance import (
     JointBalance,
     JointBalanceBuilder,
     contacts_along,
+    with_own_segments,
 )
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, settled
@@ -125,7 +126,10 @@ def joint_view(fit: RecordFit[Laws], contact: str, *, records: Pairs = ()) -> Re
 
     free, told = alone(fit.free_parameters), alone(by_joint(fit.free_parameters, fit.mechanism))
     law = dict(fit.law.members).get(contact) or known.law
-    problem = replace(known, law=law, linear=(), derived=(), free_parameters_=free)
+    stretches = with_own_segments(known.stretches)
+    problem = replace(
+        known, law=law, stretches=stretches, linear=(), derived=(), free_parameters_=free
+    )
     best = _best(problem, fit.values[at])
     inference = _inference(fit, best, at)
     at_bounds = {local[path]: side for path, side in fit.at_bounds.items() if path in names}
@@ -196,7 +200,8 @@ class _ViewBuilder:
         return next((whole for own, whole in self.records if own is record), record)
 
     def _of(self, problem: JointBalance) -> ForceMap:
-        return replace(self.problem, stretches=problem.maps[self.coordinate].stretches)
+        own = with_own_segments(problem.maps[self.coordinate].stretches)
+        return replace(self.problem, stretches=own)
 
 
 def _best(problem: ForceMap, values: Array) -> ResidualJacobian:
