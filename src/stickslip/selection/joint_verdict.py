@@ -8,13 +8,13 @@ from typing import Any, TypeAlias, final
 from typing_extensions import override
 
 from stickslip.experiments import Checks, Measurement
-from stickslip.formatting import Scale, capital, count, joined, lower_first
+from stickslip.formatting import Scale, capital, count, joined
 from stickslip.friction import CandidateSpec
 from stickslip.identification import RecordSettings
 from stickslip.selection.cross_validation import CrossValidatedVerdict, Plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.verdict import Wording, score_scale, score_text
-from stickslip.selection.wording import CORRECT_FIRST
+from stickslip.selection.wording import CORRECT_FIRST, in_sentence
 
 __all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording"]
 
@@ -138,7 +138,7 @@ def joint_wording(
     """
     exchanged = checks.of("exchanged joints")
     said = {name: one.words.verdict for name, one in verdicts.items()}
-    verdict = " ".join(f"{joint_label(name)}: {lower_first(text)}" for name, text in said.items())
+    verdict = " ".join(f"{joint_label(name)}: {in_sentence(text)}" for name, text in said.items())
     if exchanged:
         verdict = f"No law is recommended. {exchanged[0].sentence}"
     return Wording(

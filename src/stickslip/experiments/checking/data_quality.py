@@ -193,8 +193,13 @@ def _findings(
 
 
 def _joints(record: Measurement, label: str, grave: bool) -> Iterator[Finding]:
-    """Yield what is found of each joint by itself, after its name; what all share, once."""
-    found = {name: [*_record(one, None, grave)] for name, one in record.joints.items()}
+    """Yield what is found of each joint by itself, after its name; what all share, once.
+
+    Its force is not compared with its motion alone, since it drives those of the others too.
+    """
+    found = {
+        name: [*_record(one, None, grave, coupled=True)] for name, one in record.joints.items()
+    }
     said = [{one.sentence for one in own} for own in found.values()]
     shared = set.intersection(*said)
     for number, (name, own) in enumerate(found.items()):
@@ -210,13 +215,17 @@ def _wrong(found: Sequence[Finding]) -> bool:
 
 
 def _agreement(
-    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    *,
+    coupled: bool,
 ) -> Iterator[Finding]:
     """Yield what signals say of each other; force says nothing where two of them contradict."""
     agree = [*consistency.velocity_and_position(record)]
     yield from agree
     yield from consistency.friction_sign(record, moving)
-    if not _wrong(agree):
+    if not _wrong(agree) and not coupled:
         yield from dynamics.energy(record, mechanism)
         size = [*dynamics.proportion(record, mechanism)]
         yield from size
@@ -224,7 +233,9 @@ def _agreement(
             yield from forces.direction(record, moving)
 
 
-def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> Iterator[Finding]:
+def _record(
+    record: Measurement, mechanism: Mechanism | None, grave: bool, *, coupled: bool = False
+) -> Iterator[Finding]:
     """Yield the findings about one record."""
     huge = [*signal_quality.unusable(record)]
     yield from huge
@@ -250,7 +261,7 @@ def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> It
     if not grave:
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
-        yield from _agreement(record, mechanism, moving)
+        yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave:
         yield from _course(record, mechanism, moving)
 

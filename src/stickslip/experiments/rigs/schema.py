@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
+from stickslip.experiments.readers.reader_options import MOTORS
 from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
 from stickslip.friction import FrictionLaw
@@ -62,7 +63,7 @@ def _by_joint(table: Any) -> Any:
         return table
     found: dict[Any, Any] = {}
     for key, value in table.items():
-        joints = key in BY_JOINT and isinstance(value, dict)
+        joints = key in (*BY_JOINT, *MOTORS) and isinstance(value, dict)
         found |= {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
     return found
 

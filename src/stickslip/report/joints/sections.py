@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from stickslip.formatting import capital, count, in_words, joined, lower_first
+from stickslip.formatting import capital, count, in_words, joined
 from stickslip.plots import inline_svg, joint_figure, joint_sizes
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues, Paragraph, Subheading
 from stickslip.report.core.checks import check_items
@@ -34,7 +34,14 @@ from stickslip.report.records.sections import trials_section
 from stickslip.report.records.summary import error_fact, law_lines
 from stickslip.report.records.texts import symbols_of
 from stickslip.report.records.validation_record import second_section
-from stickslip.selection import JointVerdict, RecordVerdict, joint_label, plain, score_text
+from stickslip.selection import (
+    JointVerdict,
+    RecordVerdict,
+    in_sentence,
+    joint_label,
+    plain,
+    score_text,
+)
 
 __all__ = ["joint_sections"]
 
@@ -178,7 +185,7 @@ def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
         blocks += [Subheading(text=part.heading), *part.blocks]
     figure = record_figure(verdict, verdict.closest.fit) if verdict.closest.fit else None
     blocks += [Subheading(text="The record"), figure] if figure else []
-    heading = f"{joint_label(name)}: {lower_first(plain(verdict.words.verdict)).removesuffix('.')}"
+    heading = f"{joint_label(name)}: {in_sentence(plain(verdict.words.verdict)).removesuffix('.')}"
     return Section(
         id=f"joint-{number}",
         nav=joint_label(name),
