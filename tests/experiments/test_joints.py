@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import Measurement, check, load_measurement, load_rig
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import refuse_same, rows_of
 
 TIME = np.arange(50) / 100
@@ -128,6 +128,13 @@ force.elbow = 2.4e-4
     np.testing.assert_allclose(joints["shoulder"].force, 0.3 * t)
     np.testing.assert_allclose(joints["elbow"].force, 0.24 * t)
     assert joints["elbow"].turning
+    motor = text.replace("QUANTITY", "force").replace("2.4e-4", '"0.24 N m/A"')
+    rig.write_text(motor.replace("= 0.3\n", '= "300 mN m/A"\n'))
+    for name, torque in (("shoulder", 0.3 * t), ("elbow", 0.24 * t)):
+        np.testing.assert_allclose(load_rig(rig).measurement.joints[name].force, torque)
+    rig.write_text(motor.replace("0.24 N m/A", "0.24 N m/V"))
+    with pytest.raises(ParameterError, match=r"gain\.force\.elbow .* N m/V times a column in mA"):
+        load_rig(rig)
     rig.write_text(text.replace("QUANTITY", "current"))
     with pytest.raises(InputError, match=r"current\.elbow is not a quantity.*as force\.elbow"):
         load_rig(rig)

@@ -50,6 +50,9 @@ __all__ = ["joint_specifications", "select_joints"]
 
 SWEEPS = 6
 """Sweeps over the joints at most."""
+APART = 0.1
+"""Share of the residual that laws of their own must take off for trials to count as different: what
+the filter makes of reversals differs by record, which a test of a few blocks takes for the law."""
 AIM: PurposeName = "compensate"
 """What is scored: the force of each joint along the measured motion."""
 
@@ -283,6 +286,7 @@ class _Descent:
             replace(self.checks, findings=()),
             own[1][0] if len(own) > 1 else None,
             fault=self._fault(),
+            material=APART,
         )
 
     def _fault(self) -> str:

@@ -23,6 +23,7 @@ from stickslip.identification import (
     RecordRouteName,
     RecordSettings,
     RouteChoice,
+    TrialComparison,
     arguments,
     better_route,
     check_horizon,
@@ -504,6 +505,7 @@ def verdict_on(
     validate: Measurement | None,
     *,
     fault: str = "",
+    material: float = 0.0,
 ) -> RecordVerdict:
     """Return the verdict on candidates that were judged.
 
@@ -527,6 +529,8 @@ def verdict_on(
         A second record, which no fit has seen.
     fault : str
         Why no law can be recommended, if that is known before.
+    material : float
+        Share of the residual that laws of their own must take off for trials to count as different.
 
     Returns
     -------
@@ -560,6 +564,8 @@ def verdict_on(
     # What no law explains, laws cannot be told apart by.
     experiments = () if fault else experiments_after(closest, ordered, plan)
     trials = compared(closest.fit)
+    if material and trials and not trials.shared and _alike(trials, closest.residual, material):
+        trials = None
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -591,6 +597,12 @@ def verdict_on(
         experiments=experiments,
         half_estimates=halves(closest.fit),
     )
+
+
+def _alike(trials: TrialComparison, residual: float, material: float) -> bool:
+    """Whether laws of their own take less than a share off the residual of all trials."""
+    apart = sum(one.rms**2 for one in trials.trials) / max(len(trials.trials), 1)
+    return math.sqrt(apart) > (1.0 - material) * residual
 
 
 def _quantity_of(scored: Sequence[RecordCandidate]) -> str:

@@ -81,7 +81,7 @@ class Reading:
     """Quantity -> name of its column; two names for a position along a line in a plane."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Quantity -> unit of its column."""
-    gain: Mapping[str, float] = field(default_factory=dict)
+    gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> factor, as in `load_measurement`."""
     offset: Mapping[str, float] = field(default_factory=dict)
     """Quantity -> offset of its sensor, in SI."""

@@ -56,7 +56,10 @@ def joint_record(mechanism: Mechanism, measurement: Measurement, coordinate: str
     Examples
     --------
     >>> from stickslip import TwoLinkArm
-    >>> arm = TwoLinkArm(upper_mass=1.0, upper_length=0.4, lower_mass=0.5)
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
+    ... )  # fmt: skip
     >>> q = {"shoulder": [0.0, 0.1], "elbow": [0.3, 0.2]}
     >>> record = Measurement(time=[0.0, 0.1], position=q, force=q, name="swing")
     >>> own = joint_record(arm, record, "elbow")
