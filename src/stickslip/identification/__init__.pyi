@@ -7,7 +7,6 @@ from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identification.estimation.levenberg_marquardt import improve as improve
 from stickslip.identification.estimation.model_error import ModelError as ModelError
-from stickslip.identification.estimation.problem import Problem as Problem
 from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.estimation.root_search import positive_root as positive_root

@@ -10,6 +10,7 @@ from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, quantity
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.report import Origin, SectionMaker
+from stickslip.routes.records import title_of
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -89,13 +90,12 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
                 notes.append(f"{name}, {one.name}: {one.outcome}")
             notes += [f"{name}: {line}" for line in own.missing]
         closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", fits best but not recommended")
         return Comparison(
             heads=heads,
             rows=rows,
             notes=notes,
             checks=verdict.checks,
-            fitted=(title, closest.fit.estimates) if closest.fit else None,
+            fitted=(title_of(verdict), closest.fit.estimates) if closest.fit else None,
         )
 
     @override

@@ -31,6 +31,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "CrossValidatedVerdict": "cross_validation",
     "DOUBT_NAMES": "travel_wording",
     "Experiment": "design.experiments",
     "LEVEL": "choice",

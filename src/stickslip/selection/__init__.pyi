@@ -6,6 +6,7 @@ from stickslip.selection.choice import MATERIAL as MATERIAL
 from stickslip.selection.choice import NEAR as NEAR
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of
+from stickslip.selection.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
 from stickslip.selection.design.discriminating_settings import Proposal as Proposal
 from stickslip.selection.design.discriminating_settings import Separation as Separation
 from stickslip.selection.design.discriminating_settings import unit_of as unit_of

@@ -80,7 +80,22 @@ class CrossValidation:
     def of(
         cls, losses: Sequence["_Loss"], ahead: "_Loss | None", joints: Iterable[str] = ()
     ) -> "CrossValidation":
-        """Return the errors of blocks and of an extrapolation, and those of each joint."""
+        """Return the errors of blocks and of an extrapolation, and those of each joint.
+
+        Parameters
+        ----------
+        losses : sequence of _Loss
+            Of each block.
+        ahead : _Loss or None
+            Of the last third; None if nothing comes before it.
+        joints : iterable of str
+            Joints that have errors of their own.
+
+        Returns
+        -------
+        CrossValidation
+            The errors; those of a joint from the blocks in which it moves.
+        """
         return cls(
             losses=tuple(one.mean for one in losses),
             extrapolation=math.nan if ahead is None else math.sqrt(ahead.mean),

@@ -288,7 +288,20 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
 
 
 def unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
-    """Return a candidate without a fit, kept with the reason."""
+    """Return a candidate without a fit, kept with the reason.
+
+    Parameters
+    ----------
+    one : CandidateSpec
+        The candidate.
+    reason : str
+        Why it has none.
+
+    Returns
+    -------
+    RecordCandidate
+        The candidate, dropped.
+    """
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
     )
@@ -484,7 +497,20 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
 def with_contained(
     judged: Sequence[RecordCandidate], chosen: Sequence[CandidateSpec]
 ) -> list[RecordCandidate]:
-    """Add to each candidate which of the others its law contains."""
+    """Add to each candidate which of the others its law contains.
+
+    Parameters
+    ----------
+    judged : sequence of RecordCandidate
+        The candidates.
+    chosen : sequence of CandidateSpec
+        Their laws, and what is fitted of them.
+
+    Returns
+    -------
+    list of RecordCandidate
+        Copies that name the candidates which they contain.
+    """
     simpler = {
         rich.name: {
             one.name: one.law.name for one in chosen if one is not rich and contains(rich, one)

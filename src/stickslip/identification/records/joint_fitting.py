@@ -296,8 +296,18 @@ class JointFitter:
 
         Parameters
         ----------
-        mechanism, laws, measurement, vary, fixed, settings
-            As in `fit_joints`.
+        mechanism : Mechanism
+            What was measured; records may override its parameters.
+        laws : mapping of str to FrictionLaw, type, str or None; or type, or str
+            Laws that will be fitted, as in `fit_joints`; others of the same contacts may be.
+        measurement : Measurement
+            Records in time of positions and forces by joint.
+        vary : str or sequence of str, optional
+            Parameters to fit.
+        fixed : mapping of str to float, optional
+            Values of parameters that are held [SI].
+        settings : RecordSettings, optional
+            Starts, seed and hold.
         bristles : bool
             Whether other laws that will be fitted have bristles.
 

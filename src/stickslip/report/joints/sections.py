@@ -287,7 +287,20 @@ def certificate_section(verdict: JointVerdict) -> Section | None:
 
 
 def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
-    """Return the section with commands, the selection and the laws as code, and references."""
+    """Return the section with commands, the selection and the laws as code, and references.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
     fit = verdict.closest.fit
     every = [one for own in verdict.joints.values() for one in own.candidates]
     laws = {type(one.law): one.law for one in every if one.law is not None}

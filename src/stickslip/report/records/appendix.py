@@ -91,7 +91,20 @@ def record_section(verdict: RecordVerdict) -> Section | None:
 
 
 def record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
-    """Return the first record against time, None where it has no times."""
+    """Return the first record against time, None where it has no times.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The selection.
+    fit : RecordFit
+        A fit to the records.
+
+    Returns
+    -------
+    Figure or None
+        Position, velocity, force and friction, as far as they were measured.
+    """
     record = verdict.measurement.records()[0]
     if record.time is None:
         return None
