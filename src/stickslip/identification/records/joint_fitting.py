@@ -205,8 +205,8 @@ class _Motion:
     """Parameters of the mechanism that are fitted, from linear regression."""
     left: Array
     """What the regression leaves of the force of each joint (m,)."""
-    size: Array
-    """Spread of the force of each joint (m,)."""
+    share: Array
+    """What it leaves with parameters within their bounds, over the spread of the force (m,)."""
     inertias: Array
     """What moves with each joint (m,)."""
     stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
@@ -222,7 +222,7 @@ class _Motion:
         derived = joint_stretches(
             torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
         )
-        linear, left = _start(asked, torques, derived[0])
+        linear, left, within = _start(asked, torques, derived[0])
         found = {
             count: tuple(tuple(one for one in own) for own in whole)
             for count, whole in zip(samples, derived, strict=True)
@@ -237,7 +237,7 @@ class _Motion:
             torques=torques,
             linear=linear,
             left=left,
-            size=_spread(derived[0]),
+            share=within / _spread(derived[0]),
             inertias=torques.inertias(mechanism, _middle(measurement, torques.coordinates)),
             stretches=found,
         )
@@ -445,8 +445,8 @@ def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _M
     Looked for where a regression leaves much of the force of some joint.
     """
     names, units = asked.mechanism.coordinates, asked.mechanism.units
-    shares = motion.left / motion.size
-    if float(np.max(shares)) < DOUBTED:
+    share = float(np.max(motion.share))
+    if share < DOUBTED:
         return ""
     found = []
     for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
@@ -457,13 +457,13 @@ def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _M
             seen = _Motion.of(asked, other, hold, bristles=False)
         except InputError:
             continue
-        found.append((float(np.max(seen.left / seen.size)), what, names[i], names[j]))
+        found.append((float(np.max(seen.share)), what, names[i], names[j]))
     left, what, first, second = min(found, default=(np.inf, "", "", ""))
-    if left > BETTER * float(np.max(shares)):
+    if left > BETTER * share:
         return ""
     return (
         f"The {what} of {first} and {second} seem to be exchanged: with the one as the other, what"
-        f" the mechanism does not explain of the forces falls from {percent(float(np.max(shares)))}"
+        f" the mechanism does not explain of the forces falls from {percent(share)}"
         f" to {percent(left)}. Check which column is of which joint."
     )
 
@@ -628,10 +628,11 @@ def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
 
 def _start(
     asked: _Asked, torques: JointTorques, stretches: Sequence[Sequence[MotionSegment]]
-) -> tuple[tuple[FreeParameter, ...], Array]:
+) -> tuple[tuple[FreeParameter, ...], Array, Array]:
     """Return the parameters of the mechanism with start values, and what is left of each joint.
 
     From linear regression with Coulomb and viscous friction, and a constant force, of every joint.
+    What is left comes twice: by the regression as it is, and with these parameters in bounds.
     """
     count, k = len(torques.coordinates), len(torques.linear)
     tables, wanted = [], []
@@ -668,7 +669,13 @@ def _start(
                 path=path, quantity=quantity, start=start, low=low, high=high, guessed=True
             )
         )
-    return tuple(items), np.maximum(left, 1e-12 * max(force, 1e-300))
+    change = np.array([item.start - values[item.path][1] for item in items])
+    held = target - table[:, :k] @ change
+    rest = scaled[:, k:]
+    residual = held - rest @ np.linalg.lstsq(rest, held, rcond=1e-8)[0]
+    within = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    least = 1e-12 * max(force, 1e-300)
+    return tuple(items), np.maximum(left, least), np.maximum(within, least)
 
 
 def _middle(measurement: Measurement, names: Sequence[str]) -> Array:
