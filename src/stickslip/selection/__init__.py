@@ -74,6 +74,7 @@ INSIDE = {
     "settled_estimates": "identifiable",
     "share_parts": "feature_wording",
     "share_text": "feature_wording",
+    "short_verdict": "joint_verdict",
     "specifications": "candidates",
     "tables_of": "sheet_tables",
     "traded": "identifiable",

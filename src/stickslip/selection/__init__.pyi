@@ -28,6 +28,7 @@ from stickslip.selection.identifiable import settled_estimates as settled_estima
 from stickslip.selection.identifiable import traded as traded
 from stickslip.selection.joint_verdict import JointVerdict as JointVerdict
 from stickslip.selection.joint_verdict import joint_label as joint_label
+from stickslip.selection.joint_verdict import short_verdict as short_verdict
 from stickslip.selection.joints import joint_specifications as joint_specifications
 from stickslip.selection.joints import select_joints as select_joints
 from stickslip.selection.lab_sheet import Plan as Plan

@@ -1,6 +1,7 @@
 """What a selection on records of several joints gives back, and its words."""
 
 import itertools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias, final
@@ -16,11 +17,13 @@ from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.verdict import Wording, score_scale, score_text
 from stickslip.selection.wording import CORRECT_FIRST, in_sentence
 
-__all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording"]
+__all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording", "short_verdict"]
 
 Lines: TypeAlias = Callable[[Wording], Sequence[str]]
 """Some lines of the words of a verdict."""
 
+NUMBERS = re.compile(r" \([^()]*\)")
+"""What stands in brackets."""
 MOST = 3
 """Items of a list at most."""
 
@@ -137,8 +140,7 @@ def joint_wording(
         Verdict, reasons, what is open and what to measure next.
     """
     exchanged = checks.of("exchanged joints")
-    said = {name: one.words.verdict for name, one in verdicts.items()}
-    verdict = " ".join(f"{joint_label(name)}: {in_sentence(text)}" for name, text in said.items())
+    verdict = " ".join(f"{short_verdict(name, one)}." for name, one in verdicts.items())
     if exchanged:
         verdict = f"No law is recommended. {exchanged[0].sentence}"
     return Wording(
@@ -149,6 +151,25 @@ def joint_wording(
         measure_next=_next(verdicts, checks),
         no_score="",
     )
+
+
+def short_verdict(name: str, verdict: RecordVerdict) -> str:
+    """Return the verdict on one joint without its numbers, which the lede has.
+
+    Parameters
+    ----------
+    name : str
+        Name of the contact.
+    verdict : RecordVerdict
+        The comparison of its laws.
+
+    Returns
+    -------
+    str
+        A sentence without its full stop.
+    """
+    text = verdict.words.verdict.removesuffix(".").partition(": ")[0]
+    return f"{joint_label(name)}: {in_sentence(NUMBERS.sub('', text))}"
 
 
 def _lede(
@@ -162,6 +183,10 @@ def _lede(
             part += f" ({one.scale.quantity(one.on_second.error)} on the second record)"
         errors.append(part)
     text = f"Held-out error of the force: {joined(errors)}."
+    for name, one in verdicts.items():
+        own = one.words.verdict
+        if in_sentence(own).removesuffix(".") not in short_verdict(name, one):
+            text += f" {joint_label(name)}: {in_sentence(own)}"
     text += f" {count(sweeps, 'sweep')} over the joints compared {count(compared, 'combination')}"
     return (
         text

@@ -37,10 +37,10 @@ from stickslip.report.records.validation_record import second_section
 from stickslip.selection import (
     JointVerdict,
     RecordVerdict,
-    in_sentence,
     joint_label,
     plain,
     score_text,
+    short_verdict,
 )
 
 __all__ = ["joint_sections"]
@@ -180,16 +180,16 @@ def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
         Verdict, ranking, parameters and residuals of the joint.
     """
     symbols = symbols_of(verdict.candidates)
-    blocks: list[Block] = [Paragraph(text=typeset(verdict.words.lede, symbols))]
+    text = f"{verdict.words.verdict} {verdict.words.lede}"
+    blocks: list[Block] = [Paragraph(text=typeset(text, symbols))]
     for part in made_sections(*(partial(make, verdict) for make in OF_A_JOINT)):
         blocks += [Subheading(text=part.heading), *part.blocks]
     figure = record_figure(verdict, verdict.closest.fit) if verdict.closest.fit else None
     blocks += [Subheading(text="The record"), figure] if figure else []
-    heading = f"{joint_label(name)}: {in_sentence(plain(verdict.words.verdict)).removesuffix('.')}"
     return Section(
         id=f"joint-{number}",
         nav=joint_label(name),
-        heading=heading,
+        heading=plain(short_verdict(name, verdict)),
         blocks=tuple(_apart(block, number) for block in blocks),
     )
 
