@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import Measurement, load_measurement, load_rig
-from stickslip.errors import InputError, UnknownNameError
+from stickslip import Measurement, TwoLinkArm, check, load_measurement, load_rig
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import refuse_same, rows_of
 
 TIME = np.arange(50) / 100
@@ -81,3 +81,73 @@ def test_a_quantity_that_has_no_joint_is_refused_by_name(folder):
         Measurement(time=TIME, position={"left.elbow": TIME})
     with pytest.raises(InputError, match="joints are given too"):
         Measurement(time=TIME, position=ANGLES, joints=arm().joints)
+
+
+def test_forces_of_a_joint_are_not_compared_with_its_motion_alone():
+    """The torque of an elbow accelerates both links, and may well act against its own motion."""
+    t = np.arange(0.0, 8.0, 0.004)
+    q = {"shoulder": np.sin(3.0 * t), "elbow": 0.5 * np.sin(3.0 * t)}
+    rate = 1.5 * np.cos(3.0 * t)
+    coupled = {"shoulder": -2.0 * q["shoulder"], "elbow": 0.3 * q["elbow"] - 0.05 * rate}
+    assert check(Measurement(time=t, position=q["elbow"], force=coupled["elbow"])).of("force sign")
+    found = check(Measurement(time=t, position=q, force=coupled))
+    assert not found.of("force sign")
+
+
+def test_angles_of_a_joint_are_told_in_radians():
+    t = np.arange(0.0, 8.0, 0.004)
+    coarse = {name: np.round(np.sin(3.0 * t + k), 2) for k, name in enumerate(ANGLES)}
+    arm = TwoLinkArm(
+        upper_mass=0.5, upper_length=0.2, upper_centre=0.1, upper_inertia=0.02,
+        lower_mass=0.6, lower_centre=0.2, lower_inertia=0.03,
+    )  # fmt: skip
+    found = check(Measurement(time=t, position=coarse, force=coarse), mechanism=arm)
+    steps = [str(one) for one in found.findings if "Position is quantised" in str(one)]
+    assert steps
+    assert all("rad" in line for line in steps)
+
+
+def test_a_current_of_a_joint_is_read_as_its_force_with_a_gain(tmp_path):
+    t = np.linspace(0.0, 1.0, 50)
+    names = {"t [s]": t, "q1 [rad]": t, "q2 [rad]": t, "i1 [A]": t, "i2 [mA]": 1e3 * t}
+    rows = np.column_stack(list(names.values()))
+    header = ",".join(names)
+    np.savetxt(tmp_path / "r.csv", rows, delimiter=",", header=header, comments="")
+    text = """
+[mechanism]
+type = "two-link-arm"
+upper_mass = 0.5
+upper_length = 0.2
+upper_centre = 0.1
+upper_inertia = 0.02
+lower_mass = 0.6
+lower_centre = 0.2
+lower_inertia = 0.03
+[data]
+file = "r.csv"
+[data.columns]
+time = "t [s]"
+position.shoulder = "q1 [rad]"
+position.elbow = "q2 [rad]"
+force.shoulder = "i1 [A]"
+QUANTITY.elbow = "i2 [mA]"
+[data.gain]
+force.shoulder = 0.3
+force.elbow = 2.4e-4
+"""
+    rig = tmp_path / "arm.toml"
+    rig.write_text(text.replace("QUANTITY", "force"))
+    joints = load_rig(rig).measurement.joints
+    np.testing.assert_allclose(joints["shoulder"].force, 0.3 * t)
+    np.testing.assert_allclose(joints["elbow"].force, 0.24 * t)
+    assert joints["elbow"].turning
+    motor = text.replace("QUANTITY", "force").replace("2.4e-4", '"0.24 N m/A"')
+    rig.write_text(motor.replace("= 0.3\n", '= "300 mN m/A"\n'))
+    for name, torque in (("shoulder", 0.3 * t), ("elbow", 0.24 * t)):
+        np.testing.assert_allclose(load_rig(rig).measurement.joints[name].force, torque)
+    rig.write_text(motor.replace("0.24 N m/A", "0.24 N m/V"))
+    with pytest.raises(ParameterError, match=r"gain\.force\.elbow .* N m/V times a column in mA"):
+        load_rig(rig)
+    rig.write_text(text.replace("QUANTITY", "current"))
+    with pytest.raises(InputError, match=r"current\.elbow is not a quantity.*as force\.elbow"):
+        load_rig(rig)

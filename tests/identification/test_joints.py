@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, QUICK, TRUTH, motion, parts, record
 
 from stickslip import (
     Axis,
@@ -11,72 +12,18 @@ from stickslip import (
     CoulombViscous,
     DirectionDependent,
     Measurement,
-    RecordSettings,
     Stribeck,
-    TwoLinkArm,
     check,
     fit,
     load_rig,
     plots,
-    select,
 )
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formulation import JointTorques
 from stickslip.friction import Laws
+from stickslip.identification import joint_view
 
-ARM = TwoLinkArm(
-    upper_mass=0.5, upper_length=0.2, upper_centre=0.18, upper_inertia=0.025,
-    lower_mass=0.6, lower_centre=0.22, lower_inertia=0.035, rotor_inertia=6e-5, gear_ratio=6.0,
-)  # fmt: skip
-GUESSED = replace(ARM, upper_centre=0.1, upper_inertia=0.05, lower_centre=0.15, lower_inertia=0.02)
-LINEAR = ("upper_centre", "upper_inertia", "lower_centre", "lower_inertia")
-JOINTS = ("shoulder", "elbow")
-TRUTH = {
-    "shoulder": CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=0.02),
-    "elbow": CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.01),
-}
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
-QUICK = RecordSettings(hold="first", starts=1)
-
-
-def motion(seed, span=10.0):
-    """Return times and motions of both joints: sums of sines, with their derivatives."""
-    rng = np.random.default_rng(seed)
-    t = np.arange(0.0, span, 0.002)
-    places, rates, accelerations = np.zeros((3, len(t), 2))
-    for i in range(2):
-        for w in rng.uniform(2.0, 12.0, 5):
-            size, phase = rng.uniform(0.1, 0.3), rng.uniform(0.0, 2.0 * np.pi)
-            places[:, i] += size * np.sin(w * t + phase)
-            rates[:, i] += size * w * np.cos(w * t + phase)
-            accelerations[:, i] -= size * w * w * np.sin(w * t + phase)
-    return t, places, rates, accelerations
-
-
-def record(seed, laws=TRUTH, *, noise=1e-4, torque=0.01, span=10.0, **given):
-    """Return what would be measured of a motion: inverse dynamics, so that no run is needed."""
-    t, q, v, a = motion(seed, span)
-    forces, _ = JointTorques.of(ARM, []).along(ARM, t, q, v, a)
-    for i, name in enumerate(JOINTS):
-        if laws[name] is not None:
-            forces[:, i] += laws[name].force(v[:, i], 1.0)
-    rng = np.random.default_rng(seed + 1000)
-    q, forces = q + rng.normal(0.0, noise, q.shape), forces + rng.normal(0.0, torque, q.shape)
-    return Measurement(
-        time=t,
-        position=dict(zip(JOINTS, q.T, strict=True)),
-        force=dict(zip(JOINTS, forces.T, strict=True)),
-        **given,
-    )
-
-
-def parts(one):
-    """Return times, positions and forces by joint."""
-    return (
-        np.asarray(one.time),
-        {name: own.position for name, own in one.joints.items()},
-        {name: own.force for name, own in one.joints.items()},
-    )
 
 
 @pytest.fixture(scope="module")
@@ -344,6 +291,39 @@ def test_the_plot_has_a_panel_for_each_joint(found):
         plots.plot_joints(found, Figure(), record=1)
 
 
-def test_laws_are_not_selected_for_joints_yet(measured):
-    with pytest.raises(InputError, match="not selected for several joints yet"):
-        select(ARM, None, measured)
+def test_a_view_of_one_joint_has_its_rows_and_the_intervals_of_the_fit_to_all(found):
+    for name in JOINTS:
+        own, seen = joint_view(found, name), found.predict().of(name)
+        np.testing.assert_allclose(own.predict().residual, seen.residual, atol=1e-12)
+        np.testing.assert_array_equal(own.predict().measured, seen.measured)
+        for one in own.estimates:
+            path = one.path.replace("friction.", f"friction.{name}.")
+            path = f"measurement.offset.force.{name}" if one.path.startswith("meas") else path
+            whole = found.estimate(path)
+            assert (one.low, one.value, one.high) == (whole.low, whole.value, whole.high)
+            assert one.quantity.unit == whole.quantity.unit
+        assert own.score().rms == pytest.approx(found.score().joints[name].rms, rel=1e-12)
+
+
+def test_a_view_of_a_joint_that_rests_in_some_segments_has_segments_of_its_own():
+    t, places, forces = parts(record(3))
+    still = np.clip(places["elbow"] * (t > 5.0), None, None)
+    resting = Measurement(time=t, position={**places, "elbow": still}, force=forces)
+    own = fit(GUESSED, BOTH, resting, vary=["friction.*", *LINEAR], settings=QUICK)
+    view = joint_view(own, "elbow")
+    assert len(view.problem.spans) < len(own.problem.spans)
+    assert view.optimum.best.segment.max() == len(view.problem.spans) - 1
+
+
+@pytest.mark.parametrize(("what", "which"), [("positions", 1), ("forces", 2)])
+def test_exchanged_joints_are_named(measured, what, which):
+    known = list(parts(measured))
+    known[which] = {"shoulder": known[which]["elbow"], "elbow": known[which]["shoulder"]}
+    wrong = Measurement(time=known[0], position=known[1], force=known[2])
+    found = fit(GUESSED, BOTH, wrong, vary=["friction.*", *LINEAR], settings=QUICK)
+    said = f"The {what} of shoulder and elbow seem to be exchanged"
+    assert found.sentences[0].startswith(said)
+
+
+def test_joints_that_are_as_named_are_not_said_to_be_exchanged(found):
+    assert not [line for line in found.sentences if "exchanged" in line]

@@ -116,3 +116,12 @@ def test_a_direction_with_a_few_noisy_points_counts_as_not_measured():
     v = np.concatenate([np.linspace(0.002, 0.1, 400), [-1e-4, -2e-4]])
     draw = draw_friction_map(v, 2.0 + 10.0 * v, RISING, 1.0, chosen="Coulomb")
     assert all((series(drawn(draw)[0])[c][0] >= 0.0).all() for c in (C1, C2))
+
+
+def test_the_chosen_law_is_the_one_that_is_called_chosen():
+    v = np.linspace(-1.0, 1.0, 400)
+    laws = {name: RISING[name] for name in ("Coulomb", "Coulomb + viscous")}
+    for chosen in laws:
+        axes = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen=chosen))[0]
+        said = [text.get_text().replace("\n", " ") for text in axes.texts]
+        assert [one for one in said if one.startswith("chosen: ")] == [f"chosen: {chosen}"]

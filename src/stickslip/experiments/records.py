@@ -37,7 +37,7 @@ def load_measurement(
     *,
     columns: Mapping[str, str | Sequence[str]] | None = None,
     units: Mapping[str, str] | None = None,
-    gain: Mapping[str, float] | None = None,
+    gain: Mapping[str, float | str] | None = None,
     uncertainty: Mapping[str, float] | float | None = None,
     uncertainty_kind: Uncertainty = "standard",
     overrides: Mapping[str, float] | None = None,
@@ -76,7 +76,7 @@ def load_measurement(
         ``track/x`` the last part is enough where there is one track.
     units : mapping of str to str, optional
         Quantity or parameter path -> unit of its column.
-    gain : mapping of str to float, optional
+    gain : mapping of str to float or str, optional
         By quantity of a record, a factor other than 0: -1 for a sensor that counts the other way,
         or newtons per volt of an amplifier and its motor. It multiplies what a unit of the
         quantity's kind (mN, mm/s) has made SI of; where the column has another unit (V, A) or

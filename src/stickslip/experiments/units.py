@@ -199,6 +199,68 @@ def _from_text(text: str, quantity: Quantity) -> float:
         ) from None
 
 
+def read_gain(value: object) -> float | str:
+    """Return a gain: a number, or a text with the unit that makes SI of the unit of a column.
+
+    Parameters
+    ----------
+    value : object
+        As found in a file: a number, or text such as ``"0.3 N m/A"`` for a column in A.
+
+    Returns
+    -------
+    float or str
+        The number; the text if it has a unit.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be used.
+
+    Examples
+    --------
+    >>> read_gain(35.15), read_gain("-1"), read_gain("0.3 N m/A")
+    (35.15, -1.0, '0.3 N m/A')
+    """
+    found = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    unit = found["unit"] if found else None
+    if found is None or unit is None or unit == "%" or is_of(unit, "1"):
+        return read_number(value, Quantity("g"))
+    read_number(found["number"], Quantity("g"))
+    return f"{found['number']} {unit}"
+
+
+def gain_factor(gain: str, unit: str, target: str) -> float:
+    """Return by what a column is multiplied whose gain has a unit.
+
+    Parameters
+    ----------
+    gain : str
+        Number and unit, from `read_gain`.
+    unit : str
+        Unit of the column.
+    target : str
+        SI unit of what is measured.
+
+    Returns
+    -------
+    float
+        The factor.
+
+    Raises
+    ------
+    ParameterError
+        If the product of both units is another one.
+
+    Examples
+    --------
+    >>> gain_factor("0.3 N m/A", "mA", "N m")
+    0.0003
+    """
+    number, _, own = gain.partition(" ")
+    return float(Decimal(number) * _factor(f"{own} * {unit}", target))
+
+
 def factor(unit: str, target: str | None) -> float:
     """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
 

@@ -7,7 +7,7 @@ from stickslip.identification.estimation.halves import difference as difference
 from stickslip.identification.estimation.levenberg_marquardt import AGREE as AGREE
 from stickslip.identification.estimation.levenberg_marquardt import improve as improve
 from stickslip.identification.estimation.model_error import ModelError as ModelError
-from stickslip.identification.estimation.problem import Problem as Problem
+from stickslip.identification.estimation.problem import RecordProblem as RecordProblem
 from stickslip.identification.estimation.problem import SubsetProblem as SubsetProblem
 from stickslip.identification.estimation.root_search import positive_root as positive_root
 from stickslip.identification.features.features import COMPARED as COMPARED
@@ -57,7 +57,10 @@ from stickslip.identification.records.fitting import fit_record as fit_record
 from stickslip.identification.records.fitting import fit_records as fit_records
 from stickslip.identification.records.fitting import record_route_name as record_route_name
 from stickslip.identification.records.joint_fitting import JOINTS as JOINTS
+from stickslip.identification.records.joint_fitting import JointFitter as JointFitter
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
+from stickslip.identification.records.joint_views import joint_record as joint_record
+from stickslip.identification.records.joint_views import joint_view as joint_view
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior

@@ -118,6 +118,8 @@ INSIDE = {
     "frame_times": "animation.animation",
     "horizon": "core.helpers",
     "is_timed": "selection.fit_data",
+    "joint_figure": "selection.joints",
+    "joint_sizes": "selection.joints",
     "loop_sizes": "laws.hysteresis",
     "map_points": "selection.fit_data",
     "panel_of": "selection.fit_data",

@@ -112,6 +112,8 @@ from stickslip.plots.selection.fits import plot_residuals as plot_residuals
 from stickslip.plots.selection.fits import plot_scores as plot_scores
 from stickslip.plots.selection.fits import plot_travel_residuals as plot_travel_residuals
 from stickslip.plots.selection.fits import plot_verdict as plot_verdict
+from stickslip.plots.selection.joints import joint_figure as joint_figure
+from stickslip.plots.selection.joints import joint_sizes as joint_sizes
 from stickslip.plots.selection.joints import plot_joints as plot_joints
 from stickslip.plots.selection.prediction_excerpts import Piece as Piece
 from stickslip.plots.selection.prediction_excerpts import draw_pieces as draw_pieces

@@ -54,6 +54,7 @@ INSIDE = {
     "documents": "core",
     "feature_sections": "features.sections",
     "formula_text": "core.formulas",
+    "joint_sections": "joints.sections",
     "law_references": "core.reproduce",
     "made_sections": "core.documents",
     "plain": "core.markup",

@@ -6,11 +6,11 @@ from typing import Any, final
 
 from typing_extensions import override
 
-from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import quantity
+from stickslip.formatting import NO_VALUE, quantity
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.report import Origin, SectionMaker
+from stickslip.routes.records import title_of
 from stickslip.routes.route import (
     Comparison,
     FitRequest,
@@ -21,18 +21,25 @@ from stickslip.routes.route import (
     SelectRequest,
     SeveralLaws,
 )
-from stickslip.selection import Verdict, limits_of, restarts_text
+from stickslip.selection import (
+    JointVerdict,
+    joint_specifications,
+    limits_of,
+    restarts_text,
+    score_text,
+    select_joints,
+)
 
 __all__ = ["JointRoute"]
 
 
 @final
-class JointRoute(Route[RecordFit[Any], Verdict]):
+class JointRoute(Route[RecordFit[Any], JointVerdict]):
     """Friction of every joint by inverse dynamics, with the parameters of all in one problem."""
 
     names = (JOINTS,)
     measured = "records of several joints"
-    uses = frozenset({"validate"})
+    uses = frozenset({"validate", "executor"})
     settings = frozenset({"hold", "starts", "seed"})
     by_contact = True
 
@@ -42,7 +49,8 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
 
     @override
     def candidates(self, laws: SeveralLaws | None, measurement: Measurement) -> list[str]:
-        raise _not_selected()
+        specs = joint_specifications(laws)
+        return [f"{joint}: {one.name}" for joint in measurement.joint_names() for one in specs]
 
     @override
     def law_and_parameters(
@@ -55,12 +63,40 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
         return request.passed_to(partial(fit_joints, settings=options.settings or RecordSettings()))
 
     @override
-    def select(self, request: SelectRequest, options: Options) -> Verdict:
-        raise _not_selected()
+    def select(self, request: SelectRequest, options: Options) -> JointVerdict:
+        return request.passed_to(
+            partial(
+                select_joints,
+                validate=options.validate,
+                settings=options.settings,
+                executor=options.executor,
+            )
+        )
 
     @override
-    def comparison(self, verdict: Verdict) -> Comparison:
-        raise NotImplementedError  # there are no verdicts
+    def comparison(self, verdict: JointVerdict) -> Comparison:
+        second = verdict.second is not None
+        heads = ["joint", "law", "free", "held-out error", *(["second record"] if second else [])]
+        rows, notes = [], []
+        for name, own in verdict.joints.items():
+            for one in own.candidates:
+                value = score_text(own.scale, one.score, one.score_error)
+                error = " ".join(value).strip()
+                cells = [name, one.name, str(one.parameters) if one.fit else NO_VALUE]
+                cells.append(f"{error} {own.scale.unit}" if one.validation else NO_VALUE)
+                if second:
+                    cells.append(own.scale.quantity(one.second.rms) if one.second else NO_VALUE)
+                rows.append(cells)
+                notes.append(f"{name}, {one.name}: {one.outcome}")
+            notes += [f"{name}: {line}" for line in own.missing]
+        closest = verdict.closest
+        return Comparison(
+            heads=heads,
+            rows=rows,
+            notes=notes,
+            checks=verdict.checks,
+            fitted=(title_of(verdict), closest.fit.estimates) if closest.fit else None,
+        )
 
     @override
     def summary(
@@ -86,15 +122,12 @@ class JointRoute(Route[RecordFit[Any], Verdict]):
         )
 
     @override
-    def sections(self, verdict: Verdict, origin: Origin, remark: str) -> tuple[SectionMaker, ...]:
-        raise NotImplementedError  # there are no verdicts
+    def sections(
+        self, verdict: JointVerdict, origin: Origin, remark: str
+    ) -> tuple[SectionMaker, ...]:
+        from stickslip.report import joint_sections  # figures are loaded where a page is made
 
-
-def _not_selected() -> InputError:
-    return InputError(
-        "laws are not selected for several joints yet: fit each combination, and compare"
-        " `fit.score(other)` on a record that no fit has seen."
-    )
+        return joint_sections(verdict, origin, remark)
 
 
 def _by_joint(scores: Mapping[str, Any]) -> dict[str, float]:

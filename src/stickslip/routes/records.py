@@ -3,7 +3,7 @@
 import math
 from dataclasses import fields, replace
 from functools import partial
-from typing import final
+from typing import Any, final
 
 from typing_extensions import override
 
@@ -36,6 +36,7 @@ from stickslip.routes.route import (
     SelectRequest,
 )
 from stickslip.selection import (
+    CrossValidatedVerdict,
     RecordCandidate,
     RecordVerdict,
     error_text,
@@ -48,7 +49,7 @@ from stickslip.selection import (
     way_for,
 )
 
-__all__ = ["RecordRoute"]
+__all__ = ["RecordRoute", "title_of"]
 
 WITHOUT_EFFECT = {
     "shooting": frozenset[str](),
@@ -147,7 +148,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         heads += [f"second record, {unit}"] if second else []
         notes = [f"{one.name}: {one.outcome}" for one in verdict.candidates]
         closest = verdict.closest
-        title = closest.title + ("" if verdict.best else ", fits best but not recommended")
+        title = title_of(verdict)
         return Comparison(
             heads=heads,
             rows=[_row(c, verdict, second=second) for c in verdict.candidates],
@@ -188,6 +189,12 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         from stickslip.report import record_sections  # figures are loaded where a page is made
 
         return record_sections(verdict, origin, remark)
+
+
+def title_of(verdict: CrossValidatedVerdict[Any]) -> str:
+    """Return the closest law as the title of its parameters, and whether it is recommended."""
+    title: str = verdict.closest.title
+    return title if verdict.best else f"{title}, fits best but not recommended"
 
 
 def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) -> list[str]:

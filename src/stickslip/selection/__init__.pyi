@@ -6,6 +6,7 @@ from stickslip.selection.choice import MATERIAL as MATERIAL
 from stickslip.selection.choice import NEAR as NEAR
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of
+from stickslip.selection.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict
 from stickslip.selection.design.discriminating_settings import Proposal as Proposal
 from stickslip.selection.design.discriminating_settings import Separation as Separation
 from stickslip.selection.design.discriminating_settings import unit_of as unit_of
@@ -25,6 +26,11 @@ from stickslip.selection.fixed_step_comparison import rounded_step as rounded_st
 from stickslip.selection.identifiable import moved_by_errors as moved_by_errors
 from stickslip.selection.identifiable import settled_estimates as settled_estimates
 from stickslip.selection.identifiable import traded as traded
+from stickslip.selection.joint_verdict import JointVerdict as JointVerdict
+from stickslip.selection.joint_verdict import joint_label as joint_label
+from stickslip.selection.joint_verdict import short_verdict as short_verdict
+from stickslip.selection.joints import joint_specifications as joint_specifications
+from stickslip.selection.joints import select_joints as select_joints
 from stickslip.selection.lab_sheet import Plan as Plan
 from stickslip.selection.lab_sheet import TRAVEL_COLUMN as TRAVEL_COLUMN
 from stickslip.selection.limits import limit_of as limit_of
@@ -61,6 +67,7 @@ from stickslip.selection.travels import select_travels as select_travels
 from stickslip.selection.verdict import Candidate as Candidate
 from stickslip.selection.verdict import Verdict as Verdict
 from stickslip.selection.verdict import Wording as Wording
+from stickslip.selection.verdict import plain as plain
 from stickslip.selection.verdict import score_scale as score_scale
 from stickslip.selection.verdict import score_text as score_text
 from stickslip.selection.wording import friction_of as friction_of
@@ -73,6 +80,7 @@ __all__ = [
     "FeatureCandidate",
     "FeatureVerdict",
     "FixedStepRow",
+    "JointVerdict",
     "OtherSpeed",
     "OtherStep",
     "PURPOSES",
@@ -88,6 +96,7 @@ __all__ = [
     "criteria_of",
     "plan",
     "select_features",
+    "select_joints",
     "select_rate_state",
     "select_records",
     "select_travels",

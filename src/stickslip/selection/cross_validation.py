@@ -3,8 +3,8 @@
 import itertools
 import math
 from abc import abstractmethod
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
@@ -16,9 +16,9 @@ from stickslip.experiments import Checks, Measurement, interval_of
 from stickslip.formatting import quantity
 from stickslip.identification import (
     LEAST,
-    Problem,
     RateStateFit,
     RecordFit,
+    RecordProblem,
     interleaved,
     positions_of,
     refitted,
@@ -73,6 +73,38 @@ class CrossValidation:
     """Mean square of each block."""
     extrapolation: float
     """Root mean square of the last third, predicted by a fit to what comes before."""
+    joints: Mapping[str, "CrossValidation"] = field(default_factory=dict)
+    """The same of each joint; empty where there is only one."""
+
+    @classmethod
+    def of(
+        cls, losses: Sequence["_Loss"], ahead: "_Loss | None", joints: Iterable[str] = ()
+    ) -> "CrossValidation":
+        """Return the errors of blocks and of an extrapolation, and those of each joint.
+
+        Parameters
+        ----------
+        losses : sequence of _Loss
+            Of each block.
+        ahead : _Loss or None
+            Of the last third; None if nothing comes before it.
+        joints : iterable of str
+            Joints that have errors of their own.
+
+        Returns
+        -------
+        CrossValidation
+            The errors; those of a joint from the blocks in which it moves.
+        """
+        return cls(
+            losses=tuple(one.mean for one in losses),
+            extrapolation=math.nan if ahead is None else math.sqrt(ahead.mean),
+            joints={
+                name: cls.of(own, None if ahead is None else ahead.joints.get(name))
+                for name in joints
+                if (own := [one.joints[name] for one in losses if name in one.joints])
+            },
+        )
 
     @property
     def score(self) -> float:
@@ -85,6 +117,15 @@ class CrossValidation:
         count = len(self.losses)
         variance = float(np.var(self.losses, ddof=1)) / count if count > 1 else math.inf
         return math.sqrt(variance) / (2.0 * self.score) if self.score > 0.0 else 0.0
+
+
+@final
+@dataclass(frozen=True)
+class _Loss:
+    """Mean square of a held-out block."""
+
+    mean: float
+    joints: Mapping[str, "_Loss"] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -254,14 +295,21 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     border = (1.0 - EXTRAPOLATED) * edges[-1]
     after = tested[:, 0] >= border
     before = refitted(fit, border - plan.gap, math.inf) if after.any() else None
-    ahead = math.nan if before is None else _loss(judged, before.values, after)
-    return CrossValidation(losses=tuple(losses), extrapolation=math.sqrt(ahead))
+    ahead = None if before is None else _loss(judged, before.values, after)
+    names = dict.fromkeys(name for one in losses for name in one.joints)
+    return CrossValidation.of(losses, ahead, names)
 
 
-def _loss(judged: Problem, values: Array, held: NDArray[np.bool_]) -> float:
-    """Return the mean square over segments that a fit with these values has not seen."""
+def _loss(judged: RecordProblem, values: Array, held: NDArray[np.bool_]) -> _Loss:
+    """Return the mean square over segments that a fit with these values has not seen.
+
+    That of a joint is of its own rows, without their weights.
+    """
     found = settled(judged, values, only=np.flatnonzero(held).tolist())
-    return found.cost / len(found.residual)
+    parts = judged.by_joint(found)
+    mean = found.cost / len(found.residual)
+    moving = {name: one for name, one in parts.items() if len(one.residual)}
+    return _Loss(mean, {name: _Loss(one.rms**2) for name, one in moving.items()})
 
 
 def halves(fit: RecordFit) -> dict[str, tuple[float, float]]:

@@ -23,6 +23,7 @@ from stickslip.identification import (
     RecordRouteName,
     RecordSettings,
     RouteChoice,
+    TrialComparison,
     arguments,
     better_route,
     check_horizon,
@@ -75,7 +76,13 @@ __all__ = [
     "PURPOSES",
     "PurposeName",
     "select_records",
+    "unfitted",
+    "verdict_on",
     "way_for",
+    "with_contained",
+    "with_objections",
+    "with_scores",
+    "without_spare",
 ]
 
 
@@ -159,8 +166,8 @@ def select_records(
     work = partial(_judged, plan=plan, validate=validate)
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
-    judged = _with_contained(judged, chosen)
-    found = _verdict(mechanism, measurement, judged, without, plan, purpose, checks, validate)
+    judged = with_contained(judged, chosen)
+    found = verdict_on(mechanism, measurement, judged, without, plan, purpose, checks, validate)
     return replace(found, settings=choice.settings)
 
 
@@ -280,7 +287,21 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
     return fits
 
 
-def _unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
+def unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
+    """Return a candidate without a fit, kept with the reason.
+
+    Parameters
+    ----------
+    one : CandidateSpec
+        The candidate.
+    reason : str
+        Why it has none.
+
+    Returns
+    -------
+    RecordCandidate
+        The candidate, dropped.
+    """
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
     )
@@ -301,9 +322,9 @@ def _candidate(
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
     unsuited = unsuited_by(measurement, one.law)
     if unsuited:
-        return _unfitted(one, unsuited)
+        return unfitted(one, unsuited)
     if watch is not None and watch(one.name, math.nan) is False:
-        return _unfitted(one, LEFT_OUT)
+        return unfitted(one, LEFT_OUT)
     report = None if watch is None else (lambda rms: watch(one.name, rms))
     fitted = partial(
         fit_record,
@@ -321,7 +342,7 @@ def _candidate(
         whole = fitted(one.law, free=one.free)
         fit = replace(_without_spare(whole, fitted), route_reason=reason)
     except (ConvergenceError, SimulationError) as error:
-        return _unfitted(one, str(error))
+        return unfitted(one, str(error))
     left_out = [
         path for path in whole.free_parameters.paths if path not in fit.free_parameters.paths
     ]
@@ -337,6 +358,23 @@ def _fitted(one: CandidateSpec, fit: RecordFit, left_out: Sequence[str]) -> Reco
 
 def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFit:
     """Fit again without slopes that a law can do without, where they went to 0."""
+    rest = without_spare(fit)
+    return fit if rest is None else fitted(rest[0], free=rest[1])
+
+
+def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
+    """Return a law without slopes that went to 0, and what is left to fit; None if none did.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit, whose search was not ended early.
+
+    Returns
+    -------
+    (FrictionLaw, tuple of str) or None
+        The law, and paths of its parameters that are fitted.
+    """
     fields = type(fit.law).__dataclass_fields__
     spare = [
         f"friction.{name}"
@@ -345,16 +383,38 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
         if fit.at_bounds.get(f"friction.{name}") == "lower"
     ]
     if not spare or fit.optimum.cancelled:
-        return fit
+        return None
     free = [e.path for e in fit.estimates if e.path.startswith("friction.")]
     law = vary(fit.law, "friction", dict.fromkeys(spare, 0.0))
-    return fitted(law, free=[path for path in free if path not in spare])
+    return law, tuple(path for path in free if path not in spare)
 
 
 def _judged(
     candidate: RecordCandidate, plan: Plan, validate: Measurement | None
 ) -> RecordCandidate:
     """Add held-out errors and objections."""
+    return with_objections(with_scores(candidate, plan, validate))
+
+
+def with_scores(
+    candidate: RecordCandidate, plan: Plan, validate: Measurement | None
+) -> RecordCandidate:
+    """Add held-out errors; a candidate without them says why.
+
+    Parameters
+    ----------
+    candidate : RecordCandidate
+        A law with its fit, if there is one.
+    plan : Plan
+        Blocks, gap and horizon.
+    validate : Measurement or None
+        A second record, which no fit has seen.
+
+    Returns
+    -------
+    RecordCandidate
+        The candidate with its errors on held-out blocks and on the second record.
+    """
     if candidate.fit is None:
         return candidate
     if candidate.fit.optimum.hopeless:
@@ -370,13 +430,18 @@ def _judged(
     if not math.isfinite(validation.score):
         reason = "not scored: its simulation of a held-out block failed"
         return replace(candidate, dropped=reason, second=second)
+    return replace(candidate, validation=validation, second=second)
+
+
+def with_objections(candidate: RecordCandidate) -> RecordCandidate:
+    """Add what speaks against the fit of a candidate that has held-out errors."""
+    if candidate.fit is None or candidate.validation is None:
+        return candidate
     refuted = refuted_by_record(candidate.fit)
     return replace(
         candidate,
-        validation=validation,
         dropped="; ".join(filter(None, [refuted, objection(candidate.fit)])),
         refuted=refuted,
-        second=second,
     )
 
 
@@ -429,10 +494,23 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
     return scored
 
 
-def _with_contained(
+def with_contained(
     judged: Sequence[RecordCandidate], chosen: Sequence[CandidateSpec]
 ) -> list[RecordCandidate]:
-    """Add to each candidate which of the others its law contains."""
+    """Add to each candidate which of the others its law contains.
+
+    Parameters
+    ----------
+    judged : sequence of RecordCandidate
+        The candidates.
+    chosen : sequence of CandidateSpec
+        Their laws, and what is fitted of them.
+
+    Returns
+    -------
+    list of RecordCandidate
+        Copies that name the candidates which they contain.
+    """
     simpler = {
         rich.name: {
             one.name: one.law.name for one in chosen if one is not rich and contains(rich, one)
@@ -442,7 +520,7 @@ def _with_contained(
     return [replace(c, simpler=simpler.get(c.name, {})) for c in judged]
 
 
-def _verdict(
+def verdict_on(
     mechanism: Mechanism,
     measurement: Measurement,
     judged: Sequence[RecordCandidate],
@@ -451,7 +529,40 @@ def _verdict(
     purpose: str,
     checks: Checks,
     validate: Measurement | None,
+    *,
+    fault: str = "",
+    material: float = 0.0,
 ) -> RecordVerdict:
+    """Return the verdict on candidates that were judged.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The records.
+    judged : sequence of RecordCandidate
+        Laws with held-out errors and objections.
+    without : RecordCandidate or None
+        No friction at all, judged alike.
+    plan : Plan
+        Blocks, gap and horizon of the held-out errors.
+    purpose : str
+        What the law is for.
+    checks : Checks
+        What was checked of the records.
+    validate : Measurement or None
+        A second record, which no fit has seen.
+    fault : str
+        Why no law can be recommended, if that is known before.
+    material : float
+        Share of the residual that laws of their own must take off for trials to count as different.
+
+    Returns
+    -------
+    RecordVerdict
+        The law that is named, or what comes closest.
+    """
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)
@@ -466,7 +577,7 @@ def _verdict(
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
-    fault = unexplained(closest, variation, uncertainty=stated)
+    fault = fault or unexplained(closest, variation, uncertainty=stated)
     if without is not None and not _better_than(closest, without):
         fault = fault or (
             "no candidate predicts it significantly better than a model without friction"
@@ -479,6 +590,8 @@ def _verdict(
     # What no law explains, laws cannot be told apart by.
     experiments = () if fault else experiments_after(closest, ordered, plan)
     trials = compared(closest.fit)
+    if material and trials and not trials.shared and _alike(trials, closest.residual, material):
+        trials = None
     return RecordVerdict(
         mechanism=mechanism,
         measurement=measurement,
@@ -510,6 +623,12 @@ def _verdict(
         experiments=experiments,
         half_estimates=halves(closest.fit),
     )
+
+
+def _alike(trials: TrialComparison, residual: float, material: float) -> bool:
+    """Whether laws of their own take less than a share off the residual of all trials."""
+    apart = sum(one.rms**2 for one in trials.trials) / max(len(trials.trials), 1)
+    return math.sqrt(apart) > (1.0 - material) * residual
 
 
 def _quantity_of(scored: Sequence[RecordCandidate]) -> str:

@@ -183,7 +183,7 @@ def _findings(
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]
         if record.joints:
-            yield from _joints(record, label, grave)
+            yield from _joints(record, mechanism, label, grave)
             own = fits
         else:
             own = [*_record(record, None if _wrong(fits) else mechanism, grave), *fits]
@@ -192,9 +192,19 @@ def _findings(
         yield from map_coverage.unused(records)
 
 
-def _joints(record: Measurement, label: str, grave: bool) -> Iterator[Finding]:
-    """Yield what is found of each joint by itself, after its name; what all share, once."""
-    found = {name: [*_record(one, None, grave)] for name, one in record.joints.items()}
+def _joints(
+    record: Measurement, mechanism: Mechanism | None, label: str, grave: bool
+) -> Iterator[Finding]:
+    """Yield what is found of each joint by itself, after its name; what all share, once.
+
+    Its force is not compared with its motion alone, since it drives those of the others too.
+    """
+    units = {} if mechanism is None else dict(zip(mechanism.coordinates, mechanism.units))
+    joints = {
+        name: replace(one, turning=True) if units.get(name) == "rad" else one
+        for name, one in record.joints.items()
+    }
+    found = {name: [*_record(one, None, grave, coupled=True)] for name, one in joints.items()}
     said = [{one.sentence for one in own} for own in found.values()]
     shared = set.intersection(*said)
     for number, (name, own) in enumerate(found.items()):
@@ -210,13 +220,17 @@ def _wrong(found: Sequence[Finding]) -> bool:
 
 
 def _agreement(
-    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    *,
+    coupled: bool,
 ) -> Iterator[Finding]:
     """Yield what signals say of each other; force says nothing where two of them contradict."""
     agree = [*consistency.velocity_and_position(record)]
     yield from agree
     yield from consistency.friction_sign(record, moving)
-    if not _wrong(agree):
+    if not _wrong(agree) and not coupled:
         yield from dynamics.energy(record, mechanism)
         size = [*dynamics.proportion(record, mechanism)]
         yield from size
@@ -224,7 +238,9 @@ def _agreement(
             yield from forces.direction(record, moving)
 
 
-def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> Iterator[Finding]:
+def _record(
+    record: Measurement, mechanism: Mechanism | None, grave: bool, *, coupled: bool = False
+) -> Iterator[Finding]:
     """Yield the findings about one record."""
     huge = [*signal_quality.unusable(record)]
     yield from huge
@@ -250,9 +266,9 @@ def _record(record: Measurement, mechanism: Mechanism | None, grave: bool) -> It
     if not grave:
         yield from _signals(record, mechanism, moving, enough)
     if enough and not _wrong(still):
-        yield from _agreement(record, mechanism, moving)
+        yield from _agreement(record, mechanism, moving, coupled=coupled)
     if enough and not grave:
-        yield from _course(record, mechanism, moving)
+        yield from _course(record, mechanism, moving, coupled=coupled)
 
 
 def _signals(
@@ -284,13 +300,19 @@ def _signals(
 
 
 def _course(
-    record: Measurement, mechanism: Mechanism | None, moving: motion.Motion | None
+    record: Measurement,
+    mechanism: Mechanism | None,
+    moving: motion.Motion | None,
+    *,
+    coupled: bool,
 ) -> Iterator[Finding]:
     """Yield what the course of the motion and of the friction tells."""
     if moving is not None:
         yield from motion.reversals(moving, offset=dynamics.has_offset(record, mechanism))
         yield from motion.rests(moving)
         yield from motion.slow(moving)
+    if coupled:  # levels are what a force has beside its own acceleration
+        return
     levels = list(stationarity.levels(record, moving))
     yield from stationarity.drift(levels)
     yield from stationarity.effective(record, levels)

@@ -20,7 +20,8 @@ PAIR: Final = (list, tuple)
 OF_TRIALS = ("uncertainty", "uncertainty_kind", "name", "provenance")
 """What else a table of trials may have."""
 MOTORS = {
-    "current": "newtons per ampere (of the motor's constant and its gears)",
+    "current": "newtons per ampere (of the motor's constant and its gears; N m/A of a joint that"
+    " turns)",
     "voltage": "newtons per volt (of the amplifier and its motor)",
     "torque": "the factor to the mechanism's unit, 1 if the mechanism is in radians",
 }
@@ -80,7 +81,7 @@ class Reading:
     """Quantity -> name of its column; two names for a position along a line in a plane."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Quantity -> unit of its column."""
-    gain: Mapping[str, float] = field(default_factory=dict)
+    gain: Mapping[str, float | str] = field(default_factory=dict)
     """Quantity -> factor, as in `load_measurement`."""
     offset: Mapping[str, float] = field(default_factory=dict)
     """Quantity -> offset of its sensor, in SI."""
@@ -140,10 +141,11 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
         first, _, rest = str(name).partition(".")
         if name in known or (rest and first in ("initial", PREFIX, *BY_JOINT)):
             continue
-        if name in MOTORS:
+        if first in MOTORS:
+            force = f"force.{rest}" if rest else "force"
             raise InputError(
                 f"columns: {name} is not a quantity of a measurement, but a force with a gain:"
-                f" give its column as force, and as gain of force {MOTORS[name]}."
+                f" give its column as {force}, and as gain of {force} {MOTORS[first]}."
             )
         if mechanism is not None and _is_path(mechanism, str(name)):
             continue

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Array, quantity_called
-from stickslip.experiments.units import factor, is_of
+from stickslip.experiments.units import factor, gain_factor, is_of, read_gain
 from stickslip.formatting import number
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
@@ -27,7 +27,7 @@ TWICE: Final = 0.01
 """Relative distance at which a gain is taken for the factor of the column's own unit, rounded."""
 
 
-def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, float]:
+def gains_of(given: Mapping[str, float | str], known: Iterable[str]) -> dict[str, float | str]:
     """Return gains as numbers, each of a quantity that is known.
 
     Parameters
@@ -55,9 +55,9 @@ def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, floa
     {'force': 35.0}
     """
     known = list(known)
-    found = {}
+    found: dict[str, float | str] = {}
     for name, value in given.items():
-        found[name] = Quantity("g", "").check("gain", name, value)
+        found[name] = _gain(name, value)
         if found[name] == 0.0:
             raise ParameterError(
                 f"gain.{name} (g) must be a finite number other than 0, got 0: it would set the"
@@ -67,6 +67,16 @@ def gains_of(given: Mapping[str, float], known: Iterable[str]) -> dict[str, floa
         if name not in known:
             raise UnknownNameError("quantity in gain", name, known)
     return found
+
+
+def _gain(name: str, value: object) -> float | str:
+    """Return a gain, checked; a number is one by which a column is multiplied."""
+    if not isinstance(value, str):
+        return Quantity("g", "").check("gain", name, value)
+    try:
+        return read_gain(value)
+    except ParameterError as error:
+        raise ParameterError(f"gain.{name} {error}") from None
 
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
@@ -110,8 +120,8 @@ class Scaling:
 
     frame: "Frame"
     """The table of the file."""
-    gains: Mapping[str, float]
-    """Factors by quantity."""
+    gains: Mapping[str, float | str]
+    """Factors by quantity; with its unit where that makes SI of the column's."""
     load: Array | float | None = None
     """Normal force [N] by which coefficients are multiplied where the file has none."""
     load_offset: float = 0.0
@@ -134,10 +144,27 @@ class Scaling:
             return self._by_load(name, raw, load, target)
         if gain is None:
             return self.frame.scaled(name, raw, target)
+        if isinstance(gain, str):
+            return self._in_unit(name, unit, target, gain) * raw
         if unit is None or not is_of(unit, target):  # volts, say: the gain makes SI of them
             return gain * raw
         self._refuse_twice(name, unit, target, gain)
         return gain * self.frame.scaled(name, raw, target)
+
+    def _in_unit(self, name: str, unit: str | None, target: str, gain: str) -> float:
+        """Return the factor of a gain with a unit, which the column must have too."""
+        if unit is None:
+            raise ParameterError(
+                f"gain.{name} (g) has a unit, {gain}, but the column has none: add units.{name},"
+                " or give the gain as a number."
+            )
+        try:
+            return gain_factor(gain, unit, target)
+        except ParameterError:
+            raise ParameterError(
+                f"gain.{name} (g) of {gain} times a column in {unit} is not in {target}: correct"
+                " the unit of one of them."
+            ) from None
 
     def _by_load(self, name: str, raw: Array, load: Array | float | None, target: str) -> Array:
         """Return a coefficient as a force: by a gain, or by the load. A gain of -1 or 1 is a sign.
@@ -145,6 +172,8 @@ class Scaling:
         About an axis a load makes forces of coefficients, and only a radius makes torques of these.
         """
         gain = self.gains.get(name)
+        if isinstance(gain, str):
+            return self._in_unit(name, "1", target, gain) * self.frame.scaled(name, raw, "1")
         if gain is not None and abs(gain) != 1.0:
             return gain * self.frame.scaled(name, raw, "1")
         what = f"{self.frame.file}: column {self.frame.names[name]!r} is a coefficient, in"

@@ -9,8 +9,10 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
+from stickslip.experiments.readers.reader_options import MOTORS
 from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
+from stickslip.experiments.units import read_gain
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
 from stickslip.mechanisms import Mechanism, mechanisms
@@ -44,6 +46,18 @@ class RunTable(Table):
 
 
 @dataclasses.dataclass(frozen=True)
+class Gain:
+    """Annotation of a scale factor, perhaps with the unit that makes SI of that of a column."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(read_gain)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        text = {"type": "string", "description": "number with a unit"}
+        return {"anyOf": [{"type": "number"}, text]}
+
+
+@dataclasses.dataclass(frozen=True)
 class Columns:
     """Annotation of the name of a column, or of the two with a position in a plane."""
 
@@ -62,7 +76,7 @@ def _by_joint(table: Any) -> Any:
         return table
     found: dict[Any, Any] = {}
     for key, value in table.items():
-        joints = key in BY_JOINT and isinstance(value, dict)
+        joints = key in (*BY_JOINT, *MOTORS) and isinstance(value, dict)
         found |= {f"{key}.{joint}": own for joint, own in value.items()} if joints else {key: value}
     return found
 
@@ -80,10 +94,10 @@ class ReadTable(Table):
         " names for motion in a plane",
     )
     units: ByJoint[str] = Field(default={}, description="quantity: unit of its column")
-    gain: ByJoint[Annotated[Any, Number(Quantity("g"))]] = Field(
+    gain: ByJoint[Annotated[Any, Gain()]] = Field(
         default={},
         description="quantity: scale factor, applied after unit conversion if the unit is of the"
-        " right kind; otherwise it converts the column to SI",
+        " right kind; otherwise it converts the column to SI, and may have a unit such as N m/A",
     )
     offset: ByJoint[Any] = Field(default={}, description="quantity: zero offset of its sensor")
     repair: list[Literal["sort", "gaps"]] = Field(

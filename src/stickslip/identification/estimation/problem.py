@@ -1,7 +1,7 @@
 """A record as residuals that depend on unknowns: what every route gives to the optimiser."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, Self, final
 
 import numpy as np
@@ -228,6 +228,21 @@ class RecordProblem(Problem):
     def row_weights(self) -> Array | float:
         """Factor that residuals were multiplied by (n,); 1 where all count alike."""
         return 1.0
+
+    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:  # noqa: ARG002
+        """Return the rows of an answer by joint, without weights; empty where there is only one.
+
+        Parameters
+        ----------
+        seen : ResidualJacobian
+            Residuals of all segments, or of some.
+
+        Returns
+        -------
+        mapping of str to ResidualJacobian
+            Residuals and slopes of each joint.
+        """
+        return {}
 
     @property
     def held_offset(self) -> float | None:

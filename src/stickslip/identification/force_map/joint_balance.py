@@ -45,6 +45,7 @@ __all__ = [
     "check_joints",
     "contacts_along",
     "joint_stretches",
+    "with_own_segments",
 ]
 
 Array = NDArray[np.float64]
@@ -188,6 +189,23 @@ def check_joints(record: Measurement, names: Sequence[str]) -> None:
                 f"{label} has no force of the joint {name!r}: give what drives it; zeros if nothing"
                 " does."
             )
+
+
+def with_own_segments(stretches: Stretches) -> Stretches:
+    """Return the stretches of one joint with segments numbered without those that it rests in.
+
+    Parameters
+    ----------
+    stretches : tuple of MotionSegment
+        Stretches of one joint, whose segments are numbered for all joints.
+
+    Returns
+    -------
+    tuple of MotionSegment
+        The same, as if there were no other joint.
+    """
+    used = np.unique(np.concatenate([one.segment[one.segment >= 0] for one in stretches]))
+    return tuple(_renumbered(one, used) for one in stretches)
 
 
 def _renumbered(one: MotionSegment, used: NDArray[np.intp]) -> MotionSegment:
@@ -428,11 +446,7 @@ class JointBalance(RecordProblem):
     @override
     def measured(self) -> Array:
         """The applied force of each row, filtered."""
-        found = {}
-        for name, whole in self.maps.items():
-            parts = [one.applied[one.segment >= 0] for one in whole.stretches]  # type: ignore[index]
-            found[name] = np.concatenate(parts)
-        return self._rows(found)
+        return self._rows({name: one.measured for name, one in self.maps.items()})
 
     @property
     @override
@@ -451,10 +465,11 @@ class JointBalance(RecordProblem):
         size = {name: len(one.times) for name, one in self.maps.items()}
         return self._rows({name: np.full(n, self.weights[name]) for name, n in size.items()})
 
-    @property
-    def segment(self) -> NDArray[np.intp]:
-        """Segment of each row (n,)."""
-        return self._rows({name: _segments(one) for name, one in self.maps.items()})
+    @override
+    def by_joint(self, seen: ResidualJacobian) -> Mapping[str, ResidualJacobian]:
+        segments = self._rows({name: _segments(one) for name, one in self.maps.items()})
+        joints = self.joints[np.isin(segments, seen.segment)]
+        return {name: _part(seen, joints == name, self.weights[name]) for name in self.maps}
 
     def _rows(self, columns: Mapping[str, NDArray]) -> NDArray:  # type: ignore[type-arg]
         order = _order([_segments(self.maps[name]) for name in columns])
@@ -526,6 +541,16 @@ class JointBalance(RecordProblem):
     @override
     def carried(self, seen: ResidualJacobian) -> Array:
         return self.linearise(seen.values, seen, slopes=False).residual
+
+
+def _part(seen: ResidualJacobian, rows: NDArray[np.bool_], weight: float) -> ResidualJacobian:
+    """Return some rows of an answer, without their weight."""
+    return ResidualJacobian(
+        values=seen.values,
+        residual=seen.residual[rows] / weight,
+        slopes=lambda: seen.slopes[rows] / weight,
+        segment=seen.segment[rows],
+    )
 
 
 def _segments(one: ForceMap) -> NDArray[np.intp]:

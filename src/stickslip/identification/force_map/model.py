@@ -99,6 +99,8 @@ class ForceMap(RecordProblem):
     """Values of all these columns' parameters that friction was derived with."""
     mass: float = 0.0
     """What moves as the contact slips [kg], where friction was derived with it."""
+    of_applied: bool = False
+    """Whether what is measured is the applied force, of which friction is a part."""
 
     @property
     @override
@@ -108,12 +110,12 @@ class ForceMap(RecordProblem):
     @property
     @override
     def quantity(self) -> str:
-        return "friction"
+        return "force" if self.of_applied else "friction"
 
     @property
     @override
     def variation(self) -> float:
-        """That of friction about its mean."""
+        """That of what is measured about its mean."""
         return float(np.sum((self.measured - np.mean(self.measured)) ** 2))
 
     @override
@@ -138,7 +140,9 @@ class ForceMap(RecordProblem):
     @property
     @override
     def measured(self) -> Array:
-        return np.concatenate([one.friction[one.rows_of(None)] for one in self.stretches])
+        columns = [one.applied if self.of_applied else one.friction for one in self.stretches]
+        rows = [one.rows_of(None) for one in self.stretches]
+        return np.concatenate([c[r] for c, r in zip(columns, rows, strict=True) if c is not None])
 
     @property
     @override

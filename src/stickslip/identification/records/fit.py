@@ -405,20 +405,15 @@ class RecordFit(Fit[AnyLaw_co]):
             Root mean square of all residuals and of each segment.
         """
         problem, seen = self._seen(measurement, horizon)
-        residual, joint = seen.residual / problem.row_weights, problem.joints
+        residual, parts = seen.residual / problem.row_weights, problem.by_joint(seen)
         turning = self.measurement.turning
         whole = Score.of(residual, seen.segment, problem, turning=turning)
-        if joint is None:
+        if not parts:
             return whole
         units = dict(zip(self.mechanism.coordinates, self.mechanism.units, strict=True))
         of_joints = {
-            name: Score.of(
-                residual[joint == name],
-                seen.segment[joint == name],
-                problem,
-                turning=units[name] == "rad",
-            )
-            for name in dict.fromkeys(joint.tolist())
+            name: Score.of(own.residual, own.segment, problem, turning=units[name] == "rad")
+            for name, own in parts.items()
         }
         alike = all(one.turning for one in of_joints.values())
         return replace(whole, joints=of_joints, turning=turning or alike)

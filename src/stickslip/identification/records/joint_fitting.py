@@ -1,8 +1,9 @@
 """Fits laws to several joints at once, from one record of positions and forces."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, cast, final
+from typing import Any, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,21 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import percent
 from stickslip.formulation import JointTorques
-from stickslip.friction import BristleLaw, FrictionLaw, Laws, Viscous, given_to, specification
+from stickslip.friction import (
+    BristleLaw,
+    CandidateSpec,
+    FrictionLaw,
+    Laws,
+    Viscous,
+    given_to,
+    specification,
+)
+from stickslip.identification.estimation.containment import (
+    FittedLaw,
+    reachable,
+    search_failure,
+    starts_from,
+)
 from stickslip.identification.estimation.levenberg_marquardt import Watch
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
@@ -41,15 +56,20 @@ from stickslip.identification.validation import (
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, parameters, vary
 
-__all__ = ["JOINTS", "fit_joints"]
+__all__ = ["JOINTS", "JointFitter", "fit_joints", "unexplained"]
 
 Array = NDArray[np.float64]
-JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | str | None
+JointLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | CandidateSpec | str | None
 
 JOINTS = "joints"
 """The route of records of several joints."""
 UNEXPLAINED = 0.8
 """Residual over the variation of the force of a joint above which the record is doubted."""
+DOUBTED, BETTER = 0.5, 0.5
+"""Residual of a regression over the spread of a force from which exchanged joints are looked for,
+and how much less it must be with the exchange."""
+SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
+"""What may be exchanged, and the quantities of a record that it is."""
 FOLLOWED = 1_000
 """Samples of a record along which bristles are integrated, unless the filter asks for more."""
 WIDE = 30.0
@@ -127,25 +147,28 @@ def fit_joints(
     >>> round(found.law["elbow"].kinetic_coefficient, 2)
     0.1
     """
-    settings = settings or RecordSettings()
-    for record in measurement.records():
-        check_joints(record, mechanism.coordinates)
-    asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
-    refuse_unused(measurement)
-    refuse_faults(measurement, asked.mechanism)
-    with with_doubts(measurement, asked.mechanism):
-        start: FitSetup = _prepared(asked, measurement, settings.hold)
-        ready, found = widened_search(start, settings, progress, 0.0)
-    build = ready.build.at(found.best.values)
-    ready = replace(ready, build=build, problem=build.fitted(measurement, None))
-    fit = finished(JOINTS, measurement, ready, found, found)
-    return cast("RecordFit[Laws]", replace(fit, sentences=(*unexplained(fit), *fit.sentences)))
+    fitter = JointFitter.of(
+        mechanism, laws, measurement, vary=vary, fixed=fixed, settings=settings or RecordSettings()
+    )
+    return fitter.fitted(laws, progress=progress)
 
 
-def unexplained(fit: RecordFit) -> tuple[str, ...]:
+def unexplained(fit: RecordFit[Any], before: Sequence[str] = ()) -> tuple[str, ...]:
     """Return the joints of whose force a fit explains hardly anything, in sentences.
 
     Angles in degrees, joints that were exchanged and a wrong sign leave such fits.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records of several joints.
+    before : sequence of str
+        What is known of the cause, which an error says first.
+
+    Returns
+    -------
+    tuple of str
+        A sentence for each such joint.
 
     Raises
     ------
@@ -167,8 +190,324 @@ def unexplained(fit: RecordFit) -> tuple[str, ...]:
         if share > UNEXPLAINED
     )
     if all(share > 1.0 for share in left.values()):
-        raise InputError(said[0])
+        raise InputError(" ".join((*before, *said[: 0 if before else 1])))
     return said
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """What records say whatever the laws are: motions, and the forces that these take."""
+
+    torques: JointTorques
+    """What a motion takes."""
+    linear: tuple[FreeParameter, ...]
+    """Parameters of the mechanism that are fitted, from linear regression."""
+    left: Array
+    """What the regression leaves of the force of each joint (m,)."""
+    share: Array
+    """What it leaves with parameters within their bounds, over the spread of the force (m,)."""
+    inertias: Array
+    """What moves with each joint (m,)."""
+    stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
+    """By samples of a record, stretches of each joint at the parameters' start."""
+
+    @classmethod
+    def of(
+        cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
+    ) -> "_Motion":
+        """Derive the motions; with the finer samples that bristles are integrated along."""
+        torques = JointTorques.of(asked.mechanism, asked.linear)
+        samples = (SAMPLES, min(SAMPLES, SOME), *((FOLLOWED,) if bristles else ()))
+        derived = joint_stretches(
+            torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
+        )
+        linear, left, within = _start(asked, torques, derived[0])
+        found = {
+            count: tuple(tuple(one for one in own) for own in whole)
+            for count, whole in zip(samples, derived, strict=True)
+        }
+        values = {path: v for path, _, v in parameters(asked.mechanism, "mechanism")}
+        at = np.array([values[path] for path in torques.linear])
+        first = np.array([item.start for item in linear])
+        mechanism = vary(
+            asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
+        )
+        own = cls(
+            torques=torques,
+            linear=linear,
+            left=left,
+            share=within / _spread(derived[0]),
+            inertias=torques.inertias(mechanism, _middle(measurement, torques.coordinates)),
+            stretches=found,
+        )
+        return replace(own, stretches=own.moved(first - at))
+
+    def moved(self, change: Array) -> Mapping[float, tuple[tuple[MotionSegment, ...], ...]]:
+        """Return the stretches as if the parameters of the mechanism had changed by (k,)."""
+        return {
+            count: tuple(tuple(moved(one, change) for one in own) for own in whole)
+            for count, whole in self.stretches.items()
+        }
+
+    def at(self, values: Array) -> "_Motion":
+        """Return the same with other start values of the parameters of the mechanism (k,)."""
+        change = values - np.array([item.start for item in self.linear])
+        linear = tuple(
+            replace(item, start=value)
+            for item, value in zip(self.linear, values.tolist(), strict=True)
+        )
+        return replace(self, linear=linear, stretches=self.moved(change))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointFitter:
+    """Fits laws by contact to records of several joints, whose motion is derived once for all."""
+
+    mechanism: Mechanism
+    """Mechanism that was measured, as it was given."""
+    measurement: Measurement
+    """Records in time of positions and forces by joint."""
+    vary: str | Sequence[str] | None
+    """Parameters to fit."""
+    fixed: Mapping[str, float] | None
+    """Values of parameters that are held."""
+    settings: RecordSettings
+    """Starts, seed and hold."""
+    motion: _Motion
+    """What the records say whatever the laws are."""
+    exchanged: str = ""
+    """Which joints the positions seem to be exchanged of, as a sentence; empty if none are."""
+
+    @classmethod
+    def of(
+        cls,
+        mechanism: Mechanism,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        measurement: Measurement,
+        *,
+        vary: str | Sequence[str] | None = None,
+        fixed: Mapping[str, float] | None = None,
+        settings: RecordSettings | None = None,
+        bristles: bool = False,
+    ) -> "JointFitter":
+        """Check the records and derive their motion.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured; records may override its parameters.
+        laws : mapping of str to FrictionLaw, type, str or None; or type, or str
+            Laws that will be fitted, as in `fit_joints`; others of the same contacts may be.
+        measurement : Measurement
+            Records in time of positions and forces by joint.
+        vary : str or sequence of str, optional
+            Parameters to fit.
+        fixed : mapping of str to float, optional
+            Values of parameters that are held [SI].
+        settings : RecordSettings, optional
+            Starts, seed and hold.
+        bristles : bool
+            Whether other laws that will be fitted have bristles.
+
+        Returns
+        -------
+        JointFitter
+            What fits these laws, or others, to the records.
+        """
+        settings = settings or RecordSettings()
+        for record in measurement.records():
+            check_joints(record, mechanism.coordinates)
+        asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
+        refuse_unused(measurement)
+        refuse_faults(measurement, asked.mechanism)
+        bristles = bristles or any(map(_has_bristles, asked.laws.values()))
+        with with_doubts(measurement, asked.mechanism):
+            motion = _Motion.of(asked, measurement, settings.hold, bristles=bristles)
+            exchanged = _exchanged(asked, measurement, settings.hold, motion)
+        return cls(
+            mechanism=mechanism,
+            measurement=measurement,
+            vary=vary,
+            fixed=fixed,
+            settings=settings,
+            motion=motion,
+            exchanged=exchanged,
+        )
+
+    @property
+    def contacts(self) -> Mapping[str, str]:
+        """Contacts by coordinate, the joints that rub."""
+        return {along: one.name for along, one in contacts_along(self.mechanism).items()}
+
+    def fitted(
+        self,
+        laws: Mapping[str, JointLaw] | type[FrictionLaw] | str,
+        *,
+        near: RecordFit[Laws] | None = None,
+        changed: str = "",
+        contained: Sequence[FittedLaw] = (),
+        progress: Watch | None = None,
+    ) -> RecordFit[Laws]:
+        """Fit laws by contact.
+
+        Parameters
+        ----------
+        laws : mapping of str to FrictionLaw, type, str or None; or type, or str
+            As in `fit_joints`.
+        near : RecordFit, optional
+            A fit to the same records with the same laws but one, from which the search begins.
+        changed : str
+            The contact whose law is another than in that fit.
+        contained : sequence of FittedLaw
+            Fits to the same records with simpler laws of that contact, from which the search
+            begins too.
+        progress : callable, optional
+            As in `fit_joints`.
+
+        Returns
+        -------
+        RecordFit
+            The laws by contact, estimates with intervals, predictions of the force of each joint.
+        """
+        asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, self.measurement)
+        with with_doubts(self.measurement, asked.mechanism):
+            start = self._prepared(asked, near, changed, contained)
+            ready, found = widened_search(start, self.settings, progress, 0.0)
+        build = ready.build.at(found.best.values)
+        ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
+        fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
+        failure = ""
+        if changed:
+            own = [_of_contact(one, changed) for one in contained]
+            kind = type(fit.law[changed])
+            failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
+        said: tuple[str, ...] = (self.exchanged,) if self.exchanged else ()
+        sentences = (
+            *said,
+            *unexplained(fit, said),
+            *((failure,) if failure else ()),
+            *fit.sentences,
+        )
+        return replace(fit, sentences=sentences, search_failure=failure)
+
+    def _prepared(
+        self,
+        asked: "_Asked",
+        near: RecordFit[Laws] | None,
+        changed: str,
+        contained: Sequence[FittedLaw],
+    ) -> FitSetup[JointBalance]:
+        """Return the problem of all joints, with start values from the record or a fit near by."""
+        motion = self.motion
+        if near is not None:
+            known = dict(zip(near.free_parameters.paths, near.values.tolist(), strict=True))
+            motion = motion.at(np.array([known[path] for path in motion.torques.linear]))
+        first = [item.start for item in motion.linear]
+        torques, contacts = motion.torques, self.contacts
+        samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
+        mechanism = vary(
+            asked.mechanism, "mechanism", dict(zip(torques.linear, first, strict=True))
+        )
+        maps, names, starts = {}, {}, {}
+        for i, coordinate in enumerate(torques.coordinates):
+            contact = contacts.get(coordinate, "")
+            further: tuple[Array, ...] = ()
+            whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
+            if near is not None and contact != changed:
+                one = _kept(near, coordinate, whole, first)
+            else:
+                one, further = _map_of(asked, contact, coordinate, (whole, some), motion, contained)
+            maps[coordinate], starts[coordinate] = one, further
+            names[coordinate] = tuple(
+                _among_all(path, contact, coordinate) for path in one.free_parameters.paths
+            )
+        free = _joined(maps, names, contacts)
+        size = float(np.sqrt(np.mean(np.square(motion.left))))
+        weights = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        problem = JointBalance(
+            maps=maps,
+            names=names,
+            weights={name: size / one for name, one in weights},
+            free_parameters_=free,
+        )
+        slips = {name: coordinate for coordinate, name in contacts.items()}
+        rubbing = [name for name, law in asked.laws.items() if law is not None]
+        laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
+        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.hold, samples)
+        return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
+    """Return which signals of two joints would explain the forces if exchanged, as a sentence.
+
+    Looked for where a regression leaves much of the force of some joint.
+    """
+    names, units = asked.mechanism.coordinates, asked.mechanism.units
+    share = float(np.max(motion.share))
+    if share < DOUBTED:
+        return ""
+    found = []
+    for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
+        if units[i] != units[j]:
+            continue
+        other = _with_exchanged(measurement, names[i], names[j], SIGNALS[what])
+        try:
+            seen = _Motion.of(asked, other, hold, bristles=False)
+        except InputError:
+            continue
+        found.append((float(np.max(seen.share)), what, names[i], names[j]))
+    left, what, first, second = min(found, default=(np.inf, "", "", ""))
+    if left > BETTER * share:
+        return ""
+    return (
+        f"The {what} of {first} and {second} seem to be exchanged: with the one as the other, what"
+        f" the mechanism does not explain of the forces falls from {percent(share)}"
+        f" to {percent(left)}. Check which column is of which joint."
+    )
+
+
+def _with_exchanged(
+    measurement: Measurement, one: str, other: str, names: Sequence[str]
+) -> Measurement:
+    """Return records in which two joints have each other's signals of some names."""
+    records = []
+    for record in measurement.records():
+        joints = dict(record.joints)
+        for a, b in ((one, other), (other, one)):
+            own, from_ = record.joints[a], record.joints[b]
+            signals = {name: getattr(from_, name) for name in names}
+            kept = {name: size for name, size in own.offset.items() if name not in names}
+            moved = {name: size for name, size in from_.offset.items() if name in names}
+            joints[a] = replace(own, **signals, offset={**kept, **moved})
+        records.append(replace(record, joints=joints))
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
+
+
+def _kept(
+    near: RecordFit[Laws], coordinate: str, whole: Sequence[MotionSegment], first: Sequence[float]
+) -> ForceMap:
+    """Return the force map of a joint whose law is that of a fit, from its values."""
+    problem = cast("JointBalance", near.problem)
+    one = problem.maps[coordinate]
+    known = dict(zip(near.free_parameters.paths, near.values.tolist(), strict=True))
+    at = np.array([known[name] for name in problem.names[coordinate]])
+    free = one.free_parameters.starting_at(at)
+    one = replace(one, stretches=tuple(whole), derived=tuple(first))
+    return one.with_free_parameters(free)
+
+
+def _of_contact(one: FittedLaw, contact: str) -> FittedLaw:
+    """Return the law of one contact of a fit of several, its values called as if alone."""
+    prefix = f"friction.{contact}."
+    values = {
+        path.replace(prefix, "friction.", 1): value
+        for path, value in one.values.items()
+        if path.startswith(prefix)
+    }
+    laws = cast("Laws", one.law)
+    return replace(one, law=laws[contact], values=values)
 
 
 @final
@@ -264,8 +603,8 @@ def _law_of(
     """Return a law that was given for a contact, and which of its parameters are fitted."""
     if given is None:
         return None, ()
-    if isinstance(given, str):
-        found = specification(given)
+    if isinstance(given, str | CandidateSpec):
+        found = specification(given) if isinstance(given, str) else given
         own = (LAW,) if found.free is None else tuple(f"friction.{one}" for one in found.free)
         return found.law, own
     kind = given if isinstance(given, type) else type(given)
@@ -277,51 +616,10 @@ def _law_of(
     return cast("FrictionLaw | type[FrictionLaw]", given), (LAW,)
 
 
-def _prepared(asked: _Asked, measurement: Measurement, hold: Hold) -> FitSetup[JointBalance]:
-    """Return the problem of all joints, with start values from the record."""
-    torques = JointTorques.of(asked.mechanism, asked.linear)
-    samples = FOLLOWED if any(map(_has_bristles, asked.laws.values())) else SAMPLES
-    stretches, few = joint_stretches(
-        torques,
-        asked.mechanism,
-        measurement,
-        hold=hold,
-        samples=(samples, min(samples, SOME)),
-        slipping=True,
-    )
-    linear, left = _start(asked, torques, stretches)
-    first = np.array([item.start for item in linear])
-    values = {path: v for path, _, v in parameters(asked.mechanism, "mechanism")}
-    change = first - np.array([values[path] for path in torques.linear])
-    mechanism = vary(
-        asked.mechanism, "mechanism", dict(zip(torques.linear, first.tolist(), strict=True))
-    )
-    contacts = {along: one.name for along, one in contacts_along(mechanism).items()}
-    inertias = torques.inertias(mechanism, _middle(measurement, torques.coordinates))
-    maps, names, starts = {}, {}, {}
-    for i, coordinate in enumerate(torques.coordinates):
-        contact = contacts.get(coordinate, "")
-        whole, some = ([moved(one, change) for one in many[i]] for many in (stretches, few))
-        one, further = _map_of(
-            asked, contact, coordinate, (whole, some), linear, float(inertias[i])
-        )
-        maps[coordinate], starts[coordinate] = one, further
-        names[coordinate] = tuple(
-            _among_all(path, contact, coordinate) for path in one.free_parameters.paths
-        )
-    free = _joined(maps, names, contacts)
-    size = float(np.sqrt(np.mean(np.square(list(left)))))
-    problem = JointBalance(
-        maps=maps,
-        names=names,
-        weights={name: size / one for name, one in zip(torques.coordinates, left, strict=True)},
-        free_parameters_=free,
-    )
-    slips = {name: coordinate for coordinate, name in contacts.items()}
-    rubbing = [name for name, law in asked.laws.items() if law is not None]
-    laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
-    build = JointBalanceBuilder(torques, mechanism, problem, hold, samples)
-    return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
+    """Return the standard deviation of the applied force of each joint (m,)."""
+    columns = [[one.applied[one.segment >= 0] for one in own] for own in stretches]  # type: ignore[index]
+    return np.array([max(float(np.std(np.concatenate(own))), 1e-300) for own in columns])
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
@@ -330,10 +628,11 @@ def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
 
 def _start(
     asked: _Asked, torques: JointTorques, stretches: Sequence[Sequence[MotionSegment]]
-) -> tuple[tuple[FreeParameter, ...], Array]:
+) -> tuple[tuple[FreeParameter, ...], Array, Array]:
     """Return the parameters of the mechanism with start values, and what is left of each joint.
 
     From linear regression with Coulomb and viscous friction, and a constant force, of every joint.
+    What is left comes twice: by the regression as it is, and with these parameters in bounds.
     """
     count, k = len(torques.coordinates), len(torques.linear)
     tables, wanted = [], []
@@ -370,7 +669,13 @@ def _start(
                 path=path, quantity=quantity, start=start, low=low, high=high, guessed=True
             )
         )
-    return tuple(items), np.maximum(left, 1e-12 * max(force, 1e-300))
+    change = np.array([item.start - values[item.path][1] for item in items])
+    held = target - table[:, :k] @ change
+    rest = scaled[:, k:]
+    residual = held - rest @ np.linalg.lstsq(rest, held, rcond=1e-8)[0]
+    within = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    least = 1e-12 * max(force, 1e-300)
+    return tuple(items), np.maximum(left, least), np.maximum(within, least)
 
 
 def _middle(measurement: Measurement, names: Sequence[str]) -> Array:
@@ -389,11 +694,12 @@ def _map_of(
     contact: str,
     coordinate: str,
     stretches: tuple[Sequence[MotionSegment], Sequence[MotionSegment]],
-    linear: Sequence[FreeParameter],
-    inertia: float,
+    motion: _Motion,
+    contained: Sequence[FittedLaw] = (),
 ) -> tuple[ForceMap, tuple[Array, ...]]:
     """Return the force map of one joint, and further start values of its unknowns."""
     law, offset = asked.laws.get(contact), asked.offsets.get(coordinate)
+    inertia = float(motion.inertias[motion.torques.coordinates.index(coordinate)])
     problem, starts = map_along(
         Viscous(viscous_coefficient=0.0) if law is None else law,
         *stretches,
@@ -401,12 +707,16 @@ def _map_of(
         known=asked.known.get(contact) if isinstance(law, type) else None,
         held=() if offset is None else (SENSOR,),
         beside=ConstantForce(SENSOR, offset or 0.0),
-        linear=linear,
-        derived=[item.start for item in linear],
+        linear=motion.linear,
+        derived=[item.start for item in motion.linear],
         mass=inertia,
     )
     near = problem.free_parameters.starting_at(starts[0])
-    return problem.with_free_parameters(near), starts[1:]
+    own = [_of_contact(one, contact) for one in contained]
+    own = list(reachable(problem.law, near, own))
+    nested = starts_from(type(problem.law), near, own, 1.0)
+    problem = replace(problem.with_free_parameters(near), of_applied=True)
+    return problem, (*nested, *starts[1:])
 
 
 def _among_all(path: str, contact: str, coordinate: str) -> str:

@@ -120,7 +120,7 @@ def draw_friction_map(
             _say_trend(grid.flat[0])
         if len(spans) > 1:
             grid.flat[1].set_title(f"below {number(factor * low)} {unit}", color=MUTED)
-        _names(grid.flat[0], curves, look, factor)
+        _names(grid.flat[0], curves, look, factor, chosen)
 
     return draw
 
@@ -206,6 +206,7 @@ def _names(
     curves: Mapping[str, tuple[Array, Array]],
     look: Mapping[str, LineStyle],
     factor: float,
+    chosen: str,
 ) -> None:
     """Name the laws in the quadrants that friction leaves free; beside the curves if one-way."""
     low, high = axes.get_xlim()
@@ -214,10 +215,10 @@ def _names(
         label_curves(axes, [*named, _upright(axes)])
         return
     bottom, top = axes.get_ylim()
-    ordered = sorted(curves, key=lambda name: -look[name].order)
+    ordered = sorted(curves, key=lambda name: name != chosen)
     for name, side in zip(ordered, (1, -1), strict=False):
-        chosen = side > 0 and len(curves) > 1
-        lines = wrapped((f"chosen: {name}" if chosen else name).split(), WIDTH)
+        told = name == chosen and len(curves) > 1
+        lines = wrapped((f"chosen: {name}" if told else name).split(), WIDTH)
         text = "\n".join(line.replace(",", "") for line in lines)
         label_at(
             axes, side * 0.03 * (high - low), 0.3 * (bottom if side > 0 else top), text,

@@ -152,7 +152,7 @@ def map_points(fit: RecordFit) -> MapPoints | None:
             friction=np.concatenate([one.friction for one in stretches]),
             load=middle,
             load_varies=bool(np.ptp(np.percentile(load, [5.0, 95.0])) > 0.05 * middle),
-            measured=True,
+            measured=fit.friction_was_measured,
             trend=np.concatenate(
                 [
                     np.zeros(len(one.friction))

@@ -11,10 +11,11 @@ from stickslip.formatting import scale_of
 from stickslip.identification import Prediction, RecordFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
+from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import C1, DATA, MUTED
 from stickslip.quantities import turned
 
-__all__ = ["plot_joints", "refuse_joints"]
+__all__ = ["joint_figure", "joint_sizes", "plot_joints", "refuse_joints"]
 
 PANEL = 190
 """Height of a panel [px]."""
@@ -56,6 +57,36 @@ def plot_joints(
     seen = fit.predict(measurement)
     if record not in seen.record:
         raise InputError(f"record must be from 0 to {int(seen.record.max())}, got {record!r}.")
+    draw = joint_figure(fit, measurement=measurement, record=record)
+    return on_panels(draw, ax, joint_sizes(fit)["wide"])
+
+
+def joint_sizes(fit: RecordFit) -> dict[str, Size]:
+    """Return the sizes of the figure of all joints of a fit, for screens and phones."""
+    height = 60 + PANEL * len(fit.mechanism.coordinates)
+    return {"wide": (880, height), "narrow": (390, height)}
+
+
+def joint_figure(
+    fit: RecordFit, *, measurement: Measurement | None = None, record: int = 0
+) -> Draw:
+    """Return what draws the forces of the joints, as `plot_joints` does.
+
+    Parameters
+    ----------
+    fit : RecordFit
+        A fit to records of several joints.
+    measurement : Measurement, optional
+        What is predicted; what was fitted if not given.
+    record : int
+        Which of its records is shown, from 0.
+
+    Returns
+    -------
+    callable
+        Draws on a figure, for a phone or not.
+    """
+    seen = fit.predict(measurement)
     units = dict(zip(fit.mechanism.coordinates, fit.mechanism.units, strict=True))
 
     def draw(figure: Figure, narrow: bool) -> None:
@@ -71,7 +102,7 @@ def plot_joints(
         panels[-1].set_xlabel("time, s")
         figure.align_ylabels()
 
-    return on_panels(draw, ax, (880, 60 + PANEL * len(units)))
+    return draw
 
 
 def _draw_one(axes: Axes, own: Prediction, rows: NDArray[np.bool_], unit: str) -> None:

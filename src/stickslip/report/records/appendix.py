@@ -17,7 +17,7 @@ from stickslip.report.records.scores import error_column
 from stickslip.report.records.texts import symbols_of
 from stickslip.selection import Experiment, RecordCandidate, RecordVerdict, score_text
 
-__all__ = ["dropped_section", "next_section", "record_section"]
+__all__ = ["dropped_section", "next_section", "record_figure", "record_section"]
 
 LINES = 700
 """Points of a line of the record."""
@@ -77,7 +77,7 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the record and what was checked of it."""
     blocks: list[Block] = []
     fit = verdict.closest.fit
-    figure = _record_figure(verdict, fit) if fit else None
+    figure = record_figure(verdict, fit) if fit else None
     if figure is not None:
         blocks.append(figure)
     items = check_items(verdict.checks)
@@ -90,7 +90,21 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 
-def _record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
+def record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
+    """Return the first record against time, None where it has no times.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The selection.
+    fit : RecordFit
+        A fit to the records.
+
+    Returns
+    -------
+    Figure or None
+        Position, velocity, force and friction, as far as they were measured.
+    """
     record = verdict.measurement.records()[0]
     if record.time is None:
         return None

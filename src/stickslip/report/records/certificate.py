@@ -12,7 +12,7 @@ from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
 from stickslip.report.core.headings import CERTIFICATE
 from stickslip.report.records.scores import picks_text
-from stickslip.selection import RecordVerdict, restarts_text
+from stickslip.selection import JointVerdict, RecordVerdict, restarts_text
 
 __all__ = ["certificate_section"]
 
@@ -20,7 +20,7 @@ TWICE: Final = 2.0
 """Residuals below this many times the least are said to be so many percent higher."""
 
 
-def certificate_section(verdict: RecordVerdict) -> Section | None:
+def certificate_section(verdict: RecordVerdict | JointVerdict) -> Section | None:
     """Return the section on the computation behind the verdict."""
     best = verdict.closest
     if best.fit is None:
@@ -66,6 +66,7 @@ def _search(fit: RecordFit) -> list[KeyValue]:
         "shooting": "segments simulated exactly, each from a fitted state",
         "force-map": "friction along the measured motion",
         "inverse-dynamics": "friction from filtered motion and force",
+        "joints": "balances of all joints together, from filtered motion and forces",
     }.get(fit.route, fit.route)
     return [
         KeyValue(key="Route", value=how),

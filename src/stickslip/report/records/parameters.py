@@ -7,6 +7,7 @@ import numpy as np
 
 from stickslip.formatting import fixed, in_words, percent, ratio, significant, with_unit
 from stickslip.identification import (
+    JOINTS,
     Allowed,
     Estimate,
     RecordFit,
@@ -208,6 +209,8 @@ def _hidden(verdict: RecordVerdict) -> KeyValue | None:
 
     Of all laws the one that predicts best is asked: a profile takes as long as a fit from near by.
     """
+    if verdict.route == JOINTS:  # a profile would hold the mechanism, which joints share
+        return None
     known = [c for c in verdict.candidates if c.fit is not None and math.isfinite(c.score)]
     for one in sorted(known, key=lambda c: c.score):
         assert one.fit is not None

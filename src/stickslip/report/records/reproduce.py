@@ -1,6 +1,7 @@
 """How to have the report again, and whom to cite."""
 
 import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Final
 
@@ -13,9 +14,9 @@ from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import KeyValue
 from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
-from stickslip.selection import RecordVerdict, specifications
+from stickslip.selection import JointVerdict, RecordVerdict, specifications
 
-__all__ = ["python_lines", "reproduce_section"]
+__all__ = ["joint_lines", "laws_as_code", "python_lines", "reproduce_section", "reproduced"]
 
 WIDTH: Final = 66
 """Letters of a line of code, which a page shows without scrolling."""
@@ -36,20 +37,57 @@ def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
     Section
         The section.
     """
-    names = "`record` is" if verdict.second is None else "`record` and `second` are"
+    fit = verdict.closest.fit
+    return reproduced(
+        verdict,
+        origin,
+        lines=python_lines(verdict),
+        law=_as_code(fit.law) if fit else "",
+        laws=[c.law for c in verdict.candidates if c.law is not None],
+    )
+
+
+def reproduced(
+    verdict: RecordVerdict | JointVerdict,
+    origin: Origin,
+    *,
+    lines: str,
+    law: str,
+    laws: Sequence[FrictionLaw],
+) -> Section:
+    """Return the section from what differs by the kind of verdict.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict or JointVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+    lines : str
+        The selection in Python.
+    law : str
+        What was fitted, as code.
+    laws : sequence of FrictionLaw
+        Laws whose sources are cited.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    data = "`record` is" if verdict.second is None else "`record` and `second` are"
     caption = (
-        f"The selection in Python; {names} read by `load_measurement` with the columns, units and"
+        f"The selection in Python; {data} read by `load_measurement` with the columns, units and"
         " gains of the data. Laws with start values, such as those of a rig file, are given in"
         " place of their names."
     )
-    code = [(python_lines(verdict), caption)]
+    code = [(lines, caption)]
     fit = verdict.closest.fit
     if fit is not None:
-        code.append((_as_code(fit.law), ""))
+        code.append((law, ""))
         code.append(
             (fit.to_toml().strip(), "The fitted law as code and as a file for simulations.")
         )
-    laws = [c.law for c in verdict.candidates if c.law is not None]
     return reproduce(origin, code=code, items=_data(verdict), references=law_references(laws, {}))
 
 
@@ -58,11 +96,18 @@ def python_lines(verdict: RecordVerdict) -> str:
 
     A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
     """
+    names = [one.name for one in verdict.candidates]
+    usual = {*names} == {one.name for one in specifications(None)}
+    return _lines(verdict, "None" if usual else _laws(names), _asked(verdict))
+
+
+def _lines(verdict: RecordVerdict | JointVerdict, laws: str, asked: Sequence[str]) -> str:
+    """Return the same from the laws and what was asked, as one would write them."""
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
-    parts = [built or 'load_rig("rig.toml").mechanism', _laws(verdict), "record"]
-    parts += _asked(verdict)
+    parts = [built or 'load_rig("rig.toml").mechanism', laws, "record"]
+    parts += [*_varied(verdict), *asked]
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
     lines = [_imported(*names), ">>> verdict = select("]
@@ -90,14 +135,8 @@ def _built(mechanism: Mechanism) -> str:
     return f"{type(mechanism).__name__}({', '.join(found)})"
 
 
-def _laws(verdict: RecordVerdict) -> str:
-    """Return the argument with the laws by name; None if these are all that there usually are.
-
-    Laws whose names say nothing are left to oneself.
-    """
-    names = [one.name for one in verdict.candidates]
-    if {*names} == {one.name for one in specifications(None)}:
-        return "None"
+def _laws(names: Sequence[str]) -> str:
+    """Return the argument with the laws by name; names that say nothing are left to oneself."""
     try:
         specifications(names)
     except UnknownNameError:
@@ -106,8 +145,8 @@ def _laws(verdict: RecordVerdict) -> str:
     return "\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))
 
 
-def _asked(verdict: RecordVerdict) -> list[str]:
-    """Return the arguments on what was looked for and what was scored."""
+def _varied(verdict: RecordVerdict | JointVerdict) -> list[str]:
+    """Return the argument on what was looked for of the mechanism."""
     fit = verdict.closest.fit
     paths = [e.path for e in fit.estimates] if fit else []
     varied = [
@@ -115,8 +154,13 @@ def _asked(verdict: RecordVerdict) -> list[str]:
         for path in paths
         if path.startswith("mechanism.") and path != "mechanism.offset"
     ]
-    parts = [f'vary=["{LAW}", {", ".join(varied)}]'] if varied else []
-    parts.append(f'purpose="{verdict.purpose.name}"')
+    return [f'vary=["{LAW}", {", ".join(varied)}]'] if varied else []
+
+
+def _asked(verdict: RecordVerdict) -> list[str]:
+    """Return the arguments on what was scored."""
+    fit = verdict.closest.fit
+    parts = [f'purpose="{verdict.purpose.name}"']
     parts += [f"horizon={verdict.plan.horizon!r}"] if verdict.plan.length else []
     return parts + ([f'route="{fit.route}"'] if fit else [])
 
@@ -132,7 +176,7 @@ def _settings(settings: RecordSettings) -> str:
     return f"RecordSettings({', '.join(said)})"
 
 
-def _data(verdict: RecordVerdict) -> list[KeyValue]:
+def _data(verdict: RecordVerdict | JointVerdict) -> list[KeyValue]:
     records = verdict.measurement.records()
     said = list(dict.fromkeys(r.provenance for r in records if r.provenance))
     whole = verdict.measurement.provenance
@@ -143,9 +187,35 @@ def _data(verdict: RecordVerdict) -> list[KeyValue]:
 def _as_code(law: FrictionLaw) -> str:
     """Return the fitted law as one would write it."""
     kind = type(law).__name__
-    lines = [_imported(kind), f">>> law = {kind}("]
-    for name in fields_of(type(law)):
-        value = getattr(law, name)
-        if value is not None:
-            lines.append(f"...     {name}={value:.6g},")
-    return "\n".join([*lines, "... )"])
+    values = [f"...     {text}," for text in _values(law)]
+    return "\n".join([_imported(kind), f">>> law = {kind}(", *values, "... )"])
+
+
+def joint_lines(verdict: JointVerdict) -> str:
+    """Return the lines of Python that make a selection for several joints again."""
+    first = next(iter(verdict.joints.values()))
+    names = [one.name for one in first.candidates]
+    return _lines(verdict, "None" if verdict.usual else _laws(names), ())
+
+
+def laws_as_code(laws: Mapping[str, FrictionLaw]) -> str:
+    """Return fitted laws by contact as one would write them.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> laws_as_code({"knee": Coulomb(kinetic_coefficient=0.2)}).splitlines()[2]
+    '...     "knee": Coulomb(kinetic_coefficient=0.2),'
+    """
+    kinds = {type(law).__name__ for law in laws.values()}
+    lines = [
+        f'...     "{name}": {type(law).__name__}({", ".join(_values(law))}),'
+        for name, law in laws.items()
+    ]
+    return "\n".join([_imported(*sorted(kinds)), ">>> laws = {", *lines, "... }"])
+
+
+def _values(law: FrictionLaw) -> list[str]:
+    """Return the arguments of a law that have a value."""
+    given = {name: getattr(law, name) for name in fields_of(type(law))}
+    return [f"{name}={value:.6g}" for name, value in given.items() if value is not None]

@@ -144,12 +144,12 @@ def _autocorrelation(fit: RecordFit) -> str:
 
 
 def _share(fit: RecordFit) -> str:
-    """Return how much of measured friction a law leaves, in words; nothing on other routes."""
+    """Return how much of what was measured a law leaves, in words; nothing on other routes."""
     if fit.problem.simulates:
         return ""
     spread = float(np.std(fit.problem.measured))
     share = percent(fit.rms / spread) if spread > 0.0 else ""
-    return f", {share} of the spread of friction" if share else ""
+    return f", {share} of the spread of {fit.problem.quantity}" if share else ""
 
 
 def _error_figure(verdict: RecordVerdict) -> Figure | None:
@@ -174,7 +174,7 @@ def _error_figure(verdict: RecordVerdict) -> Figure | None:
     horizon = quantity(verdict.plan.horizon, "s", 2)
     lead = f"segments of {horizon}, each from its own fitted state"
     if not verdict.simulates:
-        lead = "measured minus predicted friction"
+        lead = f"measured minus predicted {verdict.quantity}"
     caption = (
         f"**Prediction errors.** Above: {lead}. Below: each block predicted by a fit without it."
         " An error that repeats in every cycle is a model error, not noise."

@@ -15,6 +15,7 @@ from stickslip.selection import (
     LIKELY,
     MATERIAL,
     NEAR,
+    JointVerdict,
     RecordCandidate,
     RecordVerdict,
     in_sentence,
@@ -131,7 +132,8 @@ def _how(verdict: RecordVerdict) -> str:
         " both sides of each. Every candidate is fitted to the other blocks"
     )
     if not verdict.simulates:
-        return f"{text} and predicts the friction force in {block}."
+        what = "force of the joint" if verdict.quantity == "force" else "friction force"
+        return f"{text} and predicts the {what} in {block}."
     return (
         f"{text} and predicts the {verdict.quantity} in {block}, in segments of"
         f" {quantity(plan.horizon, 's', 2)}, each from its own fitted state."
@@ -155,7 +157,7 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 
 
-def picks_text(verdict: RecordVerdict) -> str:
+def picks_text(verdict: RecordVerdict | JointVerdict) -> str:
     """Return what other criteria would pick, for information."""
     titles = {c.name: c.title for c in verdict.candidates}
     best = verdict.closest.name

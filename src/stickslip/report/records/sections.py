@@ -16,10 +16,10 @@ from stickslip.report.records.texts import symbols_of
 from stickslip.report.records.validation_record import second_section
 from stickslip.selection import RecordVerdict
 
-__all__ = ["record_sections"]
+__all__ = ["record_sections", "trials_section"]
 
 
-def _trials_section(verdict: RecordVerdict) -> Section | None:
+def trials_section(verdict: RecordVerdict) -> Section | None:
     """Return the section on the trials, None where there was nothing to compare."""
     found = verdict.trials
     if found is None:
@@ -41,7 +41,7 @@ record_sections = PageSections[RecordVerdict](
         loops_section,
         scores_section,
         second_section,
-        _trials_section,
+        trials_section,
         parameters_section,
         residuals_section,
         dropped_section,

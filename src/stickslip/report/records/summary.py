@@ -36,7 +36,7 @@ from stickslip.selection import (
     traded,
 )
 
-__all__ = ["law_lines", "level_at", "levels_at_speed", "opening_section"]
+__all__ = ["error_fact", "law_lines", "level_at", "levels_at_speed", "opening_section"]
 
 PLAIN: Final = (Coulomb, Viscous, CoulombViscous, QuadraticDrag)
 """Laws whose friction is a sum of powers of the speed, which one line says."""
@@ -251,7 +251,7 @@ def _digits(fit: RecordFit, name: str, factor: float) -> str:
 
 def _facts(verdict: RecordVerdict) -> tuple[Fact, ...]:
     makers: tuple[Callable[[RecordVerdict], Fact | None], ...] = (
-        _error,
+        error_fact,
         _second,
         _factor,
         _telling,
@@ -259,7 +259,8 @@ def _facts(verdict: RecordVerdict) -> tuple[Fact, ...]:
     return tuple(fact for make in makers if (fact := make(verdict)) is not None)[:3]
 
 
-def _error(verdict: RecordVerdict) -> Fact | None:
+def error_fact(verdict: RecordVerdict) -> Fact | None:
+    """Return the held-out error of the closest law, None where it has none."""
     best = verdict.closest
     if best.validation is None:
         return None

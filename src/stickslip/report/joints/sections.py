@@ -1,0 +1,313 @@
+"""Sections of the page of a selection for several joints: those of each joint, and what is shared.
+
+What is said of one joint is made by the sections of the page of one contact.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+from stickslip.formatting import capital, count, in_words, joined
+from stickslip.plots import inline_svg, joint_figure, joint_sizes
+from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues, Paragraph, Subheading
+from stickslip.report.core.checks import check_items
+from stickslip.report.core.documents import (
+    LawLine,
+    Opening,
+    Origin,
+    Section,
+    SectionMaker,
+    made_sections,
+)
+from stickslip.report.core.headings import checks_heading
+from stickslip.report.core.markup import label_of, typeset
+from stickslip.report.core.tables import Column, Name, Number, Row, Table
+from stickslip.report.records.appendix import dropped_section, record_figure
+from stickslip.report.records.certificate import certificate_section as certificate_of
+from stickslip.report.records.friction import map_section
+from stickslip.report.records.parameters import parameters_section
+from stickslip.report.records.reproduce import joint_lines, laws_as_code, reproduced
+from stickslip.report.records.residuals import residuals_section
+from stickslip.report.records.scores import error_column, scores_section
+from stickslip.report.records.sections import trials_section
+from stickslip.report.records.summary import error_fact, law_lines
+from stickslip.report.records.texts import symbols_of
+from stickslip.report.records.validation_record import second_section
+from stickslip.selection import (
+    JointVerdict,
+    RecordVerdict,
+    joint_label,
+    plain,
+    score_text,
+    short_verdict,
+)
+
+__all__ = ["joint_sections"]
+
+MOST: Final = 30
+"""Combinations of laws in the table at most."""
+OF_A_JOINT: Final[tuple[Callable[[RecordVerdict], Section | None], ...]] = (
+    map_section,
+    scores_section,
+    second_section,
+    trials_section,
+    parameters_section,
+    residuals_section,
+    dropped_section,
+)
+"""Sections of the page of one contact that stand in the section of a joint."""
+
+
+def joint_sections(
+    verdict: JointVerdict, origin: Origin, remark: str = ""
+) -> tuple[SectionMaker, ...]:
+    """Return what makes the sections of a page.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        What `stickslip.select` gave; every number of the page is computed from it.
+    origin : Origin
+        Where it is from.
+    remark : str
+        A sentence of one's own, at the end of the lede.
+
+    Returns
+    -------
+    tuple of callable
+        Functions without arguments, each of which makes a section.
+    """
+    return (
+        partial(opening_section, verdict, origin.data, remark),
+        partial(forces_section, verdict),
+        *(
+            partial(joint_section, own, name, number)
+            for number, (name, own) in enumerate(verdict.joints.items(), 1)
+        ),
+        partial(mechanism_section, verdict),
+        partial(combinations_section, verdict),
+        partial(checks_section, verdict),
+        partial(certificate_section, verdict),
+        partial(reproduce_section, verdict, origin),
+    )
+
+
+def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Section:
+    """Return the section that a reader may stop after.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        The selection.
+    kicker : str
+        Small print above the verdict: what was measured.
+    remark : str
+        A sentence at the end of the lede.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    words = verdict.words
+    symbols = symbols_of(c for one in verdict.joints.values() for c in one.candidates)
+    laws, facts = [], []
+    for name, own in verdict.joints.items():
+        fit, label = own.closest.fit, joint_label(name)
+        for line in law_lines(fit, own.closest.left_out) if fit and verdict.best else ():
+            laws.append(LawLine(label=f"{label}: {line.label}", formula=line.formula))
+        fact = error_fact(own)
+        facts += [replace(fact, what=f"{label}: {fact.what}")] if fact else []
+    opening = Opening(
+        kicker=kicker,
+        verdict=words.verdict,
+        lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
+        law=tuple(laws),
+        facts=tuple(facts[:3]),
+        settles=tuple(typeset(line, symbols) for line in words.settles),
+        cannot_tell=tuple(typeset(line, symbols) for line in words.cannot_tell),
+        measure_next=tuple(typeset(line, symbols) for line in words.measure_next),
+    )
+    return Section(id="verdict", nav="Verdict", heading="", blocks=(opening,))
+
+
+def forces_section(verdict: JointVerdict) -> Section | None:
+    """Return the section with the forces of all joints, measured and predicted."""
+    fit = verdict.closest.fit
+    if fit is None:
+        return None
+    svg = inline_svg(
+        joint_figure(fit),
+        alt=f"Measured and predicted force of {joined(list(fit.mechanism.coordinates))}",
+        prefix="forces-figure",
+        **joint_sizes(fit),
+    )
+    several = len(verdict.measurement.records())
+    which = "" if several == 1 else f" of the first of {several} records"
+    caption = (
+        f"**Forces of the joints**{which}: measured, and predicted with the fitted mechanism and"
+        " the laws of all joints. Both passed the same filter."
+    )
+    heading = f"Held-out error of {_errors(verdict)}"
+    return Section(
+        id="forces", nav="Forces", heading=heading, blocks=(Figure(svg=svg, caption=caption),)
+    )
+
+
+def _errors(verdict: JointVerdict) -> str:
+    said = []
+    for name, own in verdict.joints.items():
+        said.append(f"{own.scale.quantity(own.closest.score)} at the {name}")
+    return joined(said)
+
+
+def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
+    """Return the section of one joint.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The comparison of the laws of that joint.
+    name : str
+        Name of the joint.
+    number : int
+        Its number, which keeps what the figures define apart.
+
+    Returns
+    -------
+    Section
+        Verdict, ranking, parameters and residuals of the joint.
+    """
+    symbols = symbols_of(verdict.candidates)
+    text = f"{verdict.words.verdict} {verdict.words.lede}"
+    blocks: list[Block] = [Paragraph(text=typeset(text, symbols))]
+    for part in made_sections(*(partial(make, verdict) for make in OF_A_JOINT)):
+        blocks += [Subheading(text=part.heading), *part.blocks]
+    figure = record_figure(verdict, verdict.closest.fit) if verdict.closest.fit else None
+    blocks += [Subheading(text="The record"), figure] if figure else []
+    return Section(
+        id=f"joint-{number}",
+        nav=joint_label(name),
+        heading=plain(short_verdict(name, verdict)),
+        blocks=tuple(_apart(block, number) for block in blocks),
+    )
+
+
+def _apart(block: Block, number: int) -> Block:
+    """Return a block whose drawing defines nothing that another joint's does."""
+    if not isinstance(block, Figure):
+        return block
+    return replace(block, svg=block.svg.replace("-figure-", f"-figure-{number}-"))
+
+
+def mechanism_section(verdict: JointVerdict) -> Section | None:
+    """Return the section on the parameters of the mechanism, None where none was fitted."""
+    fit = verdict.closest.fit
+    found = [e for e in fit.estimates if e.path.startswith("mechanism.")] if fit else []
+    if not found:
+        return None
+    rows = []
+    for one in found:
+        value, doubt = one.parts
+        number = Number(value=value, doubt=doubt, unit=one.quantity.unit)
+        aside = "" if one.bounded else one.reason
+        rows.append(Row(cells=(Name(text=label_of(one), aside=aside), number)))
+    columns = (Column(head="parameter"), Column(head="estimate, 95 % interval", numeric=True))
+    text = (
+        "All joints share these parameters. They were fitted with every combination of laws anew."
+    )
+    known = sum(one.bounded for one in found)
+    heading = f"{capital(in_words(known))} of {count(len(found), 'parameter')} of the mechanism"
+    return Section(
+        id="mechanism",
+        nav="Mechanism",
+        heading=f"{heading} {'is' if known == 1 else 'are'} identified",
+        blocks=(Table(columns=columns, rows=tuple(rows), caption=text),),
+    )
+
+
+def combinations_section(verdict: JointVerdict) -> Section:
+    """Return the section on all combinations of laws that were compared."""
+    scale, rows = verdict.scale, []
+    for one in verdict.candidates[:MOST]:
+        value, doubt = score_text(scale, one.score, one.score_error)
+        cells = (one.title, str(one.parameters), Number(value=value, doubt=doubt), one.outcome)
+        rows.append(Row(cells=cells, chosen=one.name == verdict.closest.name))
+    columns = (
+        Column(head="laws"),
+        Column(head="free\nparameters", numeric=True, phone="hide"),
+        error_column(scale),
+        Column(head="", phone="show"),
+    )
+    left = len(verdict.candidates) - len(rows)
+    caption = (
+        "Held-out error of all joints together, each weighted by what a regression with Coulomb"
+        " and viscous friction leaves of its force. Laws are not chosen by this table, but joint"
+        " by joint, by the error of the force of that joint."
+    )
+    if left > 0:
+        caption += f" {capital(count(left, 'more combination'))} with larger errors not shown."
+    sweeps = count(verdict.sweeps, "sweep")
+    heading = f"{count(len(verdict.candidates), 'combination')} of laws compared in {sweeps}"
+    return Section(
+        id="combinations",
+        nav="Combinations",
+        heading=heading,
+        blocks=(Table(columns=columns, rows=tuple(rows), caption=caption),),
+    )
+
+
+def checks_section(verdict: JointVerdict) -> Section | None:
+    """Return the section on what was checked of the records."""
+    items = check_items(verdict.checks)
+    if not items:
+        return None
+    warned = sum(finding.severity != "info" for finding in verdict.checks.findings)
+    return Section(
+        id="record",
+        nav="Record and checks",
+        heading=checks_heading(warned),
+        blocks=(KeyValues(items=items),),
+    )
+
+
+def certificate_section(verdict: JointVerdict) -> Section | None:
+    """Return the section on the computation behind the verdict."""
+    section = certificate_of(verdict)
+    if section is None:
+        return None
+    became = "the last changed no choice" if verdict.settled else "the choices had not settled"
+    item = KeyValue(
+        key="Sweeps",
+        value=f"{verdict.sweeps} over {count(len(verdict.joints), 'joint')}; {became}",
+        mark="ok" if verdict.settled else "warn",
+    )
+    return replace(section, blocks=(*section.blocks, KeyValues(items=(item,))))
+
+
+def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
+    """Return the section with commands, the selection and the laws as code, and references.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        The selection.
+    origin : Origin
+        Commands, versions and hashes.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    fit = verdict.closest.fit
+    every = [one for own in verdict.joints.values() for one in own.candidates]
+    laws = {type(one.law): one.law for one in every if one.law is not None}
+    return reproduced(
+        verdict,
+        origin,
+        lines=joint_lines(verdict),
+        law=laws_as_code(dict(fit.law.members)) if fit else "",  # type: ignore[attr-defined]
+        laws=tuple(laws.values()),
+    )

@@ -1,0 +1,432 @@
+"""Selection for several joints: the law of each by coordinate descent over the candidates."""
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, TypeAlias, cast, final
+
+from stickslip.errors import ConvergenceError, InputError, SimulationError
+from stickslip.experiments import Checks, Finding, Measurement
+from stickslip.friction import BristleLaw, FrictionLaw, Laws
+from stickslip.identification import (
+    LAW,
+    FittedLaw,
+    JointFitter,
+    RecordFit,
+    RecordSettings,
+    arguments,
+    joint_record,
+    joint_view,
+    names_of,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.selection.applicability import checked
+from stickslip.selection.candidates import (
+    LEFT_OUT,
+    CandidateSpec,
+    Watch,
+    control,
+    specifications,
+)
+from stickslip.selection.cross_validation import Plan, plan_of
+from stickslip.selection.joint_verdict import JointVerdict, combination_of, joint_wording
+from stickslip.selection.parallel_fit import fitted_side_by_side
+from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
+from stickslip.selection.records import (
+    PURPOSES,
+    PurposeName,
+    unfitted,
+    verdict_on,
+    with_contained,
+    with_objections,
+    with_scores,
+    without_spare,
+)
+
+__all__ = ["joint_specifications", "select_joints"]
+
+SWEEPS = 6
+"""Sweeps over the joints at most."""
+APART = 0.1
+"""Share of the residual that laws of their own must take off for trials to count as different: what
+the filter makes of reversals differs by record, which a test of a few blocks takes for the law."""
+AIM: PurposeName = "compensate"
+"""What is scored: the force of each joint along the measured motion."""
+
+Chosen: TypeAlias = Mapping[str, CandidateSpec]
+"""A candidate for each contact."""
+AnyLaws: TypeAlias = (
+    Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None
+)
+
+
+def joint_specifications(laws: AnyLaws) -> tuple[CandidateSpec, ...]:
+    """Return the candidates for each joint: those given, or the usual ones without bristles.
+
+    The common filter of the balances hides most of presliding, and laws with bristles take a
+    hundred times as long; they are compared where they are asked for.
+
+    Parameters
+    ----------
+    laws : mapping or sequence or None
+        As in `stickslip.select`.
+
+    Returns
+    -------
+    tuple of CandidateSpec
+        The candidates.
+
+    Examples
+    --------
+    >>> [one.name for one in joint_specifications(None)][:3]
+    ['viscous', 'coulomb', 'coulomb-viscous']
+    """
+    found = specifications(laws)
+    return tuple(one for one in found if laws is not None or not _has_bristles(one))
+
+
+def _has_bristles(one: CandidateSpec) -> bool:
+    kind = one.law if isinstance(one.law, type) else type(one.law)
+    return issubclass(kind, BristleLaw)
+
+
+@arguments
+def select_joints(
+    mechanism: Mechanism,
+    laws: AnyLaws,
+    measurement: Measurement,
+    *,
+    vary: str | Sequence[str] | None = None,
+    fixed: Mapping[str, float] | None = None,
+    validate: Measurement | None = None,
+    settings: RecordSettings | None = None,
+    progress: Watch | None = None,
+    executor: Executor | None = None,
+) -> JointVerdict:
+    """Select a law for each joint from records of positions and forces; arguments as in `select`.
+
+    All joints begin with the simplest law. Then joint by joint every candidate is fitted with the
+    laws of the others as they are, in one problem with all parameters, and one is chosen as for
+    other records, by held-out errors of the force of that joint. This is repeated until no choice
+    changes.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; records may override its parameters.
+    laws : mapping of str to FrictionLaw or sequence of FrictionLaw or type or str or None
+        The candidates for each joint; the usual ones without bristles if None.
+    measurement : Measurement
+        Records in time of positions and forces by joint.
+    vary : str or sequence of str, optional
+        Parameters of the mechanism to fit too, by path or last name.
+    fixed : mapping of str to float, optional
+        Values of parameters of the mechanism, and of constant forces, that are held [SI].
+    validate : Measurement, optional
+        A second record, which no fit sees.
+    settings : RecordSettings, optional
+        Starts, seed and hold.
+    progress : callable, optional
+        Called with joint and law, and the least residual so far; False ends the search with the
+        best so far.
+    executor : Executor, optional
+        Processes that fit laws at the same time; one after the other if not given.
+
+    Returns
+    -------
+    JointVerdict
+        A verdict for each joint, and the combination of laws with its fit.
+    """
+    specs = joint_specifications(laws)
+    names = [LAW, *(name for name in names_of(vary or LAW) if name != LAW)]
+    checks = checked(mechanism, measurement, validate)
+    fitter = JointFitter.of(
+        mechanism,
+        _laws_of(mechanism, specs[0]),
+        measurement,
+        vary=names,
+        fixed=fixed,
+        settings=settings,
+        bristles=any(map(_has_bristles, specs)),
+    )
+    if fitter.exchanged:
+        found = Finding(kind="exchanged joints", sentence=fitter.exchanged, severity="warning")
+        checks = replace(checks, findings=(found, *checks.findings))
+    descent = _Descent.of(fitter, specs, validate, checks, progress, executor)
+    descent.usual = laws is None
+    return descent.verdict()
+
+
+def _laws_of(mechanism: Mechanism, one: CandidateSpec) -> dict[str, CandidateSpec]:
+    return {contact.name or contact.slips[0]: one for contact in mechanism.contacts()}
+
+
+@final
+@dataclass
+class _Descent:
+    """A coordinate descent: the choice so far, and what was compared on its way."""
+
+    fitter: JointFitter
+    specs: tuple[CandidateSpec, ...]
+    validate: Measurement | None
+    checks: Checks
+    watch: Watch | None
+    executor: Executor | None
+    chosen: dict[str, CandidateSpec]
+    """The law of each contact."""
+    fits: dict[str, RecordCandidate]
+    """Combinations that were fitted, by name; those that were compared have held-out errors."""
+    plan: Plan
+    """Held-out blocks of all comparisons."""
+    records: dict[str, tuple[tuple[Measurement, Measurement], ...]]
+    """Of each contact, what was fitted and validated of its joint, with the whole records."""
+    usual: bool = False
+    """Whether no laws were named."""
+    stopped: bool = False
+    """Whether the search was ended early."""
+
+    @classmethod
+    def of(
+        cls,
+        fitter: JointFitter,
+        specs: tuple[CandidateSpec, ...],
+        validate: Measurement | None,
+        checks: Checks,
+        watch: Watch | None,
+        executor: Executor | None,
+    ) -> "_Descent":
+        """Begin with the simplest law at all joints, of several that with the least residual."""
+        least = min(map(_size, specs))
+        simplest = [one for one in specs if _size(one) == least]
+        tried = {one.name: _common(fitter, one) for one in simplest}
+        known = [one for one in tried.values() if one.fit is not None]
+        if not known:
+            reasons = "; ".join(f"{one.title}: {one.dropped}" for one in tried.values())
+            raise ConvergenceError(f"no candidate can predict this record: {reasons}")
+        first = min(known, key=lambda one: one.residual)
+        assert first.fit is not None
+        start = next(one for one in simplest if first.name == _named(fitter, one))
+        whole = [fitter.measurement, *([] if validate is None else [validate])]
+        return cls(
+            fitter=fitter,
+            specs=specs,
+            validate=validate,
+            checks=checks,
+            watch=watch,
+            executor=executor,
+            chosen=dict.fromkeys(fitter.contacts.values(), start),
+            fits={first.name: first},
+            plan=plan_of(first.fit, horizon=PURPOSES[AIM]),
+            records={
+                contact: tuple((joint_record(fitter.mechanism, one, joint), one) for one in whole)
+                for joint, contact in fitter.contacts.items()
+            },
+        )
+
+    def verdict(self) -> JointVerdict:
+        """Sweep over the joints until no choice changes, and return the verdict."""
+        verdicts: dict[str, RecordVerdict] = {}
+        based: dict[str, str] = {}
+        seen = [self._name()]
+        for sweep in itertools.count(1):
+            before = self._name()
+            for joint, contact in self.fitter.contacts.items():
+                others = self._name({contact: None})
+                if based.get(contact) == others:  # the comparison stands
+                    continue
+                verdicts[contact], based[contact] = self._compared(joint, contact), others
+                taken = verdicts[contact].closest.name
+                self.chosen[contact] = next(one for one in self.specs if one.name == taken)
+            settled = self._name() == before
+            if settled or self._name() in seen or sweep == SWEEPS or self.stopped:
+                break
+            seen.append(self._name())
+        return self._concluded(verdicts, sweep, settled=settled and not self.stopped)
+
+    def _name(self, changes: Mapping[str, CandidateSpec | None] | None = None) -> str:
+        return combination_of({**self.chosen, **(changes or {})})
+
+    def _compared(self, joint: str, contact: str) -> RecordVerdict:
+        """Return the verdict on one joint, the laws of the others being those chosen so far."""
+        work = partial(
+            _fitted,
+            fitter=self.fitter,
+            chosen=dict(self.chosen),
+            contact=contact,
+            now=self.fits[self._name()],
+        )
+        watch = self.watch and partial(_by_joint, self.watch, joint, self)
+        tried = fitted_side_by_side(work, self.specs, watch, self.executor)
+        judge = partial(with_scores, plan=self.plan, validate=self.validate)
+        without = _without(work)
+        every = [*tried, *([without] if without else [])]
+        if self.watch is not None:
+            self.watch(f"held-out blocks: {joint}", math.nan)
+        run = map if self.executor is None else self.executor.map
+        scored = list(run(judge, every))
+        views = [with_objections(self._alone(one, joint, contact)) for one in scored]
+        for one, spec in zip(scored, self.specs, strict=False):
+            name = self._name({contact: spec})
+            if one.fit is not None:
+                self.fits[name] = replace(
+                    one, name=name, title=_title({**self.chosen, contact: spec})
+                )
+        judged = with_contained(views[: len(tried)], self.specs)
+        own = self.records[contact]
+        return verdict_on(
+            self.fitter.mechanism,
+            own[0][0],
+            judged,
+            views[-1] if without else None,
+            self.plan,
+            AIM,
+            replace(self.checks, findings=()),
+            own[1][0] if len(own) > 1 else None,
+            fault=self._fault(),
+            material=APART,
+        )
+
+    def _fault(self) -> str:
+        """Return why no law can be recommended at any joint; empty if nothing is known."""
+        text = self.fitter.exchanged
+        return text[:1].lower() + text[1:].rstrip(".")
+
+    def _alone(self, one: RecordCandidate, joint: str, contact: str) -> RecordCandidate:
+        """Return a candidate with all that is of one joint."""
+        if one.fit is None:
+            return one
+        fit = joint_view(cast("Any", one.fit), contact, records=self.records[contact])
+        prefix = f"friction.{contact}."
+        gone = [path for path in one.left_out if path.startswith(prefix)]
+        return replace(
+            one,
+            fit=fit,
+            left_out=tuple(path.replace(prefix, "friction.", 1) for path in gone),
+            validation=one.validation and one.validation.joints.get(joint),
+            second=one.second and one.second.joints[joint],
+        )
+
+    def _concluded(
+        self, verdicts: Mapping[str, RecordVerdict], sweeps: int, *, settled: bool
+    ) -> JointVerdict:
+        named = self._name()
+        best = self.fits[named]
+        sound = all(one.best is not None for one in verdicts.values())
+        known = [one for one in self.fits.values() if math.isfinite(one.score)]
+        ordered = sorted(known, key=lambda one: (one.name != named, one.score))
+        outcomes = [replace(one, outcome=_outcome(one, best, recommended=sound)) for one in ordered]
+        best = outcomes[0]
+        verdict = JointVerdict(
+            mechanism=self.fitter.mechanism,
+            measurement=self.fitter.measurement,
+            words=joint_wording(
+                verdicts, sweeps, settled=settled, checks=self.checks, compared=len(known)
+            ),
+            candidates=tuple(outcomes),
+            ranked=True,
+            best=best if sound else None,
+            not_recommended=None if sound else best,
+            checks=self.checks,
+            joints=dict(verdicts),
+            sweeps=sweeps,
+            settled=settled,
+            usual=self.usual,
+            plan=self.plan,
+            second=self.validate,
+            settings=self.fitter.settings,
+        )
+        return verdict
+
+
+def _outcome(one: RecordCandidate, best: RecordCandidate, *, recommended: bool) -> str:
+    if one.name == best.name:
+        return "chosen" if recommended else "fits best, not recommended"
+    pairs = zip(one.name.split(","), best.name.split(","), strict=True)
+    changed = [own for own, other in pairs if own != other]
+    return f"differs from the choice at {len(changed)} joint{'s' if len(changed) > 1 else ''}"
+
+
+def _size(one: CandidateSpec) -> int:
+    """Return how many parameters of a law are looked for."""
+    kind = one.law if isinstance(one.law, type) else type(one.law)
+    return len(kind.fit_order if one.free is None else one.free)
+
+
+def _named(fitter: JointFitter, one: CandidateSpec) -> str:
+    return combination_of(dict.fromkeys(fitter.contacts.values(), one))
+
+
+def _title(chosen: Chosen) -> str:
+    return ", ".join(f"{one.title} ({contact})" for contact, one in chosen.items())
+
+
+def _common(fitter: JointFitter, one: CandidateSpec) -> RecordCandidate:
+    """Return one law fitted at all joints; one that cannot be fitted is kept with the reason."""
+    chosen = dict.fromkeys(fitter.contacts.values(), one)
+    named = replace(one, name=_named(fitter, one), title=_title(chosen))
+    try:
+        fit = fitter.fitted(chosen)
+    except (ConvergenceError, SimulationError) as error:
+        return unfitted(named, str(error))
+    return RecordCandidate(
+        name=named.name, title=named.title, fit=cast("Any", fit), validation=None
+    )
+
+
+def _without(work: Callable[[CandidateSpec], RecordCandidate]) -> RecordCandidate | None:
+    """Return the fit without friction of a joint; None where it has nothing to look for."""
+    try:
+        return work(control())
+    except InputError:
+        return None
+
+
+def _by_joint(watch: Watch, joint: str, descent: _Descent, name: str, residual: float) -> object:
+    """Tell of a law at a joint, and note that the search was ended."""
+    answer = watch(f"{joint}: {name}", residual)
+    descent.stopped |= answer is False
+    return answer
+
+
+def _fitted(
+    one: CandidateSpec,
+    contained: Sequence[FittedLaw] = (),
+    rival: float = 0.0,  # noqa: ARG001  # fits along the motion are not cut short
+    watch: Watch | None = None,
+    *,
+    fitter: JointFitter,
+    chosen: Chosen,
+    contact: str,
+    now: RecordCandidate,
+) -> RecordCandidate:
+    """Fit one candidate at a joint, the others' laws as chosen; keep one that fails with why."""
+    if one.name == chosen[contact].name:
+        return replace(now, name=one.name, title=one.title, validation=None, second=None)
+    near = cast("RecordFit[Laws]", now.fit)
+    prefix = f"friction.{contact}."
+    kept = tuple(path for path in now.left_out if not path.startswith(prefix))
+    if watch is not None and watch(one.name, math.nan) is False:
+        return unfitted(one, LEFT_OUT)
+    report = None if watch is None else partial(watch, one.name)
+    work = partial(fitter.fitted, near=near, changed=contact, progress=report)
+    try:
+        fit = work({**chosen, contact: one}, contained=contained)
+        rest = without_spare(joint_view(fit, contact))
+        if rest is not None:
+            law, free = rest
+            less = replace(one, law=law, free=tuple(path.partition(".")[2] for path in free))
+            before, fit = fit, work({**chosen, contact: less})
+            left = fit.free_parameters.paths
+            kept += tuple(path for path in before.free_parameters.paths if path not in left)
+    except (ConvergenceError, SimulationError) as error:
+        return unfitted(one, str(error))
+    return RecordCandidate(
+        name=one.name,
+        title=one.title,
+        fit=cast("Any", fit),
+        validation=None,
+        left_out=kept,
+    )

@@ -1,0 +1,137 @@
+"""Selection for several joints: the law of each is found, and a verdict is for each."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from tests.arm_cases import GUESSED, JOINTS, LINEAR, QUICK, TRUTH, parts, record
+
+from stickslip import (
+    CoulombViscous,
+    DirectionDependent,
+    Measurement,
+    Stribeck,
+    load_rig,
+    select,
+    write_report,
+)
+from stickslip.selection import joint_specifications
+
+LAWS = {
+    "shoulder": DirectionDependent(
+        forward_kinetic_coefficient=0.15, backward_kinetic_coefficient=0.25,
+        forward_viscous_coefficient=0.02, backward_viscous_coefficient=0.03,
+    ),
+    "elbow": CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.01),
+}  # fmt: skip
+TRIED = ["coulomb-viscous", "direction-dependent"]
+
+
+@pytest.fixture(scope="module")
+def verdict():
+    return select(GUESSED, TRIED, record(0, LAWS, span=5.0), vary=LINEAR, settings=QUICK)
+
+
+def test_the_law_of_each_joint_is_named(verdict):
+    assert verdict.best.name == "shoulder=direction-dependent,elbow=coulomb-viscous"
+    assert verdict.sentence.startswith("Shoulder: use direction-dependent friction")
+    assert "Elbow: use Coulomb + viscous friction" in verdict.sentence
+    assert (verdict.sweeps, verdict.settled) == (2, True)
+    law = verdict.best.fit.law
+    assert law["shoulder"].backward_kinetic_coefficient == pytest.approx(0.25, rel=0.05)
+    assert law["elbow"].kinetic_coefficient == pytest.approx(0.1, rel=0.05)
+
+
+def test_each_joint_has_a_ranking_of_all_laws_and_a_control(verdict):
+    for name in JOINTS:
+        own = verdict.joints[name]
+        assert sorted(one.name for one in own.candidates) == TRIED
+        assert own.control.score > 3.0 * own.closest.score
+        assert own.unit == "N m"
+        assert own.closest.score < 0.01  # noise of 0.01 N m, of which the filter leaves a tenth
+
+
+def test_held_out_errors_of_joints_add_up_to_that_of_their_combination(verdict):
+    """Mean squares of blocks, weighted as the fit weighs the rows of the joints."""
+    validation, fit = verdict.best.validation, verdict.best.fit
+    judged = fit.build(fit.measurement, verdict.plan.horizon)
+    seen = judged.linearise(fit.values, slopes=False)
+    rows = {name: len(one.residual) for name, one in judged.by_joint(seen).items()}
+    per_joint = {name: np.mean(one.losses) for name, one in validation.joints.items()}
+    joined = sum(rows[name] * judged.weights[name] ** 2 * per_joint[name] for name in JOINTS)
+    # blocks have about as many rows of each joint as their neighbours
+    assert joined / sum(rows.values()) == pytest.approx(np.mean(validation.losses), rel=0.1)
+    for name in JOINTS:
+        chosen = verdict.joints[name].closest
+        assert chosen.validation == validation.joints[name]
+
+
+def test_combinations_on_the_way_are_told_once_each(verdict):
+    names = [one.name for one in verdict.candidates]
+    assert len(names) == len(set(names))
+    assert names[0] == verdict.best.name
+    assert "shoulder=coulomb-viscous,elbow=coulomb-viscous" in names
+    content = json.loads(json.dumps(verdict.to_dict()))
+    assert content["joints"]["elbow"]["best"] == "coulomb-viscous"
+    assert content["sweeps"] == 2
+
+
+@pytest.mark.slow
+def test_a_report_has_a_section_for_each_joint_and_the_laws_as_a_rig_file(verdict, tmp_path):
+    page = write_report(verdict, tmp_path)
+    text = page.read_text()
+    for part in ("joint-1", "joint-2", "forces", "mechanism", "combinations", "certificate"):
+        assert f'id="{part}"' in text
+    assert "could not be produced" not in text
+    ids = re.findall(r'\bid="([^"]+)"', text)
+    assert len(ids) == len(set(ids))
+    rig = load_rig(tmp_path / "law.toml")
+    laws = rig.law_by_contact()
+    assert laws["elbow"].kinetic_coefficient == pytest.approx(0.1, rel=0.05)
+    assert rig.mechanism.upper_inertia == verdict.best.fit.mechanism.upper_inertia
+
+
+def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
+    t, places, forces = parts(record(0, span=4.0))
+    swapped = {"shoulder": forces["elbow"], "elbow": forces["shoulder"]}
+    wrong = Measurement(time=t, position=places, force=swapped)
+    found = select(GUESSED, ["coulomb"], wrong, vary=LINEAR, settings=QUICK)
+    assert found.best is None
+    assert "The forces of shoulder and elbow seem to be exchanged" in found.sentence
+    assert found.checks.findings[0].severity == "warning"
+    assert "exchanged" in found.words.measure_next[0]
+
+
+def test_a_search_that_is_stopped_names_what_it_has():
+    told = []
+
+    def stop(name, residual):
+        told.append(name)
+        return False
+
+    found = select(GUESSED, TRIED, record(1, span=4.0), vary=LINEAR, settings=QUICK, progress=stop)
+    assert not found.settled
+    assert "had not settled" in found.words.lede
+    assert found.closest.name == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
+    assert {name.partition(":")[0] for name in told} <= {*JOINTS, "held-out blocks"}
+
+
+def test_bristles_are_compared_only_where_they_are_asked_for():
+    usual = [one.name for one in joint_specifications(None)]
+    assert "stribeck" in usual
+    assert not {"lugre", "dahl", "dahl-exponent"} & {*usual}
+    assert [one.name for one in joint_specifications(["lugre"])] == ["lugre"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [11, 12])
+def test_laws_of_different_kinds_are_named_among_all(seed):
+    stribeck = Stribeck(
+        kinetic_coefficient=0.15, static_coefficient=0.4, stribeck_velocity=0.8,
+        viscous_coefficient=0.02,
+    )  # fmt: skip
+    several = [record(10 * seed + k, {**TRUTH, "shoulder": stribeck}) for k in range(2)]
+    both = Measurement(trials=tuple(several))
+    found = select(GUESSED, None, both, vary=LINEAR, settings=QUICK)
+    assert found.best.name == "shoulder=stribeck,elbow=coulomb-viscous"
