@@ -32,11 +32,17 @@ from stickslip.mechanisms.pendulum import Pendulum as Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
+from stickslip.mechanisms.robot import Robot as Robot
+from stickslip.mechanisms.robot import RobotJoint as RobotJoint
+from stickslip.mechanisms.serial_arm import Link as Link
+from stickslip.mechanisms.serial_arm import SerialArm as SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
+from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
+from stickslip.mechanisms.urdf import read_urdf as read_urdf
 
 MECHANISM_MODULES: dict[str, str]
 
@@ -50,6 +56,7 @@ __all__ = [
     "DiscBrake",
     "Guide",
     "Lining",
+    "Link",
     "MECHANISMS",
     "MOTORS",
     "MatrixMechanism",
@@ -58,7 +65,11 @@ __all__ = [
     "Pendulum",
     "PendulumCart",
     "Prescribed",
+    "Robot",
+    "RobotDescription",
+    "RobotJoint",
     "Rotor",
+    "SerialArm",
     "SpringBlock",
     "Stop",
     "Torque",
@@ -67,6 +78,7 @@ __all__ = [
     "TwoLinkArm",
     "TwoMassAxis",
     "mechanisms",
+    "read_urdf",
     "slip_names",
     "static_normal_force",
     "stops_between",
