@@ -384,6 +384,7 @@ SHOWN: Mapping[str, Mechanism] = {
 
 
 SEVERAL: Mapping[str, Mechanism] = {
+    "two-mass-axis": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="both"),
     "block-chain": BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1),
     "block-chain, one": BlockChain(blocks=1, mass=1.0, coupling=4.0, stiffness=1.0, damping=0.1),
     "clutch-train": ClutchTrain(

@@ -51,10 +51,12 @@ INSIDE = {
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "has_one_slip": "contacts",
+    "joint_places": "rigid_bodies",
     "normal_of": "contacts",
     "only_contact": "contacts",
     "repeats": "drive_period",
     "slip_of": "contacts",
+    "slipping": "contacts",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -20,6 +20,7 @@ from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
+from stickslip.mechanisms.contacts import slipping as slipping
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
 from stickslip.mechanisms.disc_brake import DiscBrake as DiscBrake
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
@@ -32,6 +33,7 @@ from stickslip.mechanisms.pendulum import Pendulum as Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
+from stickslip.mechanisms.rigid_bodies import joint_places as joint_places
 from stickslip.mechanisms.robot import Robot as Robot
 from stickslip.mechanisms.robot import RobotJoint as RobotJoint
 from stickslip.mechanisms.serial_arm import Link as Link

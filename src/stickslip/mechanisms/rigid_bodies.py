@@ -27,6 +27,7 @@ __all__ = [
     "Vector",
     "about",
     "both",
+    "joint_places",
     "mass_matrix_of",
     "plus",
     "taken_by",
@@ -237,6 +238,30 @@ class _Place:
             xz, yz = c * xz - s * yz, s * xz + c * yz
         at_joint = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
         return turned(self.back, at_joint)
+
+
+def joint_places(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[tuple[Vector, Matrix]]:
+    """Return where joints are and how their bodies stand.
+
+    Parameters
+    ----------
+    bodies : sequence of Body (n,)
+        The bodies, each behind the one that carries it.
+    q : sequence of float or symbol (n,)
+        Coordinates of the joints [rad] or [m].
+
+    Returns
+    -------
+    list of (vector, matrix)
+        Place of each joint [m] and axes of its body, a column each, in axes of the ground.
+    """
+    found: list[tuple[Vector, Matrix]] = []
+    for body, one in zip(bodies, q, strict=True):
+        place = _Place(body, one)
+        at, axes = (NONE, UNIT) if body.parent == BASE else found[body.parent]
+        own = [times(axes, place.inward(row)) for row in UNIT]
+        found.append((plus(at, times(axes, place.offset)), transposed(own)))
+    return found
 
 
 @dataclass

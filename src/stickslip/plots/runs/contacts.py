@@ -1,5 +1,6 @@
 """Figures of a run with several contacts."""
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
+__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states", "raster"]
 
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
@@ -144,11 +145,20 @@ def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: fl
         axes.plot(at.t, factor * at["friction"], "o", color=C1, markersize=4, zorder=4)
 
 
-def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
-    """Draw a row for each contact: when it slips, sticks, or is open."""
+def raster(axes: Axes, seen: Trajectory, colours: Mapping[int, str]) -> None:
+    """Draw a row for each contact: when it slips, sticks, or is open.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where they are drawn.
+    seen : Trajectory
+        A run with several contacts.
+    colours : mapping of int to str
+        Colours of modes; other modes are left empty.
+    """
     edges = np.append(seen.t, seen.t[-1])
     rows = np.arange(len(seen.contacts) + 1)
-    colours = {-1: C2, 0: MUTED, 1: C1}
     modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])
     for row, own in enumerate(modes):
         begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
@@ -164,9 +174,15 @@ def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
     axes.set_ylim(0.0, float(rows[-1]))
     axes.set_yticks(rows[:-1] + 0.5, seen.contacts, fontsize="x-small")
     axes.invert_yaxis()
+
+
+def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
+    """Draw the raster with what its colours mean."""
+    raster(axes, seen, {-1: C2, 0: MUTED, 1: C1})
     axes.set_xlabel("time, s")
+    modes = [np.rint(seen[f"mode:{name}"]) for name in seen.contacts]
     meanings = {"slip backward": C2, "stick": MUTED, "slip forward": C1}
-    if np.any(modes == UNLOADED):
+    if np.any(np.array(modes) == UNLOADED):
         meanings["open"] = SURFACE
     for label, colour in meanings.items():
         axes.plot([], [], "s", color=colour, markeredgecolor=MUTED, label=label)
