@@ -8,11 +8,11 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from benchmarks.robots import START, ur, ur_laws
 from tests.contact_cases import Arm, coulomb
 from tests.mechanisms.urdf_cases import by_jacobians, needed, random_urdf
 
 from stickslip import EventDriven, SerialArm, TwoLinkArm, simulate
-from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.mechanisms import Link, Robot, RobotJoint, read_urdf
@@ -250,7 +250,6 @@ def test_bad_arguments_are_refused(make, message):
         make()
 
 
-UR_LEVELS = [(1.0, 1.4), (1.2, 1.6), (0.8, 1.1), (0.3, 0.45), (0.3, 0.45), (0.2, 0.3)]
 UR_EVENTS = [
     ("q4", 0.18560758999), ("q4", 0.25463098791), ("q3", 0.30489569365), ("q1", 0.38660392405),
     ("q5", 0.40809748085), ("q3", 0.64656012793), ("q4", 0.75717633250), ("q2", 0.76432625748),
@@ -258,50 +257,11 @@ UR_EVENTS = [
 ]  # fmt: skip
 
 
-def ur():
-    """Return the robot of the reference numbers, with the values of a UR5 and a payload of 1 kg."""
-    d, a = (0.089159, 0.0, 0.0, 0.10915, 0.09465, 0.0823), (0.0, -0.425, -0.39225, 0.0, 0.0, 0.0)
-    bends = (1, 0, 0, 1, -1, 0)  # sines of the angles between axes, which are at right angles or 0
-    masses = (3.7, 8.393, 2.33, 1.219, 1.219, 0.1879)
-    centres = (
-        (0, -0.02561, 0.00193), (0.2125, 0, 0.11336), (0.15, 0, 0.0265), (0, -0.0018, 0.01634),
-        (0, 0.0018, 0.01634), (0, 0, -0.001159),
-    )  # fmt: skip
-    moments = (
-        (0.0084, 0.0064, 0.0084), (0.0078, 0.21, 0.21), (0.0016, 0.0462, 0.0462),
-        (0.0016, 0.0016, 0.0009), (0.0016, 0.0016, 0.0009), (0.0001, 0.0001, 0.0001),
-    )  # fmt: skip
-    joints, before = [], (np.zeros(3), np.eye(3))
-    for i in range(6):
-        end = np.array([a[i], 0.0, d[i]])
-        turn = np.array(
-            [[1, 0, 0], [0, 1 - abs(bends[i]), -bends[i]], [0, bends[i], 1 - abs(bends[i])]]
-        )
-        lumps = [(masses[i], end + turn @ centres[i], turn @ np.diag(moments[i]) @ turn.T)]
-        lumps += [(1.0, end, np.zeros((3, 3)))] if i == 5 else []
-        mass = sum(m for m, _, _ in lumps)
-        centre = sum(m * r for m, r, _ in lumps) / mass
-        inertia = sum(k + m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r, k in lumps)
-        numbers = {f"inertia_{p}{q}": inertia["xyz".index(p), "xyz".index(q)]
-                   for p, q in ("xx", "yy", "zz", "xy", "xz", "yz")}  # fmt: skip
-        joints.append(
-            RobotJoint(
-                joint=f"q{i + 1}", parent=f"q{i}" if i else "", place=tuple(before[0]),
-                orientation=tuple(before[1].ravel().astype(float)), mass=mass, armature=0.1,
-                **{f"centre_{k}": x for k, x in zip("xyz", centre, strict=True)}, **numbers,
-                effort=Sine(amplitude=8.0, frequency=0.5) if i == 1 else None,
-            )
-        )  # fmt: skip
-        before = end, turn
-    return Robot(joints=tuple(joints))
-
-
 @pytest.mark.slow
 def test_a_robot_with_six_joints_moves_as_pinocchio_and_scipy_say():
     """Events that were located with another engine's equations, to 1e-11 s."""
-    robot = ur()
-    laws = {f"q{i + 1}": coulomb(*levels) for i, levels in enumerate(UR_LEVELS)}
-    start = dict(zip(robot.coordinates, (0.3, -1.2, 0.9, -0.6, 0.4, 0.2), strict=True))
+    robot, laws = ur(), ur_laws()
+    start = dict(zip(robot.coordinates, START, strict=True))
     solver = EventDriven(tier="compiled", tolerance=1e-12)
     run = simulate(robot, laws, t_end=4.0, y0=start, solver=solver)
     assert [e.contact for e in run.events][:10] == [name for name, _ in UR_EVENTS]
