@@ -20,7 +20,6 @@ from stickslip import (
     DiscBrake,
     Pendulum,
     PendulumCart,
-    SerialArm,
     SpringBlock,
     TowedBlock,
     TwoFeet,
@@ -38,6 +37,7 @@ from stickslip.mechanisms import (
     Robot,
     RobotJoint,
     Rotor,
+    SerialArm,
     Torque,
 )
 from stickslip.quantities import Quantity, fields_of, parameters

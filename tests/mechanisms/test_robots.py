@@ -12,10 +12,10 @@ from benchmarks.robots import START, ur, ur_laws
 from tests.contact_cases import Arm, coulomb
 from tests.mechanisms.urdf_cases import by_jacobians, needed, random_urdf
 
-from stickslip import EventDriven, SerialArm, TwoLinkArm, simulate
+from stickslip import EventDriven, TwoLinkArm, simulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formulation import formulate
-from stickslip.mechanisms import Link, Robot, RobotJoint, read_urdf
+from stickslip.mechanisms import Link, Robot, RobotJoint, SerialArm, read_urdf
 from stickslip.results import Status
 
 DESK = files("stickslip.mechanisms") / "desk_arm.urdf"

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from tests.contact_cases import Arm, coulomb
 from tests.support import SEVERAL, SHOWN
 
-from stickslip import DiscBrake, EventDriven, SerialArm, simulate
-from stickslip.mechanisms import MECHANISMS, Lining, Link, Robot, RobotJoint
+from stickslip import DiscBrake, EventDriven, simulate
+from stickslip.mechanisms import MECHANISMS, Lining, Link, Robot, RobotJoint, SerialArm
 from stickslip.plots import draw_scene, standalone_svg
 from stickslip.plots.animation.animation import frame_times
 from stickslip.plots.animation.animation_frame import Stage, moments_of

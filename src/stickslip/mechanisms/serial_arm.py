@@ -90,7 +90,7 @@ class SerialArm(JointedMechanism):
     Examples
     --------
     >>> from stickslip import Coulomb, simulate
-    >>> from stickslip.mechanisms import Link
+    >>> from stickslip.mechanisms import Link, SerialArm
     >>> arm = SerialArm(links=(Link(mass=0.5, length=0.3, centre=0.15, inertia=0.015),) * 3)
     >>> run = simulate(arm, Coulomb(kinetic_coefficient=0.2), t_end=2.0, y0={"q1": 1.0})
     >>> run.contacts, [event.contact for event in run.events][:3]

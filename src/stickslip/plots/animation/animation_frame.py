@@ -24,8 +24,8 @@ from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, artists_of
 from stickslip.plots.animation.scenes.shapes import Moment, Picture, Scene, Shape
 from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import dense
+from stickslip.plots.core.mode_raster import raster
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, shade
-from stickslip.plots.runs.contacts import raster
 from stickslip.trajectory import Trajectory
 
 __all__ = ["Stage", "moments_of"]

@@ -1,6 +1,5 @@
 """Figures of a run with several contacts."""
 
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -10,11 +9,12 @@ from matplotlib.figure import Figure
 from stickslip.formatting import scale_of
 from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import Sizes, dense
+from stickslip.plots.core.mode_raster import raster
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states", "raster"]
+__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
 
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
@@ -143,37 +143,6 @@ def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: fl
     if events:
         at = own.at([event.t for event in events])
         axes.plot(at.t, factor * at["friction"], "o", color=C1, markersize=4, zorder=4)
-
-
-def raster(axes: Axes, seen: Trajectory, colours: Mapping[int, str]) -> None:
-    """Draw a row for each contact: when it slips, sticks, or is open.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where they are drawn.
-    seen : Trajectory
-        A run with several contacts.
-    colours : mapping of int to str
-        Colours of modes; other modes are left empty.
-    """
-    edges = np.append(seen.t, seen.t[-1])
-    rows = np.arange(len(seen.contacts) + 1)
-    modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])
-    for row, own in enumerate(modes):
-        begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
-        ends = np.append(begins[1:], own.size)
-        for mode, colour in colours.items():
-            spans = [
-                (float(edges[i]), float(edges[k] - edges[i]))
-                for i, k in zip(begins, ends, strict=True)
-                if own[i] == mode
-            ]
-            axes.broken_barh(spans, (row, 1.0), facecolor=colour, linewidth=0.0)
-    axes.set_xlim(float(edges[0]), float(edges[-1]))
-    axes.set_ylim(0.0, float(rows[-1]))
-    axes.set_yticks(rows[:-1] + 0.5, seen.contacts, fontsize="x-small")
-    axes.invert_yaxis()
 
 
 def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
