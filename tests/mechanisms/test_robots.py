@@ -181,6 +181,20 @@ def test_a_payload_is_a_parameter():
     assert "mechanism.joints.2.inertia_yz" not in paths  # it is 0: it does not stand there
 
 
+@pytest.mark.parametrize(
+    ("name", "coordinate", "contact"),
+    [
+        ("shoulder.pitch joint", "shoulder_pitch_joint", "shoulder-pitch-joint"),
+        ("Joint_2", "Joint_2", "joint-2"),
+        ("2_axis", "2_axis", "joint-2-axis"),
+        ("mode", "mode_joint", "mode"),
+    ],
+)
+def test_any_name_of_a_joint_gives_names_of_columns(name, coordinate, contact):
+    joint = RobotJoint(joint=name, mass=1.0)
+    assert (joint.coordinate, joint.contact_name) == (coordinate, contact)
+
+
 def edited(old, new):
     """Return the text of the desk arm with a change."""
     text = DESK.read_text()
@@ -208,6 +222,7 @@ REFUSED = [
     ('<robot name="desk-arm">', '<!DOCTYPE a [<!ENTITY b "c">]><robot>', "declares entities"),
     ('name="elbow"', 'name="shoulder"', "two joints are called 'shoulder'"),
     ('<link name="tool">', '<link name="upper">', "two links are called 'upper'"),
+    ('name="elbow"', 'name="shoulder_dot"', "a joint and a rate, are called 'shoulder_dot'"),
     ('name="elbow"', 'name=""', "a <joint> has no name"),
     ('value="0.8"', 'value="${m}"', "xacro"),
 ]  # fmt: skip
@@ -234,6 +249,10 @@ def test_a_joint_that_moves_nothing_is_refused_by_name(tmp_path):
         (lambda: read_urdf(DESK, joints=["elbw"]), "elbw.*Did you mean 'elbow'"),
         (lambda: read_urdf(DESK, joints=["elbow"], locked={"elbow": 0.0}), "is locked and moves"),
         (lambda: read_urdf(DESK, joints=[]), "no joint moves"),
+        (lambda: read_urdf(DESK, joints="elbow"), r"several names, such as \['elbow'\]"),
+        (lambda: read_urdf(DESK, locked={"elbow": "1"}), r"locked.elbow \(q\) must be a number"),
+        (lambda: read_urdf(DESK, locked={"flange": 0.1}), "'flange' is fixed"),
+        (lambda: read_urdf(3), "name of a URDF file, got 3"),
         (lambda: SerialArm(links=()), "at least 1 of Link"),
         (lambda: RobotJoint(joint="1", mass=1.0), "a name with letters"),
         (lambda: RobotJoint(joint="a", mass=1.0, orientation=(1.0,) * 9), "rotation matrix"),

@@ -29,6 +29,8 @@ __all__ = ["Robot", "RobotJoint"]
 
 EXACT = 1e-15
 """Entries of rotations this near to -1, 0 or 1 are taken for it, so that terms drop out."""
+COLUMNS = ("t", "mode", "friction", "normal_force")
+"""Names that columns of runs have; a coordinate that would have one gets ``_joint`` behind it."""
 SMALLEST = 1e-12
 """Share of the largest entry that a pivot of a mass matrix may not fall below."""
 
@@ -100,7 +102,7 @@ class RobotJoint(Parametrised):
         owner = f"RobotJoint {self.joint!r}"
         if not re.search(r"[A-Za-z]", str(self.joint)):
             raise ParameterError(
-                f"RobotJoint.joint must be a name with letters, got {self.joint!r}."
+                f"RobotJoint.joint must be a name with letters from a to z, got {self.joint!r}."
             )
         if self.kind not in ("revolute", "prismatic"):
             raise ParameterError(
@@ -127,7 +129,8 @@ class RobotJoint(Parametrised):
     @property
     def coordinate(self) -> str:
         """Name of the joint's coordinate."""
-        return re.sub(r"\W+", "_", self.joint, flags=re.ASCII).strip("_")
+        name = re.sub(r"\W+", "_", self.joint, flags=re.ASCII).strip("_")
+        return f"{name}_joint" if name in COLUMNS else name
 
     @property
     def contact_name(self) -> str:
@@ -259,10 +262,14 @@ class Robot(JointedMechanism):
                     seen,
                 )
             seen[one.joint] = one
-        for names in ([j.joint for j in joints], self.coordinates, self._names()):
+        states = (*self.coordinates, *self.rates)
+        for names in ([j.joint for j in joints], states, self._names()):
             twice = sorted({name for name in names if names.count(name) > 1})
             if twice:
-                raise ParameterError(f"Robot: two joints are called {twice[0]!r}; rename one.")
+                raise ParameterError(
+                    f"Robot: two joints, or a joint and a rate, are called {twice[0]!r}: rename"
+                    " one."
+                )
         self._check_masses()
 
     def _check_masses(self) -> None:

@@ -1,6 +1,7 @@
 """Reads robot descriptions in URDF."""
 
 import math
+import os
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from stickslip.mechanisms.rigid_bodies import (
     turned,
 )
 from stickslip.mechanisms.robot import Robot, RobotJoint
+from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -30,6 +32,8 @@ LARGEST = 20_000_000
 """Bytes of a file that are read at most; descriptions with meshes inside are not meant."""
 MOVES = ("revolute", "continuous", "prismatic")
 """Kinds of joints that move."""
+ANGLE = Quantity("q")
+"""Where a joint stands, an angle or a place."""
 REFUSED = MappingProxyType(
     {
         "floating": "moves in six directions: fix the robot's base to the ground",
@@ -153,6 +157,8 @@ def read_urdf(
     >>> found.robot.coordinates, found.levels["shoulder"]
     (('turret', 'shoulder', 'elbow'), 0.4)
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path must be the name of a URDF file, got {path!r}.")
     file = str(path)
     root = _parsed(path, file)
     links = {_name(one, file): _lump(one, file) for one in root.findall("link")}
@@ -364,6 +370,8 @@ def _standing(
     given: Sequence[_Joint], moving: Collection[str] | None, locked: dict[str, float], file: str
 ) -> dict[str, float]:
     """Return the joints that do not move and where they stand."""
+    if isinstance(moving, str):
+        raise InputError(f"joints must be several names, such as [{moving!r}], got {moving!r}.")
     known = [one.name for one in given]
     for name in (*(moving or ()), *locked):
         if name not in known:
@@ -373,8 +381,10 @@ def _standing(
         raise InputError(
             f"{file}: the joint {both[0]!r} is locked and moves: leave one of them out."
         )
-    stand = dict(locked)
+    stand = {name: ANGLE.check("locked", name, at) for name, at in locked.items()}
     for one in given:
+        if one.kind == "fixed" and one.name in locked:
+            raise InputError(f"{file}: the joint {one.name!r} is fixed: leave it out of locked.")
         left_out = moving is not None and one.name not in moving
         if one.kind == "fixed" or left_out:
             stand.setdefault(one.name, 0.0)
