@@ -20,6 +20,7 @@ CASES = (
     "sampled",
     "sensitivities",
     "contacts",
+    "robots",
     "engines",
 )
 COMPILE = "compile"

@@ -30,7 +30,17 @@ from stickslip import (
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw, towards
-from stickslip.mechanisms import Lining, Mechanism, Prescribed, Rotor, Torque
+from stickslip.mechanisms import (
+    Lining,
+    Link,
+    Mechanism,
+    Prescribed,
+    Robot,
+    RobotJoint,
+    Rotor,
+    SerialArm,
+    Torque,
+)
 from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
@@ -274,6 +284,32 @@ two_link_arms = st.builds(
     shoulder_drive=st.none() | drives,
     elbow_drive=st.none() | drives,
 )
+links = st.builds(
+    Link,
+    mass=st.just(0.5),
+    length=decade(-1, 0),
+    centre=nearly(0.0, 0.3),
+    inertia=nearly(0.05, 0.5),  # no less than mass times the square of the centre
+    rotor_inertia=st.just(0.0) | decade(-5, -3),
+    gear_ratio=decade(0, 1.5),
+    damping=st.just(0.0) | nearly(0, 0.2),
+    torque=st.none() | drives,
+)
+serial_arms = st.builds(SerialArm, links=st.lists(links, min_size=1, max_size=3))
+robots = st.builds(
+    lambda mass, inertia, effort: Robot(
+        joints=(
+            RobotJoint(joint="swing", axis=(0, 1, 0), mass=mass, centre_x=0.1, inertia_yy=1.3),
+            RobotJoint(
+                joint="slide", kind="prismatic", parent="swing", place=(0.2, 0.0, 0.1), mass=mass,
+                axis=(1, 0, 1), inertia_zz=inertia, effort=effort,
+            ),
+        )
+    ),
+    mass=decade(-1, 0.5),
+    inertia=nearly(0.1, 0.9),
+    effort=st.none() | drives,
+)  # fmt: skip
 SLIDERS: Mapping[str, st.SearchStrategy[Any]] = {
     "spring-block": spring_blocks,
     "towed-block": towed_blocks,
@@ -291,6 +327,8 @@ RIGS: Mapping[str, st.SearchStrategy[Any]] = {
     "disc-brake": disc_brakes,
     "two-feet": two_feet,
     "two-link-arm": two_link_arms,
+    "serial-arm": serial_arms,
+    "robot": robots,
 }
 """Random mechanisms by registry name."""
 
@@ -353,6 +391,7 @@ SHOWN: Mapping[str, Mechanism] = {
 
 
 SEVERAL: Mapping[str, Mechanism] = {
+    "two-mass-axis": dataclasses.replace(EXAMPLES["two-mass-axis"], rubs="both"),
     "block-chain": BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1),
     "block-chain, one": BlockChain(blocks=1, mass=1.0, coupling=4.0, stiffness=1.0, damping=0.1),
     "clutch-train": ClutchTrain(
@@ -374,6 +413,23 @@ SEVERAL: Mapping[str, Mechanism] = {
     "pendulum-cart": PendulumCart(
         cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0,
         pendulum=Torque(drive=Sine(amplitude=0.3, frequency=1.0)),
+    ),
+    "serial-arm": SerialArm(
+        links=(Link(mass=0.6, length=0.3, centre=0.15, inertia=0.02, damping=0.01),
+               Link(mass=0.5, length=0.2, centre=0.1, inertia=0.01, rotor_inertia=1e-5,
+                    gear_ratio=9.0, torque=Sine(amplitude=0.5, frequency=1.0)),
+               Link(mass=0.2, length=0.1, centre=0.05, inertia=0.001, rotor_inertia=1e-5,
+                    gear_ratio=5.0)),
+    ),
+    "robot": Robot(
+        joints=(RobotJoint(joint="turret", mass=1.2, centre_x=0.01, inertia_zz=0.02,
+                           effort=Sine(amplitude=1.0, frequency=1.0)),
+                RobotJoint(joint="reach", kind="prismatic", parent="turret", axis=(1, 0, 0.5),
+                           place=(0.1, 0.02, 0.3), mass=0.8, damping=0.5, centre_x=0.2,
+                           inertia_yy=0.05, inertia_zz=0.05, inertia_xz=0.002),
+                RobotJoint(joint="wrist", parent="reach", axis=(0.2, 1, 0), armature=0.01,
+                           place=(0.3, 0.0, 0.0), mass=0.4, centre_z=-0.06, inertia_xx=0.003,
+                           inertia_yy=0.003, inertia_zz=0.001)),
     ),
 }  # fmt: skip
 """Mechanisms with several contacts, or with one that slips by a factor."""

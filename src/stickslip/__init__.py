@@ -9,9 +9,12 @@ from stickslip.friction import LAW_MODULES
 from stickslip.lazy import attach
 from stickslip.mechanisms import MECHANISM_MODULES
 
+OF_PARTS = ("Robot", "SerialArm")
+"""Mechanisms that stand in `stickslip.mechanisms`, beside the parts that they are made of."""
+
 HOMES = {
     **dict.fromkeys(LAW_MODULES, "friction"),
-    **dict.fromkeys(MECHANISM_MODULES, "mechanisms"),
+    **{name: "mechanisms" for name in MECHANISM_MODULES if name not in OF_PARTS},
     "EventDriven": "solver",
     "FixedStep": "solver",
     "FrictionLaw": "friction",

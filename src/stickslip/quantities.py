@@ -444,7 +444,7 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
                     yield from parameters(item, f"{path}.{index}")
 
 
-def unchecked(kind: type[T], **values: Any) -> T:
+def unchecked(kind: type[T], /, **values: Any) -> T:
     """Make an object from values that were checked elsewhere, or that are symbols of tracing.
 
     Parameters

@@ -113,8 +113,15 @@ def test_one_pad_at_a_radius_is_simulated_too(called):
     assert list(pd.read_csv("run.csv").columns[1:4]) == ["phi", "omega", "friction"]
 
 
+def test_several_contacts_are_animated(called):
+    small = ("--fps", "4", "--size", "440x320", "--json")
+    code, out, _ = called(FEET, "animate", "rig.toml", "-o", "run.gif", *small)
+    assert code == 0
+    assert json.loads(out)["laws"] == {"front": "coulomb", "rear": "coulomb"}
+    assert Path("run.gif").stat().st_size > 1000
+
+
 REFUSED = {
-    "animate": ("animate", "rig.toml", "-o", "run.gif"),
     "sweep": ("sweep", "rig.toml", "--vary", "mechanism.mass=1:2:3", "-o", "map.csv"),
     "plan": ("plan", "rig.toml", "-o", "plan.html"),
     "profile": ("profile", "optimise", "rig.toml", "--angle", "1", "--rate", "1"),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
 import pytest
+import symengine as se
 from tests.support import EXAMPLES, Generated, example_of
 from typing_extensions import override
 
@@ -17,6 +18,7 @@ from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
 from stickslip.drives import Drive, Pulse
 from stickslip.errors import InputError, TracingError
 from stickslip.formulation import formulate
+from stickslip.formulation.trace import has_switch
 from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where
 from stickslip.mechanisms import Contact, Mechanism
@@ -280,3 +282,13 @@ def test_contacts_that_are_missing_or_have_no_names_are_refused_in_words(feet, s
 def test_a_mechanism_without_potential_or_forces_runs():
     run = simulate(Footed(feet=1), Coulomb(kinetic_coefficient=0.5), t_end=5.0, y0={"v": 1.0})
     assert abs(run["x"][-1] - 1.0) <= 1e-12  # v^2 / (2 mu), within the solver's tolerance
+
+
+def test_shared_parts_of_an_expression_are_searched_for_switches_once():
+    """Each square has the one before twice: a walk along all branches would not end."""
+    x = se.Symbol("x")
+    e = x + 1
+    for i in range(60):
+        e = se.sin(e) * se.cos(e) + i
+    assert not has_switch(e)
+    assert has_switch(e + se.Piecewise((x, x > 0), (-x, True)))

@@ -109,3 +109,13 @@ def test_the_dense_output_of_rodas5p_converges_with_order_four(stiff):
         errors.append(np.abs(rodas(stiff, h, 1)[1] - exact).max())
     # a single step errs with one order more
     assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > 4.5)
+
+
+def test_a_guard_that_falls_steadily_is_not_searched_for_a_turn():
+    """One such search takes forty evaluations of the equations; each step has several of them."""
+    from stickslip.kernels.guard_roots import turns
+
+    assert not turns(1.0, 0.99, 0.98)
+    assert not turns(1.0, 0.99, 0.981)  # turns, after ten such parts of the step
+    assert turns(0.1, 0.06, 0.34)  # 0.1 - 0.2 x + 0.16 x^2 turns at 0.6, where it is 0.04
+    assert turns(0.001, 0.2, 0.5)

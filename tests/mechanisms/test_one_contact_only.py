@@ -11,7 +11,6 @@ from stickslip import (
     Measurement,
     SpringBlock,
     TwoFeet,
-    animate,
     fit,
     inverse_dynamics,
     plan,
@@ -54,7 +53,6 @@ CALLS = {
     "criteria_of": lambda m, law: criteria_of(
         simulate(m, law, t_end=0.1, solver=PLAIN), m
     ),
-    "animate": lambda m, law: animate(simulate(m, law, t_end=0.1, solver=PLAIN), m, "run.gif"),
 }  # fmt: skip
 
 

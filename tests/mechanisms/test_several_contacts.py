@@ -19,6 +19,7 @@ from stickslip import (
     PendulumCart,
     TowedBlock,
     TwoFeet,
+    TwoMassAxis,
     ensemble,
     simulate,
 )
@@ -178,6 +179,22 @@ def test_a_prescribed_swing_leaves_nothing_for_the_pivot_to_hold():
     cart = PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pendulum=swing, pivot_load=1.0)
     with pytest.raises(InputError, match="prescribed motions"):
         run_of(cart, coulomb(0.1), 1.0)
+
+
+def test_a_belt_drive_whose_motor_and_load_rub_stops_where_work_and_momentum_say():
+    """A stiff belt makes one axis of both, whose friction is that of motor and load together."""
+    axis = TwoMassAxis(
+        motor_inertia=0.5, load_inertia=1.5, stiffness=1e6, damping=1e3, rubs="both",
+        drive=Pulse(level=5.0, duration=1.0),
+    )  # fmt: skip
+    laws = {"load": coulomb(0.6), "motor": coulomb(0.4)}
+    run = run_of(axis, laws, 10.0)
+    assert run.status is Status.AT_REST
+    # 2 m/s^2 for 1 s, then -0.5 m/s^2; the belt gives some 5 N / 1e6 N/m
+    assert run["x"][-1] == pytest.approx(5.0, abs=1e-4)
+    one = dataclasses.replace(axis, rubs="load")
+    both, alone = run_of(axis, {**laws, "motor": None}, 1.0), run_of(one, laws["load"], 1.0)
+    assert both["x"][-1] == pytest.approx(alone["x"][-1], abs=1e-9)
 
 
 def test_two_feet_turn_where_the_closed_form_says():

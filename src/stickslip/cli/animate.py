@@ -14,12 +14,19 @@ from stickslip.cli.console import (
     refuse_overwriting,
     stdout,
 )
-from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_law
+from stickslip.cli.law_choice import (
+    ChosenLaw,
+    LawAsked,
+    friction_content,
+    friction_of,
+    friction_title,
+    rig_and_friction,
+)
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import start_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
-from stickslip.friction import FrictionLaw
+from stickslip.friction import Laws
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
@@ -82,8 +89,8 @@ def run(
     size = _size(look.size)
     encoder_of(output)
     refuse_overwriting(output, output.parent, force=force)
-    rig, chosen = rig_and_law(path, changes, asked, allow_import=allow_import)
-    law = chosen.law
+    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    law = friction_of(chosen)
     end = rig.t_end if t_end is None else t_end
     start = start_of(rig, law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
@@ -103,16 +110,16 @@ def run(
     if as_json:
         print_json(document("animate", _content(rig, chosen, seen, int(count), output)))
     else:
-        _show(rig, law, seen, int(count), output)
+        _show(rig, friction_title(chosen), seen, int(count), output)
 
 
 def _content(
-    rig: Rig, chosen: ChosenLaw, seen: Trajectory, count: int, output: Path
+    rig: Rig, chosen: ChosenLaw | Laws, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
         "rig": rig.heading,
         "digest": rig.digest,
-        **chosen.to_dict(),
+        **friction_content(chosen, rig.mechanism),
         "status": seen.status.name,
         "meaning": seen.ending,
         "certified": seen.certificate.certified,
@@ -121,9 +128,9 @@ def _content(
     }
 
 
-def _show(rig: Rig, law: FrictionLaw, seen: Trajectory, count: int, output: Path) -> None:
+def _show(rig: Rig, friction: str, seen: Trajectory, count: int, output: Path) -> None:
     console = stdout()
-    console.print(Text.assemble((rig.heading, "bold"), f", {law.title} friction"))
+    console.print(Text.assemble((rig.heading, "bold"), f", {friction} friction"))
     console.print(seen.ending, markup=False)
     for problem in seen.certificate.problems:
         console.print(f"Not certified: {problem}", markup=False)

@@ -23,7 +23,16 @@ from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.routes import AnyRoute, Law
 
-__all__ = ["ChosenLaw", "LawAsked", "law_to_fit", "rig_and_friction", "rig_and_law"]
+__all__ = [
+    "ChosenLaw",
+    "LawAsked",
+    "friction_content",
+    "friction_of",
+    "friction_title",
+    "law_to_fit",
+    "rig_and_friction",
+    "rig_and_law",
+]
 
 USUAL = "coulomb"
 FILE = re.compile(r"(?P<path>.*\.toml)(?::(?P<law>[a-z0-9-]+))?", re.IGNORECASE)
@@ -74,6 +83,40 @@ class ChosenLaw:
             found["law_file"] = {"file": self.source.path, "digest": self.source.digest}
             found["remarks"] = list(map(plain, self.remarks))
         return found
+
+
+def friction_of(chosen: ChosenLaw | Laws) -> FrictionLaw | Laws:
+    """Return the law, or the laws by contact."""
+    return chosen if isinstance(chosen, Laws) else chosen.law
+
+
+def friction_title(chosen: ChosenLaw | Laws) -> str:
+    """Return the law in words, or those of the contacts."""
+    if not isinstance(chosen, Laws):
+        return chosen.law.title
+    return ", ".join(dict.fromkeys(law.title for _, law in chosen.members))
+
+
+def friction_content(chosen: ChosenLaw | Laws, mechanism: Mechanism) -> dict[str, Any]:
+    """Return the name of the law, or those of the contacts, null where nothing rubs.
+
+    Parameters
+    ----------
+    chosen : ChosenLaw or Laws
+        The law with its estimates, or laws by contact.
+    mechanism : Mechanism
+        The mechanism with these contacts.
+
+    Returns
+    -------
+    dict of str to object
+        What JSON documents say of it.
+    """
+    if not isinstance(chosen, Laws):
+        return chosen.to_dict()
+    own = dict(chosen.members)
+    names = [one.name for one in mechanism.contacts()]
+    return {"laws": {name: own[name].name if name in own else None for name in names}}
 
 
 def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:

@@ -22,7 +22,14 @@ from stickslip.cli.console import (
     write_file,
     write_folder,
 )
-from stickslip.cli.law_choice import ChosenLaw, LawAsked, rig_and_friction
+from stickslip.cli.law_choice import (
+    ChosenLaw,
+    LawAsked,
+    friction_content,
+    friction_of,
+    friction_title,
+    rig_and_friction,
+)
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
@@ -89,18 +96,6 @@ class Ran:
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
-
-    @property
-    def friction(self) -> FrictionLaw | Laws:
-        """The law, or the laws by contact."""
-        return self.chosen if isinstance(self.chosen, Laws) else self.chosen.law
-
-    @property
-    def title(self) -> str:
-        """The law in words, or those of the contacts."""
-        if not isinstance(self.chosen, Laws):
-            return self.chosen.law.title
-        return ", ".join(dict.fromkeys(law.title for _, law in self.chosen.members))
 
 
 def run(
@@ -254,7 +249,7 @@ def _ran_by_contact(
                 f"{option} takes a mechanism with one contact that slips along a coordinate, but"
                 f" {rig.mechanism.name} has {names}: leave it out."
             )
-    friction = chosen if isinstance(chosen, Laws) else chosen.law
+    friction = friction_of(chosen)
     run = simulate(
         rig.mechanism,
         friction,
@@ -302,7 +297,7 @@ def _page(ran: Ran, settings: Settings) -> str:
         return contacts_page(
             ContactsReport(
                 rig=ran.rig,
-                friction=ran.friction,
+                friction=friction_of(ran.chosen),
                 run=ran.run,
                 commands=(command_line(),),
                 versions=versions(),
@@ -397,7 +392,7 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     content: dict[str, Any] = {
         "rig": ran.rig.heading,
         "digest": ran.rig.digest,
-        **_friction_content(ran),
+        **friction_content(ran.chosen, ran.rig.mechanism),
         "status": run.status.name,
         "meaning": run.ending,
         "final": {name: float(ends[name][1]) for name in run.names},
@@ -418,19 +413,10 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     return content
 
 
-def _friction_content(ran: Ran) -> dict[str, Any]:
-    """Return the name of the law, or those of the contacts, null where nothing rubs."""
-    if not isinstance(ran.chosen, Laws):
-        return ran.chosen.to_dict()
-    own = dict(ran.chosen.members)
-    names = [one.name for one in ran.rig.mechanism.contacts()]
-    return {"laws": {name: own[name].name if name in own else None for name in names}}
-
-
 def _show(ran: Ran, settings: Settings) -> None:
     console, run = stdout(), ran.run
     console.print(printable(ran.rig.heading), markup=False, style="bold", end="")
-    console.print(f", {ran.title} friction", markup=False)
+    console.print(f", {friction_title(ran.chosen)} friction", markup=False)
     console.print(run.ending, markup=False)
     if run.events:
         contact = ["contact"] if run.contacts else []

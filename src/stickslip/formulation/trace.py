@@ -274,5 +274,17 @@ def collapsed(e: se.Expr) -> se.Expr:
 
 
 def has_switch(e: se.Expr) -> bool:
-    """Whether any part of an expression is a Piecewise."""
-    return isinstance(e, se.Piecewise) or any(has_switch(part) for part in e.args)
+    """Whether any part of an expression is a Piecewise.
+
+    Parts that several others share, of which recursions make many, are looked at once.
+    """
+    seen: set[se.Expr] = set()
+    waiting = [e]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, se.Piecewise):
+            return True
+        if part.args and part not in seen:
+            seen.add(part)
+            waiting.extend(part.args)
+    return False

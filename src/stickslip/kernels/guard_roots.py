@@ -210,13 +210,15 @@ def turns(edge: float, near: float, far: float) -> bool:
     A step that was taken again to end just beyond an event has a shallow fall there. The parabola
     through the three values turns between the first two; it falls below zero where `edge` is less
     than half the square of its slope there over its curvature, and 2.5 times that leaves room for
-    what is no parabola. Very near to where it turns, the three values do not tell its slope.
+    what is no parabola. One that has turned goes on rising: without that, every guard that falls
+    steadily would be searched, at forty evaluations each. Very near to where it turns, the three
+    values do not tell its slope.
     """
     slope = 0.5 * (4.0 * near - 3.0 * edge - far)
     bend = edge - 2.0 * near + far
     if 0.0 < edge < BARELY * near:
         return True
-    return slope < 0.0 and 2.0 * edge * bend < 2.5 * slope * slope
+    return near < far and slope < 0.0 and 2.0 * edge * bend < 2.5 * slope * slope
 
 
 def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: Wholes) -> float:

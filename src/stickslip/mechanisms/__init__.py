@@ -15,6 +15,8 @@ MECHANISM_MODULES = {
     "DiscBrake": "disc_brake",
     "TwoFeet": "two_feet",
     "TwoLinkArm": "two_link_arm",
+    "SerialArm": "serial_arm",
+    "Robot": "robot",
 }
 """The mechanisms in the order of listings, with their modules: all that registers one."""
 
@@ -24,16 +26,20 @@ HOMES = {
     "Contact": "base",
     "Guide": "base",
     "Lining": "lining",
+    "Link": "serial_arm",
     "MECHANISMS": "registry",
     "MOTORS": "actuators",
     "MatrixMechanism": "matrix_mechanism",
     "Mechanism": "base",
     "Motor": "actuators",
     "Prescribed": "actuators",
+    "RobotDescription": "urdf",
+    "RobotJoint": "robot",
     "Rotor": "clutch_train",
     "Stop": "base",
     "Torque": "actuators",
     "mechanisms": "registry",
+    "read_urdf": "urdf",
     "slip_names": "contacts",
     "static_normal_force": "contacts",
     "stops_between": "base",
@@ -45,10 +51,12 @@ INSIDE = {
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "has_one_slip": "contacts",
+    "joint_places": "rigid_bodies",
     "normal_of": "contacts",
     "only_contact": "contacts",
     "repeats": "drive_period",
     "slip_of": "contacts",
+    "slipping": "contacts",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -20,6 +20,7 @@ from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
+from stickslip.mechanisms.contacts import slipping as slipping
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
 from stickslip.mechanisms.disc_brake import DiscBrake as DiscBrake
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
@@ -32,11 +33,18 @@ from stickslip.mechanisms.pendulum import Pendulum as Pendulum
 from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
+from stickslip.mechanisms.rigid_bodies import joint_places as joint_places
+from stickslip.mechanisms.robot import Robot as Robot
+from stickslip.mechanisms.robot import RobotJoint as RobotJoint
+from stickslip.mechanisms.serial_arm import Link as Link
+from stickslip.mechanisms.serial_arm import SerialArm as SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
 from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as TwoLinkArm
 from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
+from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
+from stickslip.mechanisms.urdf import read_urdf as read_urdf
 
 MECHANISM_MODULES: dict[str, str]
 
@@ -50,6 +58,7 @@ __all__ = [
     "DiscBrake",
     "Guide",
     "Lining",
+    "Link",
     "MECHANISMS",
     "MOTORS",
     "MatrixMechanism",
@@ -58,7 +67,11 @@ __all__ = [
     "Pendulum",
     "PendulumCart",
     "Prescribed",
+    "Robot",
+    "RobotDescription",
+    "RobotJoint",
     "Rotor",
+    "SerialArm",
     "SpringBlock",
     "Stop",
     "Torque",
@@ -67,6 +80,7 @@ __all__ = [
     "TwoLinkArm",
     "TwoMassAxis",
     "mechanisms",
+    "read_urdf",
     "slip_names",
     "static_normal_force",
     "stops_between",

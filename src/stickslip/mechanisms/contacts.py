@@ -9,6 +9,7 @@ __all__ = [
     "only_contact",
     "slip_names",
     "slip_of",
+    "slipping",
     "static_normal_force",
 ]
 
@@ -67,6 +68,21 @@ def slip_of(mechanism: Mechanism) -> str:
             f" ({', '.join(slip)}); this takes a mechanism that slips along one."
         )
     return slip
+
+
+def slipping(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the moving coordinates along which contacts slip, in their order.
+
+    Examples
+    --------
+    >>> from stickslip import PendulumCart, TwoFeet
+    >>> slipping(TwoFeet(mass=1.0, front=0.1, rear=0.1))
+    ('x',)
+    >>> slipping(PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pivot_load=1.0))
+    ('x', 'theta')
+    """
+    slips = {name for one in mechanism.contacts() for name in one.slips}
+    return tuple(name for name in mechanism.coordinates if name in slips)
 
 
 def normal_of(mechanism: Mechanism) -> str | None:

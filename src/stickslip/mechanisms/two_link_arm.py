@@ -1,22 +1,24 @@
 """An arm with two revolute joints."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
 from stickslip.drives import Drive
-from stickslip.maths import Scalar, cos
-from stickslip.mechanisms.base import Contact, Mechanism
-from stickslip.quantities import Quantity
+from stickslip.maths import Scalar
+from stickslip.mechanisms.base import Contact
+from stickslip.mechanisms.rigid_bodies import Body, JointedMechanism, Vector
+from stickslip.mechanisms.serial_arm import Link, planar_bodies
+from stickslip.quantities import Quantity, unchecked
 
 __all__ = ["TwoLinkArm"]
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class TwoLinkArm(Mechanism):
+class TwoLinkArm(JointedMechanism):
     """Two links in a vertical plane with friction in both joints.
 
     Both angles are 0 where the arm hangs; that of the elbow is relative to the upper link. Drives
@@ -79,39 +81,35 @@ class TwoLinkArm(Mechanism):
     """Acceleration of free fall."""
 
     @override
-    def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
-        upper, bend = q_dot["shoulder"], q_dot["elbow"]
-        lower = upper + bend
-        elbow = self.upper_length * upper
-        links = (
-            self.upper_inertia * upper * upper
-            + self.lower_inertia * lower * lower
-            + self.lower_mass * elbow * elbow
-            + 2.0 * self.lower_mass * self.lower_centre * elbow * lower * cos(q["elbow"])
+    def bodies(self) -> Sequence[Body]:
+        motor = {"rotor_inertia": self.rotor_inertia, "gear_ratio": self.gear_ratio}
+        upper = unchecked(
+            Link,
+            mass=self.upper_mass,
+            length=self.upper_length,
+            centre=self.upper_centre,
+            inertia=self.upper_inertia,
+            **motor,
         )
-        first, second = self.gear_ratio * upper, self.gear_ratio * bend + upper
-        return 0.5 * (links + self.rotor_inertia * (first * first + second * second))
+        lower = unchecked(
+            Link,
+            mass=self.lower_mass,
+            length=0.0,
+            centre=self.lower_centre,
+            inertia=self.lower_inertia,
+            **motor,
+        )
+        return planar_bodies((upper, lower))
 
     @override
-    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        upper = self.upper_mass * self.upper_centre + self.lower_mass * self.upper_length
-        lower = self.lower_mass * self.lower_centre
-        return -self.gravity * (
-            upper * cos(q["shoulder"]) + lower * cos(q["shoulder"] + q["elbow"])
-        )
+    def free_fall(self) -> Vector:
+        return (self.gravity, 0.0, 0.0)
 
     @override
-    def forces(
-        self,
-        t: Scalar,
-        q: Mapping[str, Scalar],
-        q_dot: Mapping[str, Scalar],
-        drives: Mapping[str, Scalar],
+    def efforts(
+        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
     ) -> Mapping[str, Scalar]:
-        return {
-            "shoulder": drives.get("shoulder_drive", 0.0),
-            "elbow": drives.get("elbow_drive", 0.0),
-        }
+        return {name: drives.get(f"{name}_drive", 0.0) for name in self.coordinates}
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

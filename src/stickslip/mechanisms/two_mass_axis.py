@@ -20,8 +20,10 @@ __all__ = ["TwoMassAxis"]
 class TwoMassAxis(Mechanism):
     """A motor that drives a load through a spring and a damper: a belt, a shaft, a screw.
 
-    One of the two rubs: `x` is the place of that one and `other` that of the other. Linear or
-    rotary; with the default load of 1, friction levels read as forces [N] or torques [N m].
+    Where one of the two rubs, `x` is the place of that one and `other` that of the other. Where
+    both do, `x` is the place of the load and the contacts are `load` and `motor`. Linear or rotary;
+    with the default load of 1, friction levels read as forces [N] or torques [N m]. Behind a gear
+    or a pulley, inertias, stiffness and levels are those that act on one side.
 
     Examples
     --------
@@ -44,6 +46,7 @@ class TwoMassAxis(Mechanism):
     rates: ClassVar[tuple[str, ...]] = ("v", "other_dot")
     units: ClassVar[tuple[str, ...]] = ("m", "m")
     moving_part: ClassVar[str] = "axis"
+    contact_names: ClassVar[str] = "load, motor (with rubs = both)"
 
     motor_inertia: Annotated[float, Quantity("J_m", "kg", above=0, or_unit="kg m^2")]
     """Mass [kg] or moment of inertia [kg m^2] on the motor's side."""
@@ -55,10 +58,10 @@ class TwoMassAxis(Mechanism):
     """Damper beside it."""
     drive: Drive | None = None
     """Force [N] or torque [N m] on the motor."""
-    rubs: Literal["load", "motor"] = "load"
+    rubs: Literal["load", "motor", "both"] = "load"
     """Which side has the friction."""
     load: Annotated[float, Quantity("N", "N", low=0)] = 1.0
-    """Normal force at the contact, or 1 where levels are forces."""
+    """Normal force at each contact, or 1 where levels are forces."""
     offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against motion of the load: gravity, a cable."""
 
@@ -66,13 +69,15 @@ class TwoMassAxis(Mechanism):
     def __post_init__(self) -> None:
         """Check the settings."""
         super().__post_init__()
-        if self.rubs not in ("load", "motor"):
-            raise ParameterError(f"TwoMassAxis.rubs must be 'load' or 'motor', got {self.rubs!r}.")
+        if self.rubs not in ("load", "motor", "both"):
+            raise ParameterError(
+                f"TwoMassAxis.rubs must be 'load', 'motor' or 'both', got {self.rubs!r}."
+            )
 
     @property
     def _sides(self) -> tuple[str, str]:
         """Coordinates of motor and load."""
-        return ("other", "x") if self.rubs == "load" else ("x", "other")
+        return ("x", "other") if self.rubs == "motor" else ("other", "x")
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:
@@ -98,7 +103,12 @@ class TwoMassAxis(Mechanism):
 
     @override
     def contacts(self) -> tuple[Contact, ...]:
-        return (Contact(slip="x", load=self.load),)
+        if self.rubs != "both":
+            return (Contact(slip="x", load=self.load),)
+        return (
+            Contact(name="load", slip="x", load=self.load),
+            Contact(name="motor", slip="other", load=self.load),
+        )
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -23,6 +23,7 @@ from stickslip.experiments.rig import KnownLaws, Published, Rig, check_record, s
 from stickslip.experiments.rigs.laws import by_contact, known_laws, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
+from stickslip.experiments.rigs.robots import UrdfTable, fill_friction, robot_of
 from stickslip.experiments.rigs.schema import (
     EstimatesTable,
     ReadTable,
@@ -116,11 +117,12 @@ def read_rig(
 
 
 def _contacts(
-    raw: Mapping[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
+    raw: dict[str, Any], own: Imported, file: str, overrides: Mapping[str, Any]
 ) -> tuple[tuple[str, bool], ...]:
     """Return the names of the contacts, and whether each slips along an angle.
 
     How many there are may depend on numbers of the mechanism, which is therefore built first.
+    Friction levels that a robot description gives are put in where the file says nothing else.
     """
     try:
         table = rig_table(own.mechanism).model_validate(
@@ -132,10 +134,12 @@ def _contacts(
             return ()
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
+    found = mechanism.contacts()
+    if isinstance(table.mechanism, UrdfTable):
+        fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return tuple(
-        (one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad")
-        for one in mechanism.contacts()
+        (one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad") for one in found
     )
 
 
@@ -174,6 +178,22 @@ def _doubts(mechanism: Table) -> dict[str, float]:
 
 def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> Any:
     """Return the object whose parameters stand in a table, and in the tables below it."""
+    if isinstance(table, UrdfTable):
+        joints = table.joints.items()
+        added = {name: _values(one, f"{key}.joints", file, overridden) for name, one in joints}
+        return robot_of(table, added, file)
+    values = _values(table, key, file, overridden)
+    assert table.target is not None
+    try:
+        return table.target(**values)
+    except ParameterError as error:
+        touched = [path for path in overridden if path.startswith(key + ".")]
+        where = place(touched[0], file, overridden) if touched else file
+        raise ParameterError(f"{where}: {key}: {error}") from None
+
+
+def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> dict[str, Any]:
+    """Return what stands in a table by Python name, with the objects of the tables below it."""
     values = {}
     for name, value in table.given().items():
         path = f"{key}.{name}"
@@ -185,13 +205,7 @@ def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> An
             values[name] = _sum(made) if drive else tuple(made)
         else:
             values[name] = value.value if isinstance(value, Given) else value
-    assert table.target is not None
-    try:
-        return table.target(**values)
-    except ParameterError as error:
-        touched = [path for path in overridden if path.startswith(key + ".")]
-        where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: {key}: {error}") from None
+    return values
 
 
 def _sum(drives: list[Drive]) -> Drive:
@@ -279,9 +293,10 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
 
 
 def _paths(table: RigTable, file: str) -> list[Path]:
-    """Return the files with what was measured, named as they stand beside the rig file."""
+    """Return the files that a rig file names, which lie beside it."""
     data = table.data
-    names = (data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
+    names = (own, data.file, *data.files, *(trial.file for trial in table.trial), data.second)
     return [Path(file).parent / name for name in names if name]
 
 

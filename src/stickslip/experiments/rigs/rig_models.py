@@ -222,6 +222,7 @@ def table_of(
     moved: str = "",
     measured: bool = False,
     alone: bool = False,
+    only: tuple[str, ...] = (),
 ) -> type[Table]:
     """Return the table of a mechanism or drive; `kind` is what its ``type`` must say.
 
@@ -243,15 +244,21 @@ def table_of(
         Whether its numbers may have an uncertainty.
     alone : bool
         Whether nothing else could stand there, so that ``type`` need not be given.
+    only : tuple of str
+        Fields that may be given, and none need be, where the table changes an object; all of a new
+        one if empty.
 
     Returns
     -------
     type of Table
         A pydantic model of the table.
     """
-    fields: dict[str, Any] = {"type": (Literal[kind], kind if alone else ...)}
+    fields: dict[str, Any] = {} if only else {"type": (Literal[kind], kind if alone else ...)}
     for field in dataclasses.fields(cls):
-        default = ... if field.default is dataclasses.MISSING else field.default
+        if only and field.name not in only:
+            continue
+        default = None if only else field.default
+        default = ... if default is dataclasses.MISSING else default
         fields[field.name] = (_hint(cls, field.name, mark, moved, measured), default)
     model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=Table, **fields)
     model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]

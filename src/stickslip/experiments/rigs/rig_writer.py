@@ -100,8 +100,8 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
             table[field.name] = value
         elif isinstance(value, (int, float)) and field.name in fields_of(type(root)):
             table[field.name] = float(value)
-        elif isinstance(value, tuple) and field.name in root.data_fields:
-            table[field.name] = [float(x) for x in value]
+        elif isinstance(value, tuple) and all(isinstance(x, float) for x in value):
+            table[field.name] = list(value)
         elif isinstance(value, tuple):
             table[field.name] = [_part(x) for x in value if isinstance(x, Parametrised)]
         elif isinstance(value, Parametrised) and not isinstance(value, Drive):

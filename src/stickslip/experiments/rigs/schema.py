@@ -12,6 +12,7 @@ from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
 from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
+from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
@@ -276,9 +277,8 @@ def rig_table(
         A pydantic model of the whole file.
     """
     known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
-    options = choice(
-        {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
-    )
+    tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
+    options = choice({**tables, URDF: UrdfTable})
     friction = friction_table(laws, contacts)
     return create_model(
         "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.documents import unwritable
 from stickslip.errors import InputError
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slipping
 from stickslip.plots.animation.animation_frame import Stage, moments_of
 from stickslip.plots.animation.scenes.shapes import Drawn, Scene
 from stickslip.plots.animation.video_encoding import ENCODERS, Encoder, encoder_of
@@ -218,7 +218,7 @@ def frame_times(
             raise InputError(f"until must lie between {first:g} and {last:g} s, got {until:g} s.")
         last = until
     else:
-        last = horizon(run, slip_of(mechanism))
+        last = max(horizon(run, slip) for slip in slipping(mechanism))
     for name, unit, value in (("fps", "1/s", fps), ("speed", "1", speed)):
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"{name} [{unit}] must be above 0, got {value:g}.")

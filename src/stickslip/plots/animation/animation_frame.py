@@ -1,6 +1,6 @@
 """A scene beside time plots with a cursor: what a frame of an animation is made of."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slipping
 from stickslip.plots.animation.animation_layout import layout, write_legend
 from stickslip.plots.animation.scenes.bounding_boxes import (
     Extent,
@@ -20,11 +20,12 @@ from stickslip.plots.animation.scenes.bounding_boxes import (
     scales_of,
 )
 from stickslip.plots.animation.scenes.registry import scene_of
-from stickslip.plots.animation.scenes.renderer import artists_of
+from stickslip.plots.animation.scenes.renderer import MODE_COLOURS, artists_of
 from stickslip.plots.animation.scenes.shapes import Moment, Picture, Scene, Shape
 from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import dense
-from stickslip.plots.core.theme import C1, INK, MUTED, SLIP_BACK, shade
+from stickslip.plots.core.mode_raster import raster
+from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED, SLIP_BACK, shade
 from stickslip.trajectory import Trajectory
 
 __all__ = ["Stage", "moments_of"]
@@ -37,6 +38,10 @@ FOLLOWED: Final = 1.0
 """Half the width of a view that follows over the mechanism's own width."""
 FLAT: Final = 0.42
 """Height over width of a scene below which it stands above the time plots, not beside them."""
+CURVES: Final = (C1, C2, C3, C4)
+"""Colours of the coordinates of several contacts, in turn."""
+NAMED: Final = 3
+"""Contacts that stick and are named above the scene; of more their number is given."""
 WORDS: Final = {0: "stick", 1: "slip forward", -1: "slip backward", 2: "at stop", -2: "at stop"}
 
 
@@ -118,6 +123,7 @@ class Stage:
         looks = np.linspace(first, until, LOOKS)
         self.picture: Picture = (scene or scene_of(mechanism))(mechanism, run.at(looks))
         self.digits = digits
+        self.modes = {name: f"mode:{name}" for name in run.contacts} or {"": "mode"}
         shown = [self.picture.shapes(m) for m in moments_of(run, mechanism, looks)]
         whole = self._measured(shown)
         self.axes, panels = layout(figure, narrow=narrow, flat=whole.height < FLAT * whole.width)
@@ -156,52 +162,76 @@ class Stage:
             middle = 0.5 * (extent.left + extent.right)
             half = 0.5 * (high - low)
             self.axes.set_xlim(middle - half, middle + half)
-        mode = round(moment["mode"])
-        self.passing = artists_of(self.axes, shapes, mode, self.scales)
-        self._title.set_text(f"{moment['t']:.{self.digits}f} s, {WORDS[mode]}")
+        modes = {name: round(moment[column]) for name, column in self.modes.items()}
+        self.passing = artists_of(self.axes, shapes, modes, self.scales)
+        self._title.set_text(f"{moment['t']:.{self.digits}f} s, {_words(modes)}")
         moved: list[Artist] = [*self.passing, self._title]
-        for cursor, dot, name, factor in self.cursors:
+        for cursor, dots in self.cursors:
             cursor.set_xdata([moment["t"], moment["t"]])
-            dot.set_data([moment["t"]], [factor * moment[name]])
-            moved += [cursor, dot]
+            moved.append(cursor)
+            for dot, name, factor in dots:
+                dot.set_data([moment["t"]], [factor * moment[name]])
+                moved.append(dot)
         return [self.axes.xaxis, *moved] if self.follows else moved
 
 
-Cursor = tuple[Line2D, Line2D, str, float]
+def _words(modes: Mapping[str, int]) -> str:
+    """Return what the contacts do, in words."""
+    if len(modes) == 1:
+        return WORDS[next(iter(modes.values()))]
+    held = [name for name, mode in modes.items() if mode == 0]
+    if not held:
+        return "no contact sticks"
+    if len(held) == len(modes):
+        return "all contacts stick"
+    return f"sticks: {', '.join(held)}" if len(held) <= NAMED else f"{len(held)} contacts stick"
+
+
+Cursor = tuple[Line2D, list[tuple[Line2D, str, float]]]
+"""The line at the present time, and dots on curves with the columns that they follow."""
 
 
 def _curves(
     panels: Sequence[Axes], run: Trajectory, mechanism: Mechanism, until: float, *, narrow: bool
 ) -> list[Cursor]:
     """Draw place, velocity and friction against time; return their cursors."""
-    slip = slip_of(mechanism)
-    rate = mechanism.rates[mechanism.coordinates.index(slip)]
     seen = dense(run, until)
-    turning = run.units[slip] == "rad"
-    titles = {
-        slip: "angle" if turning else "displacement",
-        rate: "velocity",
-        "friction": "friction",
-    }
+    slips = slipping(mechanism)
+    unit = max((run.units[name] for name in slips), key=[run.units[n] for n in slips].count)
+    places = [name for name in slips if run.units[name] == unit]
+    rates = [mechanism.rates[mechanism.coordinates.index(name)] for name in places]
+    shown = {"angle" if unit == "rad" else "displacement": places, "velocity": rates}
+    if not run.contacts:
+        shown["friction"] = ["friction"]
     lowest = min(axes.get_position().y0 for axes in panels)
-    back = _spans(seen, -1)
     pixel = 72 / panels[0].get_figure(root=True).dpi  # type: ignore[union-attr]  # they have one
     found: list[Cursor] = []
-    for axes, (name, title) in zip(panels, titles.items(), strict=True):
-        factor, unit = scale_of(seen[name], run.units[name])
-        axes.plot(seen.t, factor * seen[name], color=C1, linewidth=1.6)
-        axes.set_ylabel(f"{name if narrow else title}, {unit}")
+    for axes, (title, names) in zip(panels, shown.items(), strict=False):
+        factor, unit = scale_of(np.concatenate([seen[name] for name in names]), run.units[names[0]])
+        dots = []
+        for i, name in enumerate(names):
+            colour = CURVES[i % len(CURVES)]
+            axes.plot(seen.t, factor * seen[name], color=colour, linewidth=1.6)
+            dots.append((axes.plot([], [], "o", color=colour, markersize=5)[0], name, factor))
+        axes.set_ylabel(f"{names[0] if narrow and len(names) == 1 else title}, {unit}")
         axes.yaxis.set_label_coords(-48 / max(axes.get_window_extent().width * pixel, 1.0), 0.5)
         axes.locator_params(axis="y", nbins=4)
         axes.margins(x=0, y=0.12)
         axes.grid(axis="y")
-        shade(axes, within(run.stick_spans(), until))
-        shade(axes, back, colour=SLIP_BACK)
+        if not run.contacts:
+            shade(axes, within(run.stick_spans(), until))
+            shade(axes, _spans(seen, -1), colour=SLIP_BACK)
+        found.append((axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0), dots))
+    if run.contacts:
+        raster(panels[-1], seen, MODE_COLOURS)
+        along = {one.name: name for one in mechanism.contacts() for name in one.slips}
+        for label, contact in zip(panels[-1].get_yticklabels(), run.contacts, strict=True):
+            if (name := along[contact]) in places:  # a key to the curves above
+                label.set_color(CURVES[places.index(name) % len(CURVES)])
+        found.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
+    for axes in panels:
         bottom = axes.get_position().y0 <= lowest
         axes.tick_params(labelbottom=bottom)
-        cursor = axes.axvline(float(seen.t[0]), color=INK, linewidth=1.0)
-        (dot,) = axes.plot([], [], "o", color=C1, markersize=5)
-        found.append((cursor, dot, name, factor))
         if bottom:
             axes.set_xlabel("time, s")
     return found

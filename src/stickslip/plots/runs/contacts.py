@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from stickslip.formatting import scale_of
 from stickslip.plots.core.event_markers import within
 from stickslip.plots.core.helpers import Sizes, dense
+from stickslip.plots.core.mode_raster import raster
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
 from stickslip.trajectory import UNLOADED, Trajectory
@@ -145,28 +146,12 @@ def _friction(axes: Axes, own: Trajectory, seen: Trajectory, name: str, last: fl
 
 
 def _raster(axes: Axes, seen: Trajectory, narrow: bool) -> None:
-    """Draw a row for each contact: when it slips, sticks, or is open."""
-    edges = np.append(seen.t, seen.t[-1])
-    rows = np.arange(len(seen.contacts) + 1)
-    colours = {-1: C2, 0: MUTED, 1: C1}
-    modes = np.array([np.rint(seen[f"mode:{name}"]) for name in seen.contacts])
-    for row, own in enumerate(modes):
-        begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
-        ends = np.append(begins[1:], own.size)
-        for mode, colour in colours.items():
-            spans = [
-                (float(edges[i]), float(edges[k] - edges[i]))
-                for i, k in zip(begins, ends, strict=True)
-                if own[i] == mode
-            ]
-            axes.broken_barh(spans, (row, 1.0), facecolor=colour, linewidth=0.0)
-    axes.set_xlim(float(edges[0]), float(edges[-1]))
-    axes.set_ylim(0.0, float(rows[-1]))
-    axes.set_yticks(rows[:-1] + 0.5, seen.contacts, fontsize="x-small")
-    axes.invert_yaxis()
+    """Draw the raster with what its colours mean."""
+    raster(axes, seen, {-1: C2, 0: MUTED, 1: C1})
     axes.set_xlabel("time, s")
+    modes = [np.rint(seen[f"mode:{name}"]) for name in seen.contacts]
     meanings = {"slip backward": C2, "stick": MUTED, "slip forward": C1}
-    if np.any(modes == UNLOADED):
+    if np.any(np.array(modes) == UNLOADED):
         meanings["open"] = SURFACE
     for label, colour in meanings.items():
         axes.plot([], [], "s", color=colour, markeredgecolor=MUTED, label=label)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.plots.animation.scenes.shapes import Box, Moment, Picture, Rod, Shape, Word
+from stickslip.mechanisms import Mechanism
+from stickslip.plots.animation.scenes.shapes import Box, Fill, Moment, Picture, Rod, Shape, Word
 from stickslip.trajectory import Trajectory
 
 __all__ = ["bars"]
@@ -38,7 +38,8 @@ def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
     >>> round(bar.left, 6), round(bar.width, 6), bar.fill
     (0.0, 1.0, 'mode')
     """
-    slip = slip_of(mechanism)
+    contacts = mechanism.contacts()
+    slips = {name: one.name for one in contacts for name in one.slips}
     names = tuple(name for name in run.states or (*mechanism.coordinates, *mechanism.rates))
     largest = {name: float(np.abs(run[name]).max()) or 1.0 for name in names}
 
@@ -47,11 +48,19 @@ def bars(mechanism: Mechanism, run: Trajectory) -> Picture:
         for row, name in enumerate(names):
             base = -0.45 * row
             length = HALF * now[name] / largest[name]
-            fill = "mode" if name == slip else "body"
+            fill: Fill = "mode" if name in slips else "body"
+            contact = slips.get(name, "") if len(contacts) > 1 else ""
             left, width = min(0.0, length), abs(length)
             found += [
                 Rod(points=((-HALF, base), (HALF, base)), width=0.6),
-                Box(left=left, bottom=base, width=width, height=0.16, fill=fill),  # type: ignore[arg-type]  # one of the two
+                Box(
+                    left=left,
+                    bottom=base,
+                    width=width,
+                    height=0.16,
+                    fill=fill,
+                    contact=contact,
+                ),
                 Rod(points=((0.0, base - 0.03), (0.0, base + 0.19)), width=1.2),
                 Word(at=(-HALF, base + 0.25), text=name),
                 Word(

@@ -23,6 +23,8 @@ from stickslip.mechanisms import (
     TowedBlock,
     TwoMassAxis,
 )
+from stickslip.plots.animation.scenes.forces import TALL, standing_forces
+from stickslip.plots.animation.scenes.several_contacts import SEVERAL
 from stickslip.plots.animation.scenes.shapes import (
     Arrow,
     Ball,
@@ -43,23 +45,9 @@ from stickslip.trajectory import Trajectory
 
 __all__ = ["SCENES"]
 
-TALL: Final = 0.6
-"""Height of a block over its length."""
-
 
 def _range(seen: Trajectory, name: str) -> float:
     return float(np.ptp(seen[name]))
-
-
-def _forces(now: Moment, x: float, width: float, *, normal: bool) -> list[Shape]:
-    """Return friction and normal force where the body stands on the ground at y = 0."""
-    found: list[Shape] = [
-        Arrow(at=(x, 0.0), along=(-1.0, 0.0), value=now["friction"], role="friction")
-    ]
-    if normal:
-        foot = (x + 0.25 * width, 0.0)
-        found.append(Arrow(at=foot, along=(0.0, 1.0), value=now["normal_force"], role="normal"))
-    return found
 
 
 def _plumb(incline: float, at: Point, length: float) -> list[Shape]:
@@ -129,7 +117,7 @@ def spring_block(mechanism: SpringBlock, run: Trajectory) -> Picture:
         found += _plumb(
             mechanism.incline, (left + 0.15 * size, 1.7 * TALL * size), 0.6 * TALL * size
         )
-        found += _forces(now, middle, size, normal=True)
+        found += standing_forces(now, middle, size, normal=True)
         if "drive" in now:
             top = (middle, 0.6 * TALL * size)
             found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
@@ -181,7 +169,9 @@ def towed_block(mechanism: TowedBlock, run: Trajectory) -> Picture:
             Rod(points=((far, 0.7 * high), (far, 1.3 * high)), width=3.0),
             Rod(points=((far, high), (far + side * 0.3 * size, high))),
             Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"),
-            *_forces(now, middle, size, normal=mechanism.load is None or mechanism.load != 1.0),
+            *standing_forces(
+                now, middle, size, normal=mechanism.load is None or mechanism.load != 1.0
+            ),
         ]
         if "modulation" in now:
             top = (middle - 0.25 * size, TALL * size)
@@ -220,7 +210,7 @@ def axis(mechanism: Axis, run: Trajectory) -> Picture:
             found.append(Coil(start=(foot, high), end=(left, high), radius=0.3 * TALL * size))
         found += _stops(mechanism.lower_stop, mechanism.upper_stop, -0.5 * size, size)
         found.append(Box(left=left, bottom=0.0, width=size, height=TALL * size, fill="mode"))
-        found += _forces(now, x, size, normal=mechanism.load != 1.0)
+        found += standing_forces(now, x, size, normal=mechanism.load != 1.0)
         if "drive" in now:
             top = (x, 1.2 * high)
             found.append(Arrow(at=top, along=(1.0, 0.0), value=now["drive"], role="drive"))
@@ -248,17 +238,21 @@ def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
     stretch = float(np.max(np.abs(run["x"] - run["other"]), initial=0.0))
     size = 0.25 * max(reach, stretch) or 0.1
     gap = 1.2 * size + 1.2 * stretch
-    of_motor, of_load = ("other", "x") if mechanism.rubs == "load" else ("x", "other")
+    of_motor, of_load = ("x", "other") if mechanism.rubs == "motor" else ("other", "x")
+    both = mechanism.rubs == "both"
 
     def shapes(now: Moment) -> list[Shape]:
         motor, load = now[of_motor] - size, now[of_load] + gap
-        left = load if mechanism.rubs == "load" else motor
+        sides = {"motor": motor, "load": load}
+        rubbing = {name: left for name, left in sides.items() if both or name == mechanism.rubs}
+        names = tuple(rubbing) if both else ()
         high = 0.5 * TALL * size
         raised = 0.12 * TALL * size  # what does not rub runs on rollers
-        found: list[Shape] = [Ground(touched=((left, left + size),))]
+        touched = tuple((left, left + size) for left in rubbing.values())
+        found: list[Shape] = [Ground(touched=touched, contacts=names)]
         found.append(Coil(start=(motor + size, high), end=(load, high), radius=0.3 * TALL * size))
-        for side, place in (("motor", motor), ("load", load)):
-            rubs = side == mechanism.rubs
+        for side, place in sides.items():
+            rubs = side in rubbing
             base = 0.0 if rubs else raised
             if not rubs:
                 for share in (0.25, 0.75):
@@ -271,9 +265,13 @@ def two_mass_axis(mechanism: TwoMassAxis, run: Trajectory) -> Picture:
                     width=size,
                     height=TALL * size - base,
                     fill="mode" if rubs else "body",
+                    contact=side if both else "",
                 )
             )
-        found += _forces(now, left + 0.5 * size, size, normal=mechanism.load != 1.0)
+        for side, left in rubbing.items():
+            middle, own = left + 0.5 * size, side if both else ""
+            normal = mechanism.load != 1.0
+            found += standing_forces(now, middle, size, normal=normal, contact=own)
         if "drive" in now:
             at = (motor + 0.5 * size, 1.2 * high)
             found.append(Arrow(at=at, along=(1.0, 0.0), value=now["drive"], role="drive"))
@@ -336,10 +334,12 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
         A function that gives the shapes at a moment.
     """
     l = mechanism.length  # noqa: E741  # the symbol of PHYSICS
+    rubs = mechanism.pivot_load is not None
     base = mechanism.wheelbase or 0.6 * l
     pivot = mechanism.pivot_height or 0.24 * l
     wheel = min(0.07 * l, 0.4 * pivot)
     overhang = 1.6 * wheel
+    wheels, joint = (one.name for one in mechanism.contacts()) if rubs else ("", "")
 
     def shapes(now: Moment) -> list[Shape]:
         x, theta = now["x"], now["theta"]
@@ -347,21 +347,36 @@ def pendulum_cart(mechanism: PendulumCart, _seen: Trajectory) -> Picture:
         feet = (x - 0.5 * base, x + 0.5 * base)
         # the arrow of a torque turns as theta does, anticlockwise
         return [
-            Ground(touched=tuple((foot - wheel, foot + wheel) for foot in feet)),
+            Ground(
+                touched=tuple((foot - wheel, foot + wheel) for foot in feet),
+                contacts=(wheels, wheels),
+            ),
             Box(
                 left=feet[0] - overhang,
                 bottom=wheel,
                 width=base + 2.0 * overhang,
                 height=pivot - wheel,
                 fill="mode",
+                contact=wheels,
             ),
             *(Ball(centre=(foot, wheel), radius=wheel, fill="solid") for foot in feet),
             Rod(points=((x, pivot), ball), width=2.4),
             Ball(centre=ball, radius=0.08 * l, fill="solid"),
-            Ball(centre=(x, pivot), radius=0.03 * l, fill="none"),
+            Ball(
+                centre=(x, pivot),
+                radius=(0.05 if rubs else 0.03) * l,
+                fill="mode" if rubs else "none",
+                contact=joint,
+            ),
             *_spiral(mechanism, (x, pivot), theta),
             *_plumb(mechanism.incline, (feet[1] + base, pivot + l), 0.4 * l),
-            *_forces(now, x, base, normal=True),
+            *standing_forces(now, x, base, normal=True, contact=wheels),
+            Turn(
+                centre=(x, pivot),
+                radius=0.13 * l,
+                value=-now.get(f"friction:{joint}", 0.0) if rubs else 0.0,
+                role="friction",
+            ),
             Turn(
                 centre=(x, pivot),
                 radius=0.2 * l,
@@ -423,14 +438,15 @@ def capsule(mechanism: Capsule, run: Trajectory) -> Picture:
             near = x + stop + side * 0.5 * inner
             start = near if side > 0 else near - post
             for bottom in (0.0, 0.72 * tall):
-                size = {"width": post, "height": 0.28 * tall}
-                found.append(Box(left=start, bottom=bottom, fill="solid", **size))
+                found.append(
+                    Box(left=start, bottom=bottom, width=post, height=0.28 * tall, fill="solid")
+                )
         box = Box(left=face, bottom=0.15 * tall, width=inner, height=0.7 * tall)
         effort = _effort(mechanism.drive, now, "force")
         found += [
             box,
             *_plumb(mechanism.incline, (x, 1.9 * tall), 0.7 * tall),
-            *_forces(now, x, 1.8 * half, normal=True),
+            *standing_forces(now, x, 1.8 * half, normal=True),
             Arrow(at=(place, middle), along=(1.0, 0.0), value=effort, role="drive"),
         ]
         return found
@@ -447,6 +463,7 @@ SCENES: Final[Mapping[str, Scene]] = MappingProxyType(
         Pendulum.name: pendulum,
         PendulumCart.name: pendulum_cart,
         Capsule.name: capsule,
+        **SEVERAL,
     }
 )
 """The scenes of our mechanisms, by the names of these."""

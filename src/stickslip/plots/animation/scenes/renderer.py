@@ -1,7 +1,7 @@
 """Paints shapes with matplotlib, in the colours of the theme."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -28,10 +28,13 @@ from stickslip.plots.animation.scenes.shapes import (
     Word,
 )
 from stickslip.plots.core.theme import C2, C3, C4, INK, MUTED, SLIP_BACK, STICK, SURFACE
+from stickslip.trajectory import UNLOADED
 
 __all__ = ["MODE_COLOURS", "ROLE_COLOURS", "artists_of"]
 
-MODE_COLOURS: Final = MappingProxyType({0: STICK, 2: STICK, -2: STICK, 1: SURFACE, -1: SLIP_BACK})
+MODE_COLOURS: Final = MappingProxyType(
+    {0: STICK, 2: STICK, -2: STICK, 1: SURFACE, -1: SLIP_BACK, UNLOADED: "none"}
+)
 """Fill of the body that rubs, by mode: the bands behind curves have the same."""
 ROLE_COLOURS: Final[MappingProxyType[Role, str]] = MappingProxyType(
     {"friction": C2, "normal": C3, "drive": C4}
@@ -46,8 +49,8 @@ SHORTEST: Final = 3.0
 class _Brush:
     """What shapes need to know to be painted."""
 
-    def __init__(self, axes: Axes, mode: int, scales: Scales) -> None:
-        self.axes, self.mode, self.scales = axes, mode, scales
+    def __init__(self, axes: Axes, modes: Mapping[str, int], scales: Scales) -> None:
+        self.axes, self.modes, self.scales = axes, modes, scales
         low, high = axes.get_xlim()
         self.left, self.right = low, high
         figure = axes.get_figure(root=True)
@@ -56,13 +59,16 @@ class _Brush:
         """Metres in a CSS pixel."""
         self.spacing = _spacing(HATCH * self.pixel)
 
-    def fill(self, fill: Fill) -> str:
-        """Return the colour of a fill."""
-        colours = {"mode": MODE_COLOURS[self.mode], "body": BODY, "solid": INK, "none": "none"}
-        return colours[fill]
+    def fill(self, fill: Fill, contact: str = "") -> str:
+        """Return the colour of a fill; that of a contact without a law never changes."""
+        if fill == "mode" and contact in self.modes:
+            return MODE_COLOURS[self.modes[contact]]
+        return {"mode": BODY, "body": BODY, "solid": INK, "none": "none"}[fill]
 
 
-def artists_of(axes: Axes, shapes: Sequence[Shape], mode: int, scales: Scales) -> list[Artist]:
+def artists_of(
+    axes: Axes, shapes: Sequence[Shape], modes: Mapping[str, int], scales: Scales
+) -> list[Artist]:
     """Return shapes as matplotlib artists of axes whose limits are set, from back to front.
 
     Parameters
@@ -71,8 +77,8 @@ def artists_of(axes: Axes, shapes: Sequence[Shape], mode: int, scales: Scales) -
         Where they are added.
     shapes : sequence
         What is to be seen.
-    mode : int
-        Mode of the contact, as in ``run["mode"]``.
+    modes : mapping of str to int
+        Modes by contact, as in ``run["mode:elbow"]``; that of the only one under an empty name.
     scales : Scales
         What arrows mean.
 
@@ -81,7 +87,7 @@ def artists_of(axes: Axes, shapes: Sequence[Shape], mode: int, scales: Scales) -
     list of matplotlib.artist.Artist
         All of them, added to the axes.
     """
-    brush = _Brush(axes, mode, scales)
+    brush = _Brush(axes, modes, scales)
     found: list[Artist] = []
     for order, shape in enumerate(shapes):
         for artist in _PAINTERS[type(shape)](shape, brush):
@@ -99,14 +105,14 @@ def _line(xs: Any, ys: Any, *, colour: str = INK, width: float = 1.4, **style: A
 
 def _box(shape: Box, brush: _Brush) -> list[Artist]:
     corner = (shape.left, shape.bottom)
-    face = brush.fill(shape.fill)
+    face = brush.fill(shape.fill, shape.contact)
     return [
         Rectangle(corner, shape.width, shape.height, facecolor=face, edgecolor=INK, linewidth=1.4)
     ]
 
 
 def _ball(shape: Ball, brush: _Brush) -> list[Artist]:
-    face = brush.fill(shape.fill)
+    face = brush.fill(shape.fill, shape.contact)
     return [Circle(shape.centre, shape.radius, facecolor=face, edgecolor=INK, linewidth=1.4)]
 
 
@@ -138,8 +144,9 @@ def _ground(shape: Ground, brush: _Brush) -> list[Artist]:
         _line([brush.left, brush.right], [y, y]),
     ]
     deep = 5.0 * brush.pixel
-    face = brush.fill("mode")
-    for low, high in shape.touched:
+    contacts = shape.contacts or ("",) * len(shape.touched)
+    for (low, high), contact in zip(shape.touched, contacts, strict=True):
+        face = brush.fill("mode", contact)
         strip = Rectangle(
             (low, y - deep), high - low, deep, facecolor=face, edgecolor=INK, linewidth=0.9
         )

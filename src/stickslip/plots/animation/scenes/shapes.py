@@ -51,6 +51,8 @@ class Box:
     """Its extent in y [m]."""
     fill: Fill = "body"
     """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +65,8 @@ class Ball:
     """Its radius [m]."""
     fill: Fill = "body"
     """How its area is filled."""
+    contact: str = ""
+    """Contact whose mode colours it, where there are several."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +101,8 @@ class Ground:
     """y of the surface [m]."""
     touched: tuple[tuple[float, float], ...] = ()
     """Left and right ends of what rubs: coloured by stick and slip."""
+    contacts: tuple[str, ...] = ()
+    """Contact of each of these, where there are several."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,485 @@
+"""Rigid bodies joined in a tree: their mass matrix and forces by recursion.
+
+Written out from energies, the equations of a robot have a hundred thousand characters. Recursions
+along the tree give the same ones with what bodies have in common worked out once. What lies beyond
+a joint counts as one body, whose mass, first moment and inertia both matrix and forces need; then
+what a joint adds to the motion of all beyond it acts on that body.
+
+Source: R. Featherstone, "Rigid Body Dynamics Algorithms", 2008, sections 5.3 and 6.2.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+from typing_extensions import override
+
+from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
+
+__all__ = [
+    "BASE",
+    "UNIT",
+    "Body",
+    "JointedMechanism",
+    "Matrix",
+    "Vector",
+    "about",
+    "both",
+    "joint_places",
+    "mass_matrix_of",
+    "plus",
+    "taken_by",
+    "times",
+    "transposed",
+    "turned",
+]
+
+Vector: TypeAlias = Sequence[Scalar]
+"""Three numbers or symbols."""
+Matrix: TypeAlias = Sequence[Vector]
+"""Three rows of them."""
+
+BASE = -1
+"""Index of the parent of a body that is joined to the ground."""
+NONE: Vector = (0.0, 0.0, 0.0)
+UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+"""Axes along the parent's."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body and the joint that carries it, which is its origin; its z-axis is the joint's.
+
+    Quantities are numbers or symbols. Those that are 0 drop out of the equations.
+    """
+
+    parent: int
+    """Index of the body that it is joined to, which stands before it; or `BASE`."""
+    frame: Matrix
+    """Axes of the body while the joint is at 0, row by row, in those of the parent."""
+    offset: Vector
+    """Place of the joint at 0 in axes of the parent [m]."""
+    mass: Scalar
+    """Mass [kg]."""
+    moment: Vector
+    """Mass times the place of the centre of mass [kg m]."""
+    inertia: Matrix
+    """Inertia about the origin [kg m^2]."""
+    slides: bool = False
+    """Whether the joint slides along its axis; otherwise it turns about it."""
+    rotor: Scalar = 0.0
+    """Inertia of the motor's rotor, which sits on the parent and turns about the same axis."""
+    gear: Scalar = 1.0
+    """Speed of the rotor on the parent over that of the joint."""
+    armature: Scalar = 0.0
+    """Inertia that acts on the joint alone."""
+
+    @property
+    def axis(self) -> Vector:
+        """Axis of the joint in axes of the parent."""
+        return self.frame[2]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    """Return the cross product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def times(rows: Matrix, a: Vector) -> Vector:
+    """Return a matrix times a vector.
+
+    Parameters
+    ----------
+    rows : matrix
+        The matrix, row by row.
+    a : vector
+        The vector.
+
+    Returns
+    -------
+    vector
+        The product.
+    """
+    return (_dot(rows[0], a), _dot(rows[1], a), _dot(rows[2], a))
+
+
+def turned(rows: Matrix, tensor: Matrix) -> Matrix:
+    """Return a symmetric tensor in other axes.
+
+    Parameters
+    ----------
+    rows : matrix
+        The other axes, row by row, in those of the tensor.
+    tensor : matrix
+        A symmetric tensor, such as an inertia.
+
+    Returns
+    -------
+    matrix
+        The tensor in the other axes.
+
+    Examples
+    --------
+    >>> turned(((0, 1, 0), (0, 0, 1), (1, 0, 0)), ((1, 0, 0), (0, 2, 0), (0, 0, 3)))
+    ((2, 0, 0), (0, 3, 0), (0, 0, 1))
+    """
+    half = [times(rows, row) for row in tensor]
+    return tuple(times(rows, column) for column in transposed(half))
+
+
+def about(mass: Scalar, moment: Vector, place: Vector) -> Matrix:
+    """Return what moving the origin of an inertia by minus `place` adds to it.
+
+    Parameters
+    ----------
+    mass : float
+        Mass [kg].
+    moment : vector
+        Mass times the place of the centre of mass from the former origin [kg m].
+    place : vector
+        Place of the former origin from the new one [m].
+
+    Returns
+    -------
+    matrix
+        Inertia about the new origin less that about the former [kg m^2].
+
+    Examples
+    --------
+    >>> about(2.0, (0.0, 0.0, 0.0), (0.0, 3.0, 0.0))[2][2]
+    18.0
+    """
+    twice = plus(moment, moment)
+    reach = tuple(mass * place[i] + twice[i] for i in range(3))
+    shared = [[0.5 * (place[i] * reach[j] + reach[i] * place[j]) for j in range(3)]
+              for i in range(3)]  # fmt: skip
+    trace = _dot(place, reach)
+    rows = [tuple((trace if i == j else 0.0) - shared[i][j] for j in range(3)) for i in range(3)]
+    return tuple(rows)
+
+
+def _dot(a: Vector, b: Vector) -> Scalar:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def plus(a: Vector, b: Vector) -> Vector:
+    """Return the sum of two vectors.
+
+    Parameters
+    ----------
+    a, b : vector
+        The vectors.
+
+    Returns
+    -------
+    vector
+        The sum.
+    """
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _scaled(factor: Scalar, a: Vector) -> Vector:
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def transposed(rows: Matrix) -> Matrix:
+    """Return the columns of a matrix as rows."""
+    return tuple(zip(*rows, strict=True))
+
+
+def both(one: Matrix, other: Matrix) -> Matrix:
+    """Return the sum of two matrices.
+
+    Parameters
+    ----------
+    one, other : matrix
+        The matrices, row by row.
+
+    Returns
+    -------
+    matrix
+        The sum.
+    """
+    return tuple(map(plus, one, other))
+
+
+class _Place:
+    """Where a joint has brought its body: how vectors pass between the body and its parent."""
+
+    def __init__(self, body: Body, q: Scalar) -> None:
+        self.body = body
+        self.back = transposed(body.frame)
+        along = q if body.slides else 0.0
+        self.offset = plus(body.offset, _scaled(along, body.axis))
+        self.c: Scalar = 1.0 if body.slides else cos(q)
+        self.s: Scalar = 0.0 if body.slides else sin(q)
+
+    def outward(self, a: Vector) -> Vector:
+        """Return a vector of the parent's in axes of the body."""
+        x, y, z = times(self.body.frame, a)
+        return (self.c * x + self.s * y, self.c * y - self.s * x, z)
+
+    def inward(self, a: Vector) -> Vector:
+        """Return a vector of the body's in axes of the parent."""
+        x, y, z = a
+        return times(self.back, (self.c * x - self.s * y, self.s * x + self.c * y, z))
+
+    def inertia(self, rows: Matrix) -> Matrix:
+        """Return an inertia of the body's in axes of the parent."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = rows
+        if not self.body.slides:
+            c, s = self.c, self.s
+            # yy - xx and not both: where they are equal nothing turns with the joint
+            wide, mixed = s * (yy - xx), s * (xy + xy)
+            add = s * wide - c * mixed
+            xx, yy, xy = xx + add, yy - add, xy - s * mixed - c * wide
+            xz, yz = c * xz - s * yz, s * xz + c * yz
+        at_joint = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+        return turned(self.back, at_joint)
+
+
+def joint_places(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[tuple[Vector, Matrix]]:
+    """Return where joints are and how their bodies stand.
+
+    Parameters
+    ----------
+    bodies : sequence of Body (n,)
+        The bodies, each behind the one that carries it.
+    q : sequence of float or symbol (n,)
+        Coordinates of the joints [rad] or [m].
+
+    Returns
+    -------
+    list of (vector, matrix)
+        Place of each joint [m] and axes of its body, a column each, in axes of the ground.
+    """
+    found: list[tuple[Vector, Matrix]] = []
+    for body, one in zip(bodies, q, strict=True):
+        place = _Place(body, one)
+        at, axes = (NONE, UNIT) if body.parent == BASE else found[body.parent]
+        own = [times(axes, place.inward(row)) for row in UNIT]
+        found.append((plus(at, times(axes, place.offset)), transposed(own)))
+    return found
+
+
+@dataclass
+class _Beyond:
+    """What a joint carries, its own body and all that is joined to it, about the joint."""
+
+    mass: Scalar
+    moment: Vector
+    inertia: Matrix
+
+
+def _carried(bodies: Sequence[Body], places: Sequence[_Place]) -> tuple[list[_Beyond], Vector]:
+    """Return what each joint carries, and mass times place of all bodies in axes of the base."""
+    found = [_Beyond(body.mass, body.moment, body.inertia) for body in bodies]
+    base: Vector = NONE
+    for i, body in reversed(list(enumerate(bodies))):
+        own, place = found[i], places[i]
+        moment = place.inward(own.moment)
+        reached = plus(moment, _scaled(own.mass, place.offset))
+        if body.parent == BASE:
+            base = plus(base, reached)
+            continue
+        more = about(own.mass, moment, place.offset)
+        more = both(more, place.inertia(own.inertia))
+        more = both(more, tuple(_scaled(body.rotor * k, body.axis) for k in body.axis))
+        parent = found[body.parent]
+        parent.mass = parent.mass + own.mass
+        parent.moment = plus(parent.moment, reached)
+        parent.inertia = both(parent.inertia, more)
+    return found, base
+
+
+def mass_matrix_of(bodies: Sequence[Body], q: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Return the mass matrix: what each joint takes for an acceleration of one of them.
+
+    Parameters
+    ----------
+    bodies : sequence of Body (n,)
+        The bodies, each behind the one that carries it.
+    q : sequence of float or symbol (n,)
+        Coordinates of the joints [rad] or [m].
+
+    Returns
+    -------
+    list of list (n, n)
+        The mass matrix.
+    """
+    places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
+    carried, _ = _carried(bodies, places)
+    rows: list[list[Scalar]] = [[0.0] * len(bodies) for _ in bodies]
+    for i, (body, own) in enumerate(zip(bodies, carried, strict=True)):
+        x, y, _ = own.moment
+        force: Vector
+        torque: Vector
+        if body.slides:
+            force, torque = (0.0, 0.0, own.mass), (y, -x, 0.0)
+        else:
+            force, torque = (-y, x, 0.0), tuple(row[2] for row in own.inertia)
+        at = i
+        motor = body.armature + body.gear * body.gear * body.rotor
+        rows[i][i] = (force if body.slides else torque)[2] + motor
+        while bodies[at].parent != BASE:
+            force = places[at].inward(force)
+            torque = plus(places[at].inward(torque), _cross(places[at].offset, force))
+            if at == i:
+                torque = plus(torque, _scaled(body.gear * body.rotor, body.axis))
+            at = bodies[at].parent
+            rows[i][at] = rows[at][i] = (force if bodies[at].slides else torque)[2]
+    return rows
+
+
+def taken_by(
+    bodies: Sequence[Body], q: Sequence[Scalar], q_dot: Sequence[Scalar], gravity: Vector
+) -> list[Scalar]:
+    """Return what each joint takes so that no rate changes: weight, Coriolis and the like.
+
+    A body's points accelerate by ``a + alpha x r + omega x (omega x r)``, with that of free fall
+    taken off a.
+
+    Parameters
+    ----------
+    bodies : sequence of Body (n,)
+        The bodies, each behind the one that carries it.
+    q, q_dot : sequence of float or symbol (n,)
+        Coordinates of the joints [rad] or [m], and their rates.
+    gravity : vector
+        Acceleration of free fall in axes of the ground [m/s^2].
+
+    Returns
+    -------
+    list of float or symbol (n,)
+        Torques [N m] and forces [N].
+    """
+    places = [_Place(body, one) for body, one in zip(bodies, q, strict=True)]
+    carried, _ = _carried(bodies, places)
+    motions: list[tuple[Vector, Vector, Vector]] = []
+    taken: list[Scalar] = []
+    forces: list[Vector] = [NONE] * len(bodies)
+    torques: list[Vector] = [NONE] * len(bodies)
+    pushed: list[tuple[Vector, Vector]] = []
+    for body, place, own, rate in zip(bodies, places, carried, q_dot, strict=True):
+        held = (NONE, NONE, _scaled(-1.0, gravity))
+        before, spin, fall = held if body.parent == BASE else motions[body.parent]
+        p = place.offset
+        fall = plus(fall, plus(_cross(spin, p), _cross(before, _cross(before, p))))
+        w, alpha, a = place.outward(before), place.outward(spin), place.outward(fall)
+        # what this joint adds to the motion of all beyond it, and what that takes
+        swept = (w[1] * rate, -(w[0] * rate), 0.0)  # w x z rate
+        if body.slides:
+            omega = w
+            extra = _scaled(2.0, swept)
+            a = plus(a, extra)
+            push, twist = _scaled(own.mass, extra), _cross(own.moment, extra)
+        else:
+            omega = (w[0], w[1], w[2] + rate)
+            alpha = plus(alpha, swept)
+            x, y, _ = own.moment
+            push = _cross(_scaled(rate, plus(w, omega)), (-y, x, 0.0))
+            u = times(own.inertia, w)
+            column = (own.inertia[0][2], own.inertia[1][2], own.inertia[2][2])
+            twist = plus(
+                times(own.inertia, swept),
+                _scaled(rate, plus((-u[1], u[0], 0.0), _cross(omega, column))),
+            )
+        motions.append((omega, alpha, a))
+        pushed.append((push, twist))
+        taken.append(body.gear * body.rotor * _dot(spin, body.axis))
+        if body.parent != BASE:
+            swung = _scaled(body.gear * body.rotor * rate, _cross(before, body.axis))
+            torques[body.parent] = plus(torques[body.parent], swung)
+    for i, body in reversed(list(enumerate(bodies))):
+        own, place, (omega, alpha, a) = carried[i], places[i], motions[i]
+        if body.slides:
+            whole = plus(_cross(alpha, own.moment), _cross(omega, _cross(omega, own.moment)))
+            taken[i] = taken[i] + own.mass * a[2] + whole[2] + forces[i][2]
+        else:
+            whole = plus(times(own.inertia, alpha), _cross(omega, times(own.inertia, omega)))
+            taken[i] = taken[i] + _cross(own.moment, a)[2] + whole[2] + torques[i][2]
+        if body.parent == BASE:
+            continue
+        push = place.inward(plus(pushed[i][0], forces[i]))
+        twist = place.inward(plus(pushed[i][1], torques[i]))
+        forces[body.parent] = plus(forces[body.parent], push)
+        lever = _cross(place.offset, push)
+        torques[body.parent] = plus(torques[body.parent], plus(twist, lever))
+    return taken
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointedMechanism(MatrixMechanism, ABC):
+    """Rigid bodies joined in a tree, a coordinate to each joint: arms and robots.
+
+    Mass matrix and forces come from recursions along the tree.
+    """
+
+    @abstractmethod
+    def bodies(self) -> Sequence[Body]:
+        """Return the bodies by coordinate, each behind the one that carries it."""
+
+    @abstractmethod
+    def free_fall(self) -> Vector:
+        """Return the acceleration of free fall in axes of the base [m/s^2]."""
+
+    @abstractmethod
+    def efforts(
+        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    ) -> Mapping[str, Scalar]:
+        """Return the torques [N m] and forces [N] of motors and dampers, by coordinate.
+
+        Parameters
+        ----------
+        q_dot : mapping of str to float or array
+            Rates by name of the coordinate.
+        drives : mapping of str to float or array
+            Present values of the drives by name.
+
+        Returns
+        -------
+        mapping of str to float or array
+            One for each coordinate.
+        """
+
+    @final
+    @override
+    def mass_matrix(self, q: Mapping[str, Scalar]) -> Sequence[Sequence[Scalar]]:
+        return mass_matrix_of(self.bodies(), [q[name] for name in self.coordinates])
+
+    @final
+    @override
+    def forces(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Mapping[str, Scalar]:
+        at, rates = ([by[name] for name in self.coordinates] for by in (q, q_dot))
+        needed = taken_by(self.bodies(), at, rates, self.free_fall())
+        efforts = self.efforts(q_dot, drives)
+        names = zip(self.coordinates, needed, strict=True)
+        return {name: efforts[name] - taken for name, taken in names}
+
+    @final
+    @override
+    def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
+        bodies = self.bodies()
+        names = zip(bodies, self.coordinates, strict=True)
+        _, place = _carried(bodies, [_Place(body, q[name]) for body, name in names])
+        return -1.0 * _dot(self.free_fall(), place)
+
+    @final
+    @override
+    def power(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> Scalar:
+        efforts = self.efforts(q_dot, drives)
+        return sum((efforts[name] * q_dot[name] for name in self.coordinates), 0.0)

@@ -1,0 +1,345 @@
+"""A robot of rigid links in a tree, with friction in every joint."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, final
+
+from typing_extensions import override
+
+from stickslip.drives import Drive
+from stickslip.errors import ParameterError, UnknownNameError
+from stickslip.maths import Scalar
+from stickslip.mechanisms.base import Contact
+from stickslip.mechanisms.lining import checked_parts
+from stickslip.mechanisms.rigid_bodies import (
+    BASE,
+    UNIT,
+    Body,
+    JointedMechanism,
+    Matrix,
+    Vector,
+    mass_matrix_of,
+    times,
+    turned,
+)
+from stickslip.quantities import Parametrised, Quantity
+
+__all__ = ["Robot", "RobotJoint"]
+
+EXACT = 1e-15
+"""Entries of rotations this near to -1, 0 or 1 are taken for it, so that terms drop out."""
+COLUMNS = ("t", "mode", "friction", "normal_force")
+"""Names that columns of runs have; a coordinate that would have one gets ``_joint`` behind it."""
+SMALLEST = 1e-12
+"""Share of the largest entry that a pivot of a mass matrix may not fall below."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RobotJoint(Parametrised):
+    """A joint of a robot and the link that it carries, with what is fixed to that link.
+
+    The link's axes are at the joint. Numbers of inertia, centre, damping and armature that are 0 or
+    whole stand in the equations as they are, which makes them shorter; others are parameters.
+
+    Examples
+    --------
+    >>> hinge = RobotJoint(joint="hinge", mass=2.0, centre_x=0.1, inertia_zz=0.03, axis=(0, 0, 1))
+    >>> hinge.contact_name
+    'hinge'
+    """
+
+    joint: str
+    """Name of the joint."""
+    kind: Literal["revolute", "prismatic"] = "revolute"
+    """Whether it turns about its axis or slides along it."""
+    parent: str = ""
+    """Name of the joint whose link carries this one; the ground if empty."""
+    place: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Place of the joint at 0, in axes of the link that carries it [m]."""
+    orientation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    """Axes of the link while the joint is at 0: the rotation that takes its vectors to axes of the
+    link that carries it, nine numbers row by row."""
+    axis: tuple[float, ...] = (0.0, 0.0, 1.0)
+    """Axis of the joint, in axes of the link; its length does not matter."""
+    mass: Annotated[float, Quantity("m", "kg", low=0)]
+    """Mass of the link."""
+    centre_x: Annotated[float, Quantity("c_x", "m", structural=True)] = 0.0
+    """Centre of mass."""
+    centre_y: Annotated[float, Quantity("c_y", "m", structural=True)] = 0.0
+    """Centre of mass."""
+    centre_z: Annotated[float, Quantity("c_z", "m", structural=True)] = 0.0
+    """Centre of mass."""
+    inertia_xx: Annotated[float, Quantity("J_xx", "kg m^2", low=0, structural=True)] = 0.0
+    """Moment of inertia about the x-axis at the joint."""
+    inertia_yy: Annotated[float, Quantity("J_yy", "kg m^2", low=0, structural=True)] = 0.0
+    """Moment of inertia about the y-axis at the joint."""
+    inertia_zz: Annotated[float, Quantity("J_zz", "kg m^2", low=0, structural=True)] = 0.0
+    """Moment of inertia about the z-axis at the joint."""
+    inertia_xy: Annotated[float, Quantity("J_xy", "kg m^2", structural=True)] = 0.0
+    """Product of inertia at the joint, with the sign of the matrix entry."""
+    inertia_xz: Annotated[float, Quantity("J_xz", "kg m^2", structural=True)] = 0.0
+    """Product of inertia at the joint, with the sign of the matrix entry."""
+    inertia_yz: Annotated[float, Quantity("J_yz", "kg m^2", structural=True)] = 0.0
+    """Product of inertia at the joint, with the sign of the matrix entry."""
+    damping: Annotated[
+        float, Quantity("d", "N m s/rad", low=0, or_unit="N s/m", structural=True)
+    ] = 0.0
+    """Damper in the joint."""
+    armature: Annotated[float, Quantity("J_a", "kg m^2", low=0, or_unit="kg", structural=True)] = (
+        0.0
+    )
+    """Inertia of motor and gear as it acts on the joint: that of the rotor times the square of the
+    gear ratio. What the rotor's spin does to other joints is neglected."""
+    effort: Drive | None = None
+    """Torque [N m] or force [N] at the joint, behind the gear."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters and the geometry."""
+        super().__post_init__()
+        owner = f"RobotJoint {self.joint!r}"
+        if not re.search(r"[A-Za-z]", str(self.joint)):
+            raise ParameterError(
+                f"RobotJoint.joint must be a name with letters from a to z, got {self.joint!r}."
+            )
+        if self.kind not in ("revolute", "prismatic"):
+            raise ParameterError(
+                f"{owner}: kind must be 'revolute' or 'prismatic', got {self.kind!r}."
+            )
+        for name, count in (("place", 3), ("orientation", 9), ("axis", 3)):
+            object.__setattr__(self, name, _numbers(owner, name, getattr(self, name), count))
+        if not sum(x * x for x in self.axis):
+            raise ParameterError(f"{owner}: axis must not be (0, 0, 0).")
+        rows = self.rotation
+        gap = max(abs(sum(a * b for a, b in zip(rows[i], rows[j], strict=True)) - (i == j))
+                  for i in range(3) for j in range(3))  # fmt: skip
+        if gap > 1e-6 or _determinant(rows) < 0.0:
+            raise ParameterError(
+                f"{owner}: orientation must be a rotation matrix, got {self.orientation}."
+            )
+
+    @property
+    def rotation(self) -> Matrix:
+        """The orientation as rows."""
+        a = self.orientation
+        return (a[0], a[1], a[2]), (a[3], a[4], a[5]), (a[6], a[7], a[8])
+
+    @property
+    def coordinate(self) -> str:
+        """Name of the joint's coordinate."""
+        name = re.sub(r"\W+", "_", self.joint, flags=re.ASCII).strip("_")
+        return f"{name}_joint" if name in COLUMNS else name
+
+    @property
+    def contact_name(self) -> str:
+        """Name of the contact in the joint."""
+        name = "-".join(re.findall(r"[a-z0-9]+", self.joint.lower()))
+        return name if name[0].isalpha() else f"joint-{name}"
+
+    @property
+    def own_axes(self) -> Matrix:
+        """Axes of `body`, row by row, in those of the link: the third is the joint's."""
+        return _with_z_along(self.axis)
+
+    def body(self, parent: int, carrier_axes: Matrix) -> Body:
+        """Return the link as a body whose z-axis is that of the joint.
+
+        Parameters
+        ----------
+        parent : int
+            Index of the body that carries it.
+        carrier_axes : matrix
+            Axes of that body, row by row, in those of its link.
+
+        Returns
+        -------
+        Body
+            The body.
+        """
+        axes = self.own_axes
+        frame = tuple(times(carrier_axes, times(self.rotation, row)) for row in axes)
+        centre = (self.centre_x, self.centre_y, self.centre_z)
+        moment = tuple(self.mass * c for c in centre)
+        inertia = (
+            (self.inertia_xx, self.inertia_xy, self.inertia_xz),
+            (self.inertia_xy, self.inertia_yy, self.inertia_yz),
+            (self.inertia_xz, self.inertia_yz, self.inertia_zz),
+        )
+        return Body(
+            parent,
+            tuple(tuple(map(_exact, row)) for row in frame),
+            times(carrier_axes, self.place),
+            self.mass,
+            times(axes, moment),
+            turned(axes, inertia),
+            slides=self.kind == "prismatic",
+            armature=self.armature,
+        )
+
+
+def _numbers(owner: str, name: str, given: object, count: int) -> tuple[float, ...]:
+    """Return so many finite numbers."""
+    try:
+        found = tuple(float(x) for x in given)  # type: ignore[attr-defined]  # or it is refused
+    except (TypeError, ValueError):
+        found = ()
+    if len(found) != count or not all(abs(x) < 1e9 for x in found):
+        raise ParameterError(f"{owner}: {name} must be {count} numbers below 1e9, got {given!r}.")
+    return found
+
+
+def _exact(x: float) -> float:
+    """Return an entry of a rotation, -1, 0 or 1 where it is one but for roundings."""
+    return float(round(x)) if abs(x - round(x)) < EXACT else x
+
+
+def _determinant(m: Matrix) -> float:
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return float(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g))
+
+
+def _with_z_along(axis: Sequence[float]) -> Matrix:
+    """Return axes, row by row, whose third is along a given one.
+
+    Along one of the old axes the others are old ones too, so that nothing but their names changes.
+    """
+    size = sum(x * x for x in axis) ** 0.5
+    z = [_exact(x / size) for x in axis]
+    most = max(range(3), key=lambda i: abs(z[i]))
+    helper = [float(i == (most + 2) % 3) for i in range(3)]
+    x = _crossed(helper, z)
+    size = sum(k * k for k in x) ** 0.5
+    x = [_exact(k / size) for k in x]
+    return tuple(x), tuple(map(_exact, _crossed(z, x))), tuple(z)
+
+
+def _crossed(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Robot(JointedMechanism):
+    """Rigid links in a tree, joined by joints that turn or slide, with friction in each.
+
+    `read_urdf` makes one of a robot description. Coordinates have the names of the joints, with
+    ``_dot`` for their rates, and contacts the same names in kebab case, with a load of 1, so that
+    friction levels read as torques [N m] or forces [N]. Gravity points along -z of the ground.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, simulate
+    >>> from stickslip.mechanisms import RobotJoint
+    >>> door = Robot(joints=(RobotJoint(joint="Hinge", mass=20.0, centre_x=0.4, inertia_zz=4.5),))
+    >>> run = simulate(door, Coulomb(kinetic_coefficient=3.0), t_end=9.0, y0={"Hinge_dot": 2.0})
+    >>> round(float(run["Hinge"][-1]), 9)  # J omega^2 / (2 M)
+    3.0
+    """
+
+    name: ClassVar[str] = "robot"
+    moving_part: ClassVar[str] = "robot"
+    contact_names: ClassVar[str] = "the joints"
+
+    joints: tuple[RobotJoint, ...]
+    """The joints, each behind the one that carries it."""
+    gravity: Annotated[float, Quantity("g", "m/s^2", low=0)] = 9.81
+    """Acceleration of free fall."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check that the joints form a tree and that each moves something."""
+        super().__post_init__()
+        joints = checked_parts("Robot.joints", RobotJoint, self.joints, 1)
+        object.__setattr__(self, "joints", joints)
+        seen: dict[str, RobotJoint] = {}
+        for one in joints:
+            if one.parent and one.parent not in seen:
+                raise UnknownNameError(
+                    f"parent of Robot joint {one.joint!r}, which must stand before it:",
+                    one.parent,
+                    seen,
+                )
+            seen[one.joint] = one
+        states = (*self.coordinates, *self.rates)
+        for names in ([j.joint for j in joints], states, self._names()):
+            twice = sorted({name for name in names if names.count(name) > 1})
+            if twice:
+                raise ParameterError(
+                    f"Robot: two joints, or a joint and a rate, are called {twice[0]!r}: rename"
+                    " one."
+                )
+        self._check_masses()
+
+    def _check_masses(self) -> None:
+        """Refuse a joint that moves no mass: its acceleration would not be determined."""
+        places = [0.3 + 0.1 * i for i in range(len(self.joints))]
+        rows = [[float(x) for x in row] for row in mass_matrix_of(self.bodies(), places)]
+        largest = max(rows[i][i] for i in range(len(rows)))
+        # elimination from the ends of the tree: a pivot is what a joint moves by itself
+        for k in reversed(range(len(rows))):
+            pivot = rows[k][k]
+            if not pivot > SMALLEST * largest:
+                raise ParameterError(
+                    f"Robot: the joint {self.joints[k].joint!r} moves no mass or inertia"
+                    f" ({pivot:.3g} of {largest:.3g}), or its inertia does not fit its mass and"
+                    " centre of mass: give the links behind it theirs, or lock the joint."
+                )
+            for i in range(k):
+                share = rows[i][k] / pivot
+                for j in range(k):
+                    rows[i][j] -= share * rows[k][j]
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(joint.contact_name for joint in self.joints)
+
+    @property
+    @override
+    def coordinates(self) -> tuple[str, ...]:  # type: ignore[override]  # of an instance
+        """Angles and places of the joints."""
+        return tuple(joint.coordinate for joint in self.joints)
+
+    @property
+    @override
+    def rates(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Their rates."""
+        return tuple(f"{name}_dot" for name in self.coordinates)
+
+    @property
+    @override
+    def units(self) -> tuple[str, ...]:  # type: ignore[override]
+        """SI units of the coordinates."""
+        return tuple("m" if joint.kind == "prismatic" else "rad" for joint in self.joints)
+
+    @override
+    def bodies(self) -> Sequence[Body]:
+        index = {joint.joint: i for i, joint in enumerate(self.joints)}
+        index[""] = BASE
+        axes = {one.joint: one.own_axes for one in self.joints} | {"": UNIT}
+        return [one.body(index[one.parent], axes[one.parent]) for one in self.joints]
+
+    @override
+    def free_fall(self) -> Vector:
+        return (0.0, 0.0, -1.0 * self.gravity)
+
+    @override
+    def efforts(
+        self, q_dot: Mapping[str, Scalar], drives: Mapping[str, Scalar]
+    ) -> Mapping[str, Scalar]:
+        return {
+            one.coordinate: drives.get(f"effort-{one.contact_name}", 0.0)
+            - one.damping * q_dot[one.coordinate]
+            for one in self.joints
+        }
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        return tuple(
+            Contact(name=one.contact_name, slip=one.coordinate, load=1.0) for one in self.joints
+        )
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        given = {f"effort-{one.contact_name}": one.effort for one in self.joints}
+        return {name: drive for name, drive in given.items() if drive is not None}

@@ -1,0 +1,457 @@
+"""Reads robot descriptions in URDF."""
+
+import math
+import os
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.mechanisms.rigid_bodies import (
+    UNIT,
+    Matrix,
+    Vector,
+    about,
+    both,
+    plus,
+    times,
+    transposed,
+    turned,
+)
+from stickslip.mechanisms.robot import Robot, RobotJoint
+from stickslip.quantities import Quantity
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+__all__ = ["RobotDescription", "read_urdf"]
+
+LARGEST = 20_000_000
+"""Bytes of a file that are read at most; descriptions with meshes inside are not meant."""
+MOVES = ("revolute", "continuous", "prismatic")
+"""Kinds of joints that move."""
+ANGLE = Quantity("q")
+"""Where a joint stands, an angle or a place."""
+REFUSED = MappingProxyType(
+    {
+        "floating": "moves in six directions: fix the robot's base to the ground",
+        "planar": "moves in three directions: give two prismatic joints and one that turns",
+    }
+)
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """What a URDF file says of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+        The mechanism.
+    levels : mapping of str to float
+        Friction levels by contact [N m] or [N] where the file gives them, in ``<dynamics
+        friction="...">``.
+    limits : mapping of str to (float, float)
+        Lower and upper limits of coordinates [rad] or [m], where the file gives them. Runs do not
+        end there.
+    locked : mapping of str to float
+        Joints that do not move, and where they stand [rad] or [m].
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> found = read_urdf(files("stickslip.mechanisms") / "desk_arm.urdf")
+    >>> found.limits["elbow"]
+    (-2.4, 2.4)
+    """
+
+    robot: Robot
+    levels: Mapping[str, float]
+    limits: Mapping[str, tuple[float, float]]
+    locked: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """A joint as it stands in the file."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    place: Vector
+    turn: Matrix
+    axis: Vector
+    damping: float
+    friction: float
+    limits: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class _Lump:
+    """Mass, first moment and inertia about an origin."""
+
+    mass: float = 0.0
+    moment: Vector = (0.0, 0.0, 0.0)
+    inertia: Matrix = ((0.0, 0.0, 0.0),) * 3
+
+    def moved(self, place: Vector, turn: Matrix) -> "_Lump":
+        """Return the lump seen from axes in which its own stand so."""
+        moment = times(turn, self.moment)
+        more = about(self.mass, moment, place)
+        return _Lump(
+            self.mass,
+            plus(moment, [self.mass * x for x in place]),
+            both(turned(turn, self.inertia), more),
+        )
+
+    def __add__(self, other: "_Lump") -> "_Lump":
+        return _Lump(
+            self.mass + other.mass,
+            plus(self.moment, other.moment),
+            both(self.inertia, other.inertia),
+        )
+
+
+def read_urdf(
+    path: str | Path,
+    *,
+    joints: Collection[str] | None = None,
+    locked: Mapping[str, float] | None = None,
+    gravity: float = 9.81,
+) -> RobotDescription:
+    """Read a robot description in URDF: a robot with friction in every joint that moves.
+
+    Masses, inertias, places and axes of links and joints are taken, dampers of joints, their
+    limits and their friction. What fixed joints join is one link. Meshes, colours and
+    transmissions are passed over; xacro files have to be expanded before.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    joints : collection of str, optional
+        Names of the joints that move; the others are locked. All move if not given.
+    locked : mapping of str to float, optional
+        Joints that are locked, and where [rad] or [m]; those that `joints` leaves out stand at 0.
+    gravity : float
+        Acceleration of free fall [m/s^2], along -z of the first link.
+
+    Returns
+    -------
+    RobotDescription
+        Robot, friction levels and limits.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or has what cannot be taken: joints that follow another one
+        (mimic), that move in several directions, or move nothing.
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> found = read_urdf(files("stickslip.mechanisms") / "desk_arm.urdf")
+    >>> found.robot.coordinates, found.levels["shoulder"]
+    (('turret', 'shoulder', 'elbow'), 0.4)
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path must be the name of a URDF file, got {path!r}.")
+    file = str(path)
+    root = _parsed(path, file)
+    links = {_name(one, file): _lump(one, file) for one in root.findall("link")}
+    given = [_joint(one, file) for one in root.findall("joint")]
+    for tag in ("link", "joint"):
+        names = [_name(one, file) for one in root.findall(tag)]
+        twice = [name for name in names if names.count(name) > 1]
+        if twice:
+            raise InputError(f"{file}: two {tag}s are called {twice[0]!r}; rename one.")
+    if not links:
+        raise InputError(f"{file}: there is no <link>; is it a URDF file?")
+    stand = _standing(given, joints, dict(locked or {}), file)
+    # of each link: the joint that moves it, and its place and axes in those of that joint's link
+    on: dict[str, tuple[str, Vector, Matrix]] = {}
+    moved: dict[str, tuple[_Joint, str, Vector, Matrix]] = {}
+    lumps: dict[str, _Lump] = {}
+    for link, joint in _ordered(given, links, file):
+        if joint is None:
+            on[link] = ("", (0.0, 0.0, 0.0), UNIT)
+            continue
+        carrier, place, turn = on[joint.parent]
+        origin = plus(place, times(turn, joint.place))
+        axes = _product(turn, joint.turn)
+        if joint.name not in stand:
+            on[link] = (joint.name, (0.0, 0.0, 0.0), UNIT)
+            moved[joint.name] = (joint, carrier, origin, axes)
+            lumps[joint.name] = links[link]
+            continue
+        origin, axes = _brought(joint, stand[joint.name], origin, axes)
+        on[link] = (carrier, origin, axes)
+        if carrier:
+            lumps[carrier] = lumps[carrier] + links[link].moved(origin, axes)
+    if not moved:
+        raise InputError(f"{file}: no joint moves; there must be a revolute or prismatic one.")
+    try:
+        made = {name: _made(*where, lumps[name]) for name, where in moved.items()}
+        robot = Robot(joints=tuple(made.values()), gravity=gravity)
+    except InputError as error:
+        raise type(error)(f"{file}: {error}") from None
+    return RobotDescription(
+        robot=robot,
+        levels={
+            one.contact_name: moved[name][0].friction
+            for name, one in made.items()
+            if moved[name][0].friction > 0.0
+        },
+        limits={
+            one.coordinate: ends
+            for name, one in made.items()
+            if (ends := moved[name][0].limits) is not None
+        },
+        locked=stand,
+    )
+
+
+def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump) -> RobotJoint:
+    """Return a joint with the link that it carries and all that is fixed to that."""
+    centre = [x / lump.mass if lump.mass else 0.0 for x in lump.moment]
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = lump.inertia
+    return RobotJoint(
+        joint=joint.name,
+        kind="prismatic" if joint.kind == "prismatic" else "revolute",
+        parent=carrier,
+        place=tuple(place),
+        orientation=tuple(x for row in axes for x in row),
+        axis=tuple(joint.axis),
+        damping=joint.damping,
+        mass=lump.mass,
+        centre_x=centre[0],
+        centre_y=centre[1],
+        centre_z=centre[2],
+        inertia_xx=xx,
+        inertia_yy=yy,
+        inertia_zz=zz,
+        inertia_xy=xy,
+        inertia_xz=xz,
+        inertia_yz=yz,
+    )
+
+
+def _parsed(path: str | Path, file: str) -> "Element":
+    """Return the root of the file."""
+    from xml.etree import ElementTree
+
+    try:
+        with Path(path).open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
+    if len(data) > LARGEST:
+        raise InputError(f"{file} has more than {LARGEST} bytes, too many for a robot's joints.")
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise InputError(f"{file} declares entities, which URDF does not need: leave them out.")
+    try:
+        root = ElementTree.fromstring(data)
+    except ElementTree.ParseError as error:
+        raise InputError(f"{file} is not XML: {error}.") from None
+    if root.tag != "robot":
+        raise InputError(f"{file} has the root <{root.tag}>; a URDF file has <robot>.")
+    if any("xacro" in str(one.tag) or "${" in "".join(one.attrib.values()) for one in root.iter()):
+        raise InputError(f"{file} has xacro macros: expand it first, with xacro {file} > out.urdf.")
+    return root
+
+
+def _name(one: "Element", file: str) -> str:
+    name = one.get("name", "")
+    if not name:
+        raise InputError(f"{file}: a <{one.tag}> has no name.")
+    return name
+
+
+def _reals(
+    one: "Element | None", key: str, count: int, default: Sequence[float], where: str
+) -> Vector:
+    """Return the numbers of an attribute."""
+    text = None if one is None else one.get(key)
+    if text is None:
+        return tuple(default)
+    try:
+        found = tuple(float(x) for x in text.split())
+    except ValueError:
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise ParameterError(
+            f"{where}: {key} must be {count} finite number{'s' * (count > 1)}, got {text!r}."
+        )
+    return found
+
+
+def _origin(one: "Element", where: str) -> tuple[Vector, Matrix]:
+    """Return place and axes of an <origin>."""
+    origin = one.find("origin")
+    roll, pitch, yaw = _reals(origin, "rpy", 3, (0.0, 0.0, 0.0), where)
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in (roll, pitch, yaw))
+    turn = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+    return _reals(origin, "xyz", 3, (0.0, 0.0, 0.0), where), turn
+
+
+def _lump(link: "Element", file: str) -> _Lump:
+    """Return the inertia of a link about its own axes."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        return _Lump()
+    where = f"{file}: link {_name(link, file)!r}"
+    mass = _reals(inertial.find("mass"), "value", 1, (0.0,), where)[0]
+    tensor = inertial.find("inertia")
+    xx, yy, zz, xy, xz, yz = (
+        _reals(tensor, key, 1, (0.0,), where)[0]
+        for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    )
+    if mass < 0.0 or min(xx, yy, zz) < 0.0:
+        raise ParameterError(f"{where}: mass and moments of inertia must not be below 0.")
+    # of a body, two moments of inertia are together no less than the third
+    if 2.0 * max(xx, yy, zz) > (xx + yy + zz) * (1.0 + 1e-3):
+        raise ParameterError(
+            f"{where}: no body has the moments of inertia {xx:g}, {yy:g} and {zz:g} kg m^2: one is"
+            " above the sum of the others."
+        )
+    place, turn = _origin(inertial, where)
+    return _Lump(mass, inertia=((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).moved(place, turn)
+
+
+def _joint(one: "Element", file: str) -> _Joint:
+    """Return a joint as it stands in the file."""
+    name, kind = _name(one, file), one.get("type", "")
+    where = f"{file}: joint {name!r}"
+    if kind in REFUSED:
+        raise InputError(f"{where} of type {kind} {REFUSED[kind]}.")
+    if kind != "fixed" and kind not in MOVES:
+        raise InputError(
+            f"{where} has the unknown type {kind!r}; known types are fixed, {', '.join(MOVES)}."
+        )
+    ends = []
+    for end in ("parent", "child"):
+        element = one.find(end)
+        link = "" if element is None else element.get("link", "")
+        if not link:
+            raise InputError(f"{where} has no <{end} link=...>.")
+        ends.append(link)
+    place, turn = _origin(one, where)
+    dynamics, limit = one.find("dynamics"), one.find("limit")
+    damping = _reals(dynamics, "damping", 1, (0.0,), where)[0]
+    friction = _reals(dynamics, "friction", 1, (0.0,), where)[0]
+    if damping < 0.0 or friction < 0.0:
+        raise ParameterError(f"{where}: damping and friction must not be below 0.")
+    ends_at = None
+    if limit is not None and kind in ("revolute", "prismatic"):
+        lower, upper = (_reals(limit, key, 1, (0.0,), where)[0] for key in ("lower", "upper"))
+        ends_at = lower, upper
+    return _Joint(
+        name=name,
+        kind="mimic" if one.find("mimic") is not None and kind != "fixed" else kind,
+        parent=ends[0],
+        child=ends[1],
+        place=place,
+        turn=turn,
+        axis=_reals(one.find("axis"), "xyz", 3, (1.0, 0.0, 0.0), where),
+        damping=damping,
+        friction=friction,
+        limits=ends_at,
+    )
+
+
+def _standing(
+    given: Sequence[_Joint], moving: Collection[str] | None, locked: dict[str, float], file: str
+) -> dict[str, float]:
+    """Return the joints that do not move and where they stand."""
+    if isinstance(moving, str):
+        raise InputError(f"joints must be several names, such as [{moving!r}], got {moving!r}.")
+    known = [one.name for one in given]
+    for name in (*(moving or ()), *locked):
+        if name not in known:
+            raise UnknownNameError(f"joint in {file}:", name, known)
+    both = sorted({*locked} & {*(moving or ())})
+    if both:
+        raise InputError(
+            f"{file}: the joint {both[0]!r} is locked and moves: leave one of them out."
+        )
+    stand = {name: ANGLE.check("locked", name, at) for name, at in locked.items()}
+    for one in given:
+        if one.kind == "fixed" and one.name in locked:
+            raise InputError(f"{file}: the joint {one.name!r} is fixed: leave it out of locked.")
+        left_out = moving is not None and one.name not in moving
+        if one.kind == "fixed" or left_out:
+            stand.setdefault(one.name, 0.0)
+        elif one.kind == "mimic" and one.name not in stand:
+            raise InputError(
+                f"{file}: the joint {one.name!r} follows another one (mimic), which mechanisms do"
+                f" not have: lock it, locked={{{one.name!r}: 0.0}}."
+            )
+    return stand
+
+
+def _ordered(
+    given: Sequence[_Joint], links: Mapping[str, _Lump], file: str
+) -> Iterator[tuple[str, _Joint | None]]:
+    """Yield links from the first one outwards, with the joint behind which each stands."""
+    behind: dict[str, list[_Joint]] = {}
+    children: dict[str, str] = {}
+    for one in given:
+        for link in (one.parent, one.child):
+            if link not in links:
+                raise UnknownNameError(f"link of joint {one.name!r} in {file}:", link, links)
+        if one.child in children:
+            raise InputError(
+                f"{file}: the link {one.child!r} hangs on the joints {children[one.child]!r} and"
+                f" {one.name!r}; a robot must be a tree, without closed loops."
+            )
+        children[one.child] = one.name
+        behind.setdefault(one.parent, []).append(one)
+    roots = [link for link in links if link not in children]
+    if len(roots) != 1:
+        raise InputError(
+            f"{file}: {len(roots)} links hang on no joint ({', '.join(roots) or 'a closed loop'});"
+            " there must be one, the base."
+        )
+    waiting: list[tuple[str, _Joint | None]] = [(roots[0], None)]
+    reached = set()
+    while waiting:
+        link, joint = waiting.pop()
+        reached.add(link)
+        yield link, joint
+        waiting += [(one.child, one) for one in reversed(behind.get(link, []))]
+    lost = [link for link in links if link not in reached]
+    if lost:
+        raise InputError(
+            f"{file}: the links {', '.join(lost)} hang on each other in a closed loop; a robot must"
+            " be a tree."
+        )
+
+
+def _product(a: Matrix, b: Matrix) -> Matrix:
+    columns = tuple(times(a, column) for column in transposed(b))
+    return transposed(columns)
+
+
+def _brought(joint: _Joint, at: float, origin: Vector, axes: Matrix) -> tuple[Vector, Matrix]:
+    """Return place and axes of a link whose joint stands at a value."""
+    size = math.sqrt(sum(x * x for x in joint.axis))
+    if joint.kind == "fixed" or at == 0.0 or size == 0.0:
+        return origin, axes
+    axis = [x / size for x in joint.axis]
+    if joint.kind == "prismatic":
+        return plus(origin, times(axes, tuple(at * x for x in axis))), axes
+    c, s = math.cos(at), math.sin(at)
+    x, y, z = axis
+    skew = ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
+    turn = tuple(
+        tuple(c * (i == j) + s * skew[i][j] + (1.0 - c) * axis[i] * axis[j] for j in range(3))
+        for i in range(3)
+    )
+    return origin, _product(axes, turn)
