@@ -199,7 +199,9 @@ def _joints(
 
     Its force is not compared with its motion alone, since it drives those of the others too.
     """
-    units = {} if mechanism is None else dict(zip(mechanism.coordinates, mechanism.units))
+    units = (
+        {} if mechanism is None else dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    )
     joints = {
         name: replace(one, turning=True) if units.get(name) == "rad" else one
         for name, one in record.joints.items()
