@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from tests.arm_cases import parts, record
 
 from stickslip.cli import main
 
@@ -181,3 +182,46 @@ def test_models_lists_the_contacts_of_mechanisms(called):
     assert "block-1, block-2, ..." in out
     found = json.loads(called("", "models", "--json")[1])
     assert found["mechanisms"]["two-feet"] == "front, rear"
+
+
+ARM_RIG = """
+title = "Arm"
+[mechanism]
+type = "two-link-arm"
+upper_mass = "0.5 kg"
+upper_length = "20 cm"
+upper_centre = 0.18
+upper_inertia = { value = 0.05, vary = true }
+lower_mass = "0.6 kg"
+lower_centre = 0.22
+lower_inertia = { value = 0.02, vary = true }
+rotor_inertia = 6e-5
+gear_ratio = 6.0
+[data]
+file = "arm.csv"
+hold = "first"
+[data.columns]
+time = "t"
+position.shoulder = "q1"
+position.elbow = "q2"
+force.shoulder = "u1"
+force.elbow = "u2"
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [[], ["--jobs", "2"]])
+def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs):
+    t, places, forces = parts(record(0, span=5.0))
+    columns = {"t": t, "q1": places["shoulder"], "q2": places["elbow"]}
+    columns |= {"u1": forces["shoulder"], "u2": forces["elbow"]}
+    pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
+    tried = ["--laws", "coulomb,coulomb-viscous", "--starts", "1", "-o", "report"]
+    code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried, *jobs)
+    assert code == 0, said
+    assert "Shoulder: use Coulomb + viscous friction. Elbow: use Coulomb + viscous" in shown
+    assert "Fitting shoulder: coulomb-viscous" in said
+    content = json.loads((tmp_path / "report" / "verdict.json").read_text())
+    assert content["best"] == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
+    code, shown, said = called(ARM_RIG, "simulate", "report/law.toml", "--t-end", "0.1")
+    assert code == 0, said
