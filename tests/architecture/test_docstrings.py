@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 from tools import docstrings, slots, structure
 
-from stickslip import Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
+from stickslip import BlockChain, Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
 from stickslip.drives import Pulse
 from stickslip.formulation import formulate
 from stickslip.kernels import entries, state_layout
+from stickslip.simulation import check_pair
 
 GOOD = '''
 def height(along: float, off: float) -> float:
@@ -175,12 +176,23 @@ class Watched(list[float]):
 class Frame:
     """What one call has read, of what it did not write itself before, and written."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, apart: bool) -> None:
+        self.apart = apart  # of the equations of several contacts
         self.reads: set[tuple[str, int]] = set()
         self.written: set[tuple[str, int]] = set()
+        self.made: set[tuple[str, int]] = set()  # by what is called by its address
 
     def read(self, places: set[tuple[str, int]]) -> None:
-        self.reads |= places - self.written
+        self.reads |= places - self.written - self.made
+
+    def called(self, other: "Frame") -> None:
+        """Take over what a call has done, of one by its address only that it is done."""
+        if self.apart or not other.apart:
+            self.read(other.reads)
+            self.written |= other.written
+            self.made |= other.made
+        else:
+            self.made |= other.written | other.made
 
 
 class Watch:
@@ -196,13 +208,23 @@ class Watch:
         places = {name: getattr(state_layout, name) for name in order["w"] if name != slots.DRIVES}
         self.starts = [(places[name], name) for name in order["w"][:first]]
         self.starts += [(state_layout.NUMBERS, slots.DRIVES)]
-        self.starts += [(header[places[name]], name) for name in order["w"][first + 1 :]]
+        # rows of laws stand before the states; what one contact has no room for is at 0
+        behind = [name for name in order["w"][first + 1 :] if name != slots.ROWS]
+        found = [(header[places[name]], name) for name in behind if header[places[name]]]
+        self.starts += sorted(found, key=lambda one: (one[0], one[1] == "SIZE"))
         self.room = range(state_layout.NUMBERS, header[state_layout.Y])
-        self.wholes = {getattr(state_layout, name): name for name in order["whole"]}
+        state = [name for name in order["whole"] if name not in slots.TABLES]
+        self.wholes = {getattr(state_layout, name): name for name in state}
+        contacts = header[state_layout.N_CONTACTS]
+        for name in slots.TABLES if contacts else ():
+            many = name in ("LAW_FLAGS", "OPEN", "CLOSED")
+            length = contacts if many else header[state_layout.N_COORDINATES]
+            table = header[getattr(state_layout, name)]
+            self.wholes |= dict.fromkeys(range(table, table + length), name)
         modules = [m for name, m in sys.modules.items() if name.startswith(f"{slots.KERNELS}.")]
         for name in slots.kernels():
             for module in modules:
-                if hasattr(module, name):
+                if inspect.isfunction(getattr(module, name, None)):
                     monkeypatch.setattr(module, name, self._wrapped(name, getattr(module, name)))
         for entry in ("run", "sense"):
             own = self._wrapped(entry, getattr(entries, f"enter_{entry}"))
@@ -222,13 +244,14 @@ class Watch:
         return entered
 
     def _wrapped(self, name: str, function: Any) -> Callable[..., Any]:
+        apart = function.__module__.startswith(f"{slots.KERNELS}.contacts.")
+
         def wrapped(*arguments: Any) -> Any:
-            self.frames.append(Frame())
+            self.frames.append(Frame(apart=apart))
             answer = function(*arguments)
             frame = self.frames.pop()
             if self.frames:
-                self.frames[-1].read(frame.reads)
-                self.frames[-1].written |= frame.written
+                self.frames[-1].called(frame)
             self.reads.setdefault(name, set()).update(map(self.slot, frame.reads))
             self.writes.setdefault(name, set()).update(map(self.slot, frame.written))
             kernel = slots.kernels()[name]
@@ -250,7 +273,7 @@ class Watch:
 
     def told(self, name: str, found: set[str]) -> set[str]:
         """Return the slots of a list, places behind SIZE as one, and those of parameters."""
-        answer = {slots.DRIVES, "ADDRESS"}
+        answer = {slots.DRIVES, "ADDRESS", "SEVERAL", *slots.LEFT["call_contacts"]}
         known = {name for _, name in self.starts} | set(self.wholes.values())
         for one in found:
             if one.startswith("<"):
@@ -284,22 +307,39 @@ RUNS = {
             bristle_damping=10.0,
         ),
     ),
+    "several contacts": (
+        BlockChain(blocks=2, mass=1.0, coupling=5.0, stiffness=2.0),
+        {
+            "block-1": Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35),
+            "block-2": Stribeck(
+                kinetic_coefficient=0.2, static_coefficient=0.4, stribeck_velocity=0.05
+            ),
+        },
+        {"x1": 0.25, "v1": 0.02},
+        0.05,
+    ),
 }
 
 
-@pytest.mark.parametrize("kind", RUNS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[pytest.mark.slow] * ("contacts" in kind)) for kind in RUNS],
+)
 def test_kernels_touch_no_slot_but_those_that_they_list(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    block, law = RUNS[kind]
-    watch = Watch(formulate(block, law).sizes.header, monkeypatch)
-    run = simulate(block, law, t_end=0.6, y0={"x": 0.02}, solver=EventDriven(tier="python"))
-    run.sensitivity("x", "kinetic_coefficient")
+    block, law, y0, t_end = RUNS[kind] if len(RUNS[kind]) == 4 else (*RUNS[kind], {"x": 0.02}, 0.6)
+    several = kind == "several contacts"  # whose slopes stand where they do in no other run
+    header = formulate(block, check_pair(block, law), slopes=several).sizes.header
+    watch = Watch(header, monkeypatch)
+    run = simulate(block, law, t_end=t_end, y0=y0, solver=EventDriven(tier="python"))
+    run.sensitivity(run.states[0], "mass")
     for name in watch.reads:
         listed = slots.effects(name)
         assert watch.reads[name] <= watch.told(name, listed.reads), f"{name} reads"
         assert watch.writes[name] <= watch.told(name, listed.writes), f"{name} writes"
-    assert {"run", "advance", "finish_step", "handle_event", "sense"} <= watch.reads.keys()
+    own = "decide" if several else "handle_event"
+    assert {"run", "advance", "finish_step", "sense", own} <= watch.reads.keys()
 
 
 def test_every_kernel_is_found() -> None:

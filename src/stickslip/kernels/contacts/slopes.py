@@ -111,7 +111,7 @@ def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> Non
     if whole[whole[DIRECTIONAL] + contact]:
         evaluate(LAW_SLOPES_OF + kind, -side, flags, t, w, row, place + room)
     else:
-        for k in range(room):
+        for k in range((4 + whole[whole[BRISTLE_COUNTS] + contact]) * variables_of(contact, whole)):
             w[place + room + k] = w[place + k]
     if whole[LAW_SWITCHES] > 0:
         evaluate(LAW_MARGIN_SLOPES + kind, side, flags, t, w, row, place + 2 * room)
@@ -145,22 +145,22 @@ def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> 
     return own_slope(contact, room + which * variables_of(contact, whole), k, w, whole)
 
 
-def own_slope(contact: int, row: int, k: int, w: Vector, whole: Wholes) -> float:
+def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return a slope along a variable from those along speed, parameters and bristles of a law.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
     """
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
     total = 0.0
     if bristle >= 0:
         first = 2 * n + bristle
         if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
-            total += w[row + whole[whole[LAW_BRISTLES] + contact] + k - first]
+            total += w[at + whole[whole[LAW_BRISTLES] + contact] + k - first]
     place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
     if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
-        total += w[row + place]
+        total += w[at + place]
     if whole[whole[MODES] + whole[whole[SLIPS] + contact]] != HELD_FAST:
-        total += w[row] * speed_slope(contact, k, w, whole)
+        total += w[at] * speed_slope(contact, k, w, whole)
     return total
 
 
