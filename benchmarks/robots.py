@@ -43,7 +43,10 @@ def ur():
         lumps += [(1.0, end, np.zeros((3, 3)))] if i == 5 else []
         mass = sum(m for m, _, _ in lumps)
         centre = sum(m * r for m, r, _ in lumps) / mass
-        inertia = sum(k + m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r, k in lumps)
+        inertia = sum(
+            k + m * ((r - centre) @ (r - centre) * np.eye(3) - np.outer(r - centre, r - centre))
+            for m, r, k in lumps
+        )
         numbers = {f"inertia_{p}{q}": inertia["xyz".index(p), "xyz".index(q)]
                    for p, q in ("xx", "yy", "zz", "xy", "xz", "yz")}  # fmt: skip
         joints.append(

@@ -160,6 +160,14 @@ def test_a_description_gives_masses_friction_and_limits():
     assert run.certificate.stick_drift == 0.0
 
 
+def test_moments_that_no_body_has_are_told_and_taken(tmp_path):
+    """Descriptions of makers have such; the equations have a solution all the same."""
+    found = read(tmp_path, edited('izz="0.0052"', 'izz="0.52"'))
+    assert len(found.remarks) == 1
+    assert "link 'upper': no body has the principal moments of inertia" in found.remarks[0]
+    assert not read_urdf(DESK).remarks
+
+
 def test_locked_joints_stand_where_they_are_told(tmp_path):
     whole = read_urdf(DESK).robot
     part = read_urdf(DESK, locked={"turret": 0.3, "elbow": -0.7}).robot
@@ -214,9 +222,9 @@ REFUSED = [
     ('<parent link="column"/>', "", "joint 'shoulder' has no <parent"),
     ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 0"/>', "'turret': axis must not be"),
     ('<axis xyz="0 0 1"/>', '<axis xyz="0 1"/>', "xyz must be 3 finite numbers, got '0 1'"),
-    ('<mass value="0.8"/>', '<mass value="-0.8"/>', "link 'upper': mass and moments"),
+    ('<mass value="0.8"/>', '<mass value="-0.8"/>', "link 'upper': mass must be at least 0 kg"),
     ('<mass value="0.8"/>', '<mass value="nan"/>', "value must be 1 finite number, got 'nan'"),
-    ('izz="0.0052"', 'izz="0.52"', "link 'upper': no body has the moments of inertia"),
+    ('ixy="0.0001"', 'ixy="0.05"', "link 'upper': the principal moments of inertia are"),
     ('damping="0.05"', 'damping="-1"', "joint 'shoulder': damping and friction"),
     ("</robot>", "", "is not XML"),
     ('<robot name="desk-arm">', '<!DOCTYPE a [<!ENTITY b "c">]><robot>', "declares entities"),

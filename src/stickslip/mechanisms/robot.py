@@ -19,6 +19,8 @@ from stickslip.mechanisms.rigid_bodies import (
     JointedMechanism,
     Matrix,
     Vector,
+    about,
+    both,
     mass_matrix_of,
     times,
     turned,
@@ -72,17 +74,17 @@ class RobotJoint(Parametrised):
     centre_z: Annotated[float, Quantity("c_z", "m", structural=True)] = 0.0
     """Centre of mass."""
     inertia_xx: Annotated[float, Quantity("J_xx", "kg m^2", low=0, structural=True)] = 0.0
-    """Moment of inertia about the x-axis at the joint."""
+    """Moment of inertia about the x-axis through the centre of mass."""
     inertia_yy: Annotated[float, Quantity("J_yy", "kg m^2", low=0, structural=True)] = 0.0
-    """Moment of inertia about the y-axis at the joint."""
+    """Moment of inertia about the y-axis through the centre of mass."""
     inertia_zz: Annotated[float, Quantity("J_zz", "kg m^2", low=0, structural=True)] = 0.0
-    """Moment of inertia about the z-axis at the joint."""
+    """Moment of inertia about the z-axis through the centre of mass."""
     inertia_xy: Annotated[float, Quantity("J_xy", "kg m^2", structural=True)] = 0.0
-    """Product of inertia at the joint, with the sign of the matrix entry."""
+    """Product of inertia about the centre of mass, with the sign of the matrix entry."""
     inertia_xz: Annotated[float, Quantity("J_xz", "kg m^2", structural=True)] = 0.0
-    """Product of inertia at the joint, with the sign of the matrix entry."""
+    """Product of inertia about the centre of mass, with the sign of the matrix entry."""
     inertia_yz: Annotated[float, Quantity("J_yz", "kg m^2", structural=True)] = 0.0
-    """Product of inertia at the joint, with the sign of the matrix entry."""
+    """Product of inertia about the centre of mass, with the sign of the matrix entry."""
     damping: Annotated[
         float, Quantity("d", "N m s/rad", low=0, or_unit="N s/m", structural=True)
     ] = 0.0
@@ -161,7 +163,7 @@ class RobotJoint(Parametrised):
         axes = self.own_axes
         frame = tuple(times(carrier_axes, times(self.rotation, row)) for row in axes)
         centre = (self.centre_x, self.centre_y, self.centre_z)
-        moment = tuple(self.mass * c for c in centre)
+        moment = [self.mass * c for c in centre]
         inertia = (
             (self.inertia_xx, self.inertia_xy, self.inertia_xz),
             (self.inertia_xy, self.inertia_yy, self.inertia_yz),
@@ -173,7 +175,7 @@ class RobotJoint(Parametrised):
             times(carrier_axes, self.place),
             self.mass,
             times(axes, moment),
-            turned(axes, inertia),
+            turned(axes, both(inertia, about(self.mass, (0.0, 0.0, 0.0), centre))),
             slides=self.kind == "prismatic",
             armature=self.armature,
         )
@@ -232,9 +234,9 @@ class Robot(JointedMechanism):
     --------
     >>> from stickslip import Coulomb, simulate
     >>> from stickslip.mechanisms import RobotJoint
-    >>> door = Robot(joints=(RobotJoint(joint="Hinge", mass=20.0, centre_x=0.4, inertia_zz=4.5),))
+    >>> door = Robot(joints=(RobotJoint(joint="Hinge", mass=20.0, centre_x=0.4, inertia_zz=1.3),))
     >>> run = simulate(door, Coulomb(kinetic_coefficient=3.0), t_end=9.0, y0={"Hinge_dot": 2.0})
-    >>> round(float(run["Hinge"][-1]), 9)  # J omega^2 / (2 M)
+    >>> round(float(run["Hinge"][-1]), 9)  # J omega^2 / (2 M), J = 4.5 kg m^2
     3.0
     """
 
@@ -283,8 +285,8 @@ class Robot(JointedMechanism):
             if not pivot > SMALLEST * largest:
                 raise ParameterError(
                     f"Robot: the joint {self.joints[k].joint!r} moves no mass or inertia"
-                    f" ({pivot:.3g} of {largest:.3g}), or its inertia does not fit its mass and"
-                    " centre of mass: give the links behind it theirs, or lock the joint."
+                    f" ({pivot:.3g} of {largest:.3g}): give the links behind it theirs, or lock the"
+                    " joint."
                 )
             for i in range(k):
                 share = rows[i][k] / pivot

@@ -8,6 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.mechanisms.rigid_bodies import (
     UNIT,
@@ -34,6 +36,8 @@ MOVES = ("revolute", "continuous", "prismatic")
 """Kinds of joints that move."""
 ANGLE = Quantity("q")
 """Where a joint stands, an angle or a place."""
+ROUNDED = 1e-3
+"""Share of a moment of inertia by which those of a file may be off: they have a few digits."""
 REFUSED = MappingProxyType(
     {
         "floating": "moves in six directions: fix the robot's base to the ground",
@@ -58,6 +62,8 @@ class RobotDescription:
         end there.
     locked : mapping of str to float
         Joints that do not move, and where they stand [rad] or [m].
+    remarks : tuple of str
+        Links whose moments of inertia no body has; they are taken as they are.
 
     Examples
     --------
@@ -71,6 +77,7 @@ class RobotDescription:
     levels: Mapping[str, float]
     limits: Mapping[str, tuple[float, float]]
     locked: Mapping[str, float]
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -91,28 +98,23 @@ class _Joint:
 
 @dataclass(frozen=True)
 class _Lump:
-    """Mass, first moment and inertia about an origin."""
+    """Mass, centre of mass, and inertia about that."""
 
     mass: float = 0.0
-    moment: Vector = (0.0, 0.0, 0.0)
+    centre: Vector = (0.0, 0.0, 0.0)
     inertia: Matrix = ((0.0, 0.0, 0.0),) * 3
 
     def moved(self, place: Vector, turn: Matrix) -> "_Lump":
         """Return the lump seen from axes in which its own stand so."""
-        moment = times(turn, self.moment)
-        more = about(self.mass, moment, place)
-        return _Lump(
-            self.mass,
-            plus(moment, [self.mass * x for x in place]),
-            both(turned(turn, self.inertia), more),
-        )
+        return _Lump(self.mass, plus(place, times(turn, self.centre)), turned(turn, self.inertia))
 
     def __add__(self, other: "_Lump") -> "_Lump":
-        return _Lump(
-            self.mass + other.mass,
-            plus(self.moment, other.moment),
-            both(self.inertia, other.inertia),
-        )
+        mass = self.mass + other.mass
+        share = other.mass / mass if mass else 0.0
+        apart = [b - a for a, b in zip(self.centre, other.centre, strict=True)]
+        more = about(self.mass * share, (0.0, 0.0, 0.0), apart)
+        centre = plus(self.centre, [share * x for x in apart])
+        return _Lump(mass, centre, both(both(self.inertia, other.inertia), more))
 
 
 def read_urdf(
@@ -161,7 +163,8 @@ def read_urdf(
         raise InputError(f"path must be the name of a URDF file, got {path!r}.")
     file = str(path)
     root = _parsed(path, file)
-    links = {_name(one, file): _lump(one, file) for one in root.findall("link")}
+    remarks: list[str] = []
+    links = {_name(one, file): _lump(one, file, remarks) for one in root.findall("link")}
     given = [_joint(one, file) for one in root.findall("joint")]
     for tag in ("link", "joint"):
         names = [_name(one, file) for one in root.findall(tag)]
@@ -211,12 +214,12 @@ def read_urdf(
             if (ends := moved[name][0].limits) is not None
         },
         locked=stand,
+        remarks=tuple(remarks),
     )
 
 
 def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump) -> RobotJoint:
     """Return a joint with the link that it carries and all that is fixed to that."""
-    centre = [x / lump.mass if lump.mass else 0.0 for x in lump.moment]
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = lump.inertia
     return RobotJoint(
         joint=joint.name,
@@ -227,12 +230,12 @@ def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump)
         axis=tuple(joint.axis),
         damping=joint.damping,
         mass=lump.mass,
-        centre_x=centre[0],
-        centre_y=centre[1],
-        centre_z=centre[2],
-        inertia_xx=xx,
-        inertia_yy=yy,
-        inertia_zz=zz,
+        centre_x=lump.centre[0],
+        centre_y=lump.centre[1],
+        centre_z=lump.centre[2],
+        inertia_xx=max(xx, 0.0),  # but for roundings
+        inertia_yy=max(yy, 0.0),
+        inertia_zz=max(zz, 0.0),
         inertia_xy=xy,
         inertia_xz=xz,
         inertia_yz=yz,
@@ -301,8 +304,8 @@ def _origin(one: "Element", where: str) -> tuple[Vector, Matrix]:
     return _reals(origin, "xyz", 3, (0.0, 0.0, 0.0), where), turn
 
 
-def _lump(link: "Element", file: str) -> _Lump:
-    """Return the inertia of a link about its own axes."""
+def _lump(link: "Element", file: str, remarks: list[str]) -> _Lump:
+    """Return the inertia of a link about its own axes; note what no body has."""
     inertial = link.find("inertial")
     if inertial is None:
         return _Lump()
@@ -313,16 +316,22 @@ def _lump(link: "Element", file: str) -> _Lump:
         _reals(tensor, key, 1, (0.0,), where)[0]
         for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     )
-    if mass < 0.0 or min(xx, yy, zz) < 0.0:
-        raise ParameterError(f"{where}: mass and moments of inertia must not be below 0.")
-    # of a body, two moments of inertia are together no less than the third
-    if 2.0 * max(xx, yy, zz) > (xx + yy + zz) * (1.0 + 1e-3):
+    if mass < 0.0:
+        raise ParameterError(f"{where}: mass must be at least 0 kg, got {mass:g}.")
+    rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    low, middle, high = (float(x) for x in np.linalg.eigvalsh(rows))
+    said = f"{low:.3g}, {middle:.3g} and {high:.3g} kg m^2"
+    if low < -ROUNDED * high:
         raise ParameterError(
-            f"{where}: no body has the moments of inertia {xx:g}, {yy:g} and {zz:g} kg m^2: one is"
+            f"{where}: the principal moments of inertia are {said}: none may be below 0."
+        )
+    if high > (low + middle) * (1.0 + ROUNDED):
+        remarks.append(
+            f"link {link.get('name')!r}: no body has the principal moments of inertia {said}: one is"
             " above the sum of the others."
         )
     place, turn = _origin(inertial, where)
-    return _Lump(mass, inertia=((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))).moved(place, turn)
+    return _Lump(mass, inertia=rows).moved(place, turn)
 
 
 def _joint(one: "Element", file: str) -> _Joint:
