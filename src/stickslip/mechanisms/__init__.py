@@ -47,6 +47,7 @@ INSIDE = {
     "has_one_slip": "contacts",
     "normal_of": "contacts",
     "only_contact": "contacts",
+    "refuse_too_many": "contacts",
     "repeats": "drive_period",
     "slip_of": "contacts",
 }

@@ -34,7 +34,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import laws
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, refuse_too_many
 from stickslip.quantities import Quantity
 
 __all__ = ["read_rig"]
@@ -132,6 +132,10 @@ def _contacts(
             return ()
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
+    try:
+        refuse_too_many(mechanism)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     return tuple(
         (one.name, isinstance(one.slip, str) and units.get(one.slip) == "rad")
