@@ -13,7 +13,7 @@ from stickslip.friction import (
     assigned,
     bristle_names,
 )
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, refuse_too_many, slip_of
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
@@ -274,6 +274,7 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     names = tuple(contact.name for contact in mechanism.contacts())
     if not names:
         raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")
+    refuse_too_many(mechanism)
     if len(names) > 1 and (len(set(names)) < len(names) or "" in names):
         raise InputError(
             f"{type(mechanism).__name__} has {len(names)} contacts, which need different names, got"

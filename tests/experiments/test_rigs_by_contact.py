@@ -306,3 +306,8 @@ def test_a_contact_that_slips_along_a_line_does_not(read):
     assert read(pendulum + SPEED) is not None
     with pytest.raises(InputError, match=r"stribeck_velocity \(v_s\) must be in m/s.*deg/s"):
         read(axis + SPEED)
+
+
+def test_more_contacts_than_can_be_simulated_are_refused(read):
+    with pytest.raises(InputError, match=r"rig\.toml: BlockChain has 10000 contacts.* 1000 can be"):
+        read('[mechanism]\ntype = "block-chain"\nblocks = 10000\nmass = 1.0\ncoupling = 1.0\n')

@@ -54,6 +54,7 @@ INSIDE = {
     "joint_places": "rigid_bodies",
     "normal_of": "contacts",
     "only_contact": "contacts",
+    "refuse_too_many": "contacts",
     "repeats": "drive_period",
     "slip_of": "contacts",
     "slipping": "contacts",

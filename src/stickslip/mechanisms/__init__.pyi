@@ -18,6 +18,7 @@ from stickslip.mechanisms.clutch_train import Rotor as Rotor
 from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
+from stickslip.mechanisms.contacts import refuse_too_many as refuse_too_many
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import slipping as slipping

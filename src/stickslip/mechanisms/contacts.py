@@ -7,11 +7,37 @@ __all__ = [
     "has_one_slip",
     "normal_of",
     "only_contact",
+    "refuse_too_many",
     "slip_names",
     "slip_of",
     "slipping",
     "static_normal_force",
 ]
+
+
+MOST = 1000
+"""Contacts for which equations are derived: the time grows with their square, to half a minute."""
+
+
+def refuse_too_many(mechanism: Mechanism) -> None:
+    """Refuse a mechanism with more contacts than can be simulated.
+
+    Raises
+    ------
+    InputError
+        With the largest number.
+
+    Examples
+    --------
+    >>> from stickslip import BlockChain
+    >>> refuse_too_many(BlockChain(blocks=100, mass=1.0, coupling=1.0))
+    """
+    count = len(mechanism.contacts())
+    if count > MOST:
+        raise InputError(
+            f"{type(mechanism).__name__} has {count} contacts, but no more than {MOST} can be"
+            " simulated: leave some out."
+        )
 
 
 def only_contact(mechanism: Mechanism) -> Contact:

@@ -164,7 +164,7 @@ def friction_table(
     kinds = {**laws(), **{law.name: law for law in more}}
     turning = bool(contacts) and all(turns for _, turns in contacts)
     if len(contacts) > 1:
-        alone = {name: friction_table(more, ((name, turns),)) for name, turns in contacts}
+        alone = {name: friction_table(more, (("", turns),)) for name, turns in contacts}
         return _by_contact(friction_table(more, (("", turning),)), alone)
     fields: dict[str, Any] = {}
     misplaced = {}

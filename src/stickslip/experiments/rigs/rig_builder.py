@@ -35,7 +35,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import laws
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, refuse_too_many
 from stickslip.quantities import Quantity
 
 __all__ = ["read_rig"]
@@ -134,6 +134,10 @@ def _contacts(
             return ()
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
+    try:
+        refuse_too_many(mechanism)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
     found = mechanism.contacts()
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
