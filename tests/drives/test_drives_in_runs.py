@@ -1,6 +1,7 @@
 """What a run makes of its drive."""
 
 import itertools
+from collections import OrderedDict
 
 import numpy as np
 from hypothesis import given
@@ -9,6 +10,8 @@ from tests.support import broken_lines, drives, examples, nearly, pulses
 
 from stickslip import Axis, Coulomb, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.formulation import formulate
+from stickslip.solver import drive_schedule
 
 FREE = Coulomb(kinetic_coefficient=0.0)
 sines = st.builds(Sine, amplitude=nearly(-9, 9), frequency=nearly(0.1, 3))
@@ -71,3 +74,24 @@ def test_a_pulse_much_shorter_than_any_step_is_not_missed():
     travel = 0.5 * v * 1e-6 + v * v / (2 * 0.1)
     # the pulse's length is only known to 4e-16 s in a clock that shows 3 s: 4e-10 of it
     np.testing.assert_allclose(run["x"][-1], travel, rtol=2e-9)
+
+
+def test_schedules_are_kept_as_long_as_their_numbers_are_few(monkeypatch):
+    monkeypatch.setattr(drive_schedule, "_KEPT", OrderedDict())
+    # four numbers a piece: two of these drives fit, three do not
+    monkeypatch.setattr(drive_schedule, "MOST_NUMBERS", 1000)
+    times = np.arange(100) * 0.01
+    axes = [Axis(inertia=1.0, drive=Sampled(times=times, values=times * k)) for k in range(3)]
+    model = formulate(axes[0], FREE)
+
+    def table(axis):
+        return drive_schedule.gather(axis, FREE, model, 1.0).table
+
+    first, second = table(axes[0]), table(axes[1])
+    assert table(axes[0]).base is first.base
+    third = table(axes[2])  # the one that was used last stays
+    assert table(axes[0]).base is first.base
+    assert table(axes[2]).base is third.base
+    assert table(axes[1]).base is not second.base
+    long = Axis(inertia=1.0, drive=Sampled(times=np.arange(300) * 0.01, values=np.zeros(300)))
+    assert table(long).base is not table(long).base

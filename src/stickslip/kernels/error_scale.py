@@ -1,23 +1,32 @@
 """What errors are judged against: the sizes that the states have had in the run."""
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.equations import FIELD, evaluate
 from stickslip.kernels.mode_transitions import set_flags
 from stickslip.kernels.state_layout import (
+    DENSE,
     N_COORDINATES,
     N_STATES,
     POINT,
     SCALE,
+    SERIES,
     SLIP,
     VALUES,
     Y1,
     Y,
 )
 
-__all__ = ["first_sizes", "size_of"]
+__all__ = ["VANISHED", "first_sizes", "series_tail", "size_of"]
 
 LEAST = 1e-9
 """Least speed that counts, over that which the contact's own force gives in the time of the run."""
+
+TAIL = 1e-16
+"""Size of the last two terms of a series, over that of the state, that a step may have."""
+VANISHED = 1e-18
+"""Size of a term, over the largest of its state, below which a series has ended."""
 
 
 def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
@@ -86,3 +95,37 @@ def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
     if i < coordinates:
         return max(size, abs(h) * w[scale + i + coordinates])
     return size
+
+
+def series_tail(h: float, w: Vector, whole: Wholes) -> float:
+    """Return the tail of the series in the dense output over what is allowed.
+
+    Reads: Y, Y1, SCALE, DENSE.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Size of the last two terms over what is allowed: the step is good up to 1.
+    """
+    dense = whole[DENSE]
+    n = whole[N_STATES]
+    error = 0.0
+    if w[dense] >= SERIES:
+        last = dense + 1 + SERIES * n
+        for i in range(n):
+            tail = abs(w[last + i]) + abs(w[last - n + i])
+            if not tail < math.inf:
+                return math.inf
+            size = TAIL * size_of(i, h, w, whole)
+            if tail > 0.0:
+                error = max(error, tail / size if size > 0.0 else math.inf)
+    return error

@@ -5,20 +5,13 @@ twenty of them give a step of more than a radian of the fastest motion to the la
 series stands in the dense output, so that guards become polynomials in the fraction of the step.
 """
 
-import math
-
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
-from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.error_scale import VANISHED, series_tail
 from stickslip.kernels.model_interface import field, jacobian, time_slope
 from stickslip.kernels.state_layout import DENSE, DRIFT, MATRIX, N_STATES, POINT, SERIES, Y1
 
 __all__ = ["series_fill", "series_step"]
-
-TAIL = 1e-16
-"""Size of the last two terms, over that of the state, that a step may have."""
-NOTHING = 1e-18
-"""Size of a term, over the largest of its state, below which the series has ended."""
 
 
 def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -70,7 +63,7 @@ def series_fill(t: float, h: float, w: Vector, whole: Wholes, at: int) -> None:
             total *= factor
             w[last + n + i] = total
             w[point + i] = max(w[point + i], abs(total))
-            ended = ended and abs(total) <= NOTHING * w[point + i]
+            ended = ended and abs(total) <= VANISHED * w[point + i]
         small = small + 1 if ended else 0
     w[dense] = terms - small
 
@@ -99,18 +92,6 @@ def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
     float
         Size of the last terms over what is allowed: the step is good up to 1.
     """
-    dense = whole[DENSE]
-    n = whole[N_STATES]
     series_fill(t, h, w, whole, at)
     interpolate(w, whole, 1.0, whole[Y1])
-    error = 0.0
-    if w[dense] >= SERIES:
-        last = dense + 1 + SERIES * n
-        for i in range(n):
-            tail = abs(w[last + i]) + abs(w[last - n + i])
-            if not tail < math.inf:
-                return math.inf
-            size = TAIL * size_of(i, h, w, whole)
-            if tail > 0.0:
-                error = max(error, tail / size if size > 0.0 else math.inf)
-    return error
+    return series_tail(h, w, whole)

@@ -15,7 +15,7 @@ from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
-from stickslip.kernels.error_scale import size_of
+from stickslip.kernels.error_scale import VANISHED, series_tail
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
@@ -61,10 +61,6 @@ from stickslip.kernels.state_layout import (
 
 __all__ = ["TOGETHER", "contact_series", "contact_series_step", "first_contact_crossing"]
 
-TINY_TAIL = 1e-16
-"""Size of the last two terms, over that of the state, that a step may have."""
-VANISHED = 1e-18
-"""Size of a term, over the largest of its state, below which a series has ended."""
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
@@ -200,21 +196,10 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     float
         Size of the last terms over what is allowed: the step is good up to 1.
     """
-    states = whole[N_STATES]
     w[LENGTH] = h
     fill_series(h, w, whole, whole[Y])
     interpolate(w, whole, 1.0, whole[Y1])
-    error = 0.0
-    if w[whole[DENSE]] >= SERIES:
-        last = whole[DENSE] + 1 + SERIES * states
-        for i in range(states):
-            tail = abs(w[last + i]) + abs(w[last - states + i])
-            if not tail < math.inf:
-                return math.inf
-            size = TINY_TAIL * size_of(i, h, w, whole)
-            if tail > 0.0:
-                error = max(error, tail / size if size > 0.0 else math.inf)
-    return error
+    return series_tail(h, w, whole)
 
 
 def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
