@@ -399,6 +399,9 @@ def regret_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
     for rule in (*rows[0]["picks"], "the true law"):
         taken = [row | {"picks": row["picks"] | {"the true law": row["truth"]}} for row in rows]
+        taken = [row for row in taken if row["picks"][rule] in row["errors"]]  # it was a candidate
+        if not taken:
+            continue
         values = 100.0 * np.array([regret(row, rule) for row in taken])
         alone = 100.0 * np.array([regret_on_one(row, rule) for row in taken])
         right = [row["picks"][rule] == row["truth"] for row in taken]
