@@ -9,12 +9,9 @@ from stickslip.friction import LAW_MODULES
 from stickslip.lazy import attach
 from stickslip.mechanisms import MECHANISM_MODULES
 
-OF_PARTS = ("Robot", "SerialArm")
-"""Mechanisms that stand in `stickslip.mechanisms`, beside the parts that they are made of."""
-
 HOMES = {
     **dict.fromkeys(LAW_MODULES, "friction"),
-    **{name: "mechanisms" for name in MECHANISM_MODULES if name not in OF_PARTS},
+    **dict.fromkeys(MECHANISM_MODULES, "mechanisms"),
     "EventDriven": "solver",
     "FixedStep": "solver",
     "FrictionLaw": "friction",

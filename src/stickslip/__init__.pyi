@@ -28,6 +28,8 @@ from stickslip.mechanisms import MatrixMechanism as MatrixMechanism
 from stickslip.mechanisms import Mechanism as Mechanism
 from stickslip.mechanisms import Pendulum as Pendulum
 from stickslip.mechanisms import PendulumCart as PendulumCart
+from stickslip.mechanisms import Robot as Robot
+from stickslip.mechanisms import SerialArm as SerialArm
 from stickslip.mechanisms import SpringBlock as SpringBlock
 from stickslip.mechanisms import TowedBlock as TowedBlock
 from stickslip.mechanisms import TwoFeet as TwoFeet
@@ -72,6 +74,8 @@ __all__ = [
     "QuadraticDrag",
     "RecordSettings",
     "Rig",
+    "Robot",
+    "SerialArm",
     "SpringBlock",
     "Stribeck",
     "TowedBlock",

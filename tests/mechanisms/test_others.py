@@ -63,8 +63,8 @@ def test_a_stiff_coupling_makes_the_two_masses_one():
 
 
 def test_only_the_two_sides_can_rub():
-    with pytest.raises(ParameterError, match="'load' or 'motor', got 'both'"):
-        TwoMassAxis(motor_inertia=1.0, load_inertia=1.0, stiffness=1.0, rubs="both")
+    with pytest.raises(ParameterError, match="'load', 'motor' or 'both', got 'none'"):
+        TwoMassAxis(motor_inertia=1.0, load_inertia=1.0, stiffness=1.0, rubs="none")
 
 
 def test_a_modulated_load_brakes_by_its_integral():

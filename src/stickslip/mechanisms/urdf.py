@@ -327,8 +327,8 @@ def _lump(link: "Element", file: str, remarks: list[str]) -> _Lump:
         )
     if high > (low + middle) * (1.0 + ROUNDED):
         remarks.append(
-            f"link {link.get('name')!r}: no body has the principal moments of inertia {said}: one is"
-            " above the sum of the others."
+            f"link {link.get('name')!r}: no body has the principal moments of inertia {said}: one"
+            " is above the sum of the others."
         )
     place, turn = _origin(inertial, where)
     return _Lump(mass, inertia=rows).moved(place, turn)
