@@ -18,7 +18,7 @@ from stickslip.selection.design.predictors import Predictor
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_wording import first_of, record_wording
-from stickslip.selection.records import _on_second, _verdict
+from stickslip.selection.records import _on_second, verdict_on
 from stickslip.selection.verdict import score_text
 
 AXIS = Axis(inertia=1.0)
@@ -324,7 +324,7 @@ def test_halves_that_contradict_each_other_stand_in_the_verdict(confirmed):
 
 def judged_again(verdict, candidates):
     """The verdict on the same fits and held-out errors, with candidates changed."""
-    return _verdict(
+    return verdict_on(
         verdict.mechanism, verdict.measurement, candidates, None, verdict.plan,
         verdict.purpose.name, verdict.checks, None,
     )  # fmt: skip

@@ -12,6 +12,7 @@ HOMES = {
     "FeatureVerdict": "selection",
     "Finding": "experiments",
     "Fit": "identification",
+    "JointVerdict": "selection",
     "Optimum": "optimisation",
     "Plan": "selection",
     "RateStateFit": "identification",

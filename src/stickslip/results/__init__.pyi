@@ -10,6 +10,7 @@ from stickslip.identification import TravelFit as TravelFit
 from stickslip.identification import TrialComparison as TrialComparison
 from stickslip.optimisation import Optimum as Optimum
 from stickslip.selection import FeatureVerdict as FeatureVerdict
+from stickslip.selection import JointVerdict as JointVerdict
 from stickslip.selection import Plan as Plan
 from stickslip.selection import RateStateVerdict as RateStateVerdict
 from stickslip.selection import RecordVerdict as RecordVerdict
@@ -32,6 +33,7 @@ __all__ = [
     "FeatureVerdict",
     "Finding",
     "Fit",
+    "JointVerdict",
     "Optimum",
     "Plan",
     "RateStateFit",

@@ -184,12 +184,14 @@ def select(
     laws : mapping, sequence or a single law, or None
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
-        Stribeck, Dahl and LuGre; for records eleven; for features of stick-slip those with a step
+        Stribeck, Dahl and LuGre; for records eleven, of which those without bristles for several
+        joints; for features of stick-slip those with a step
         above sliding; for velocity steps four forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block, or
-        of friction under velocity steps of a load point.
+        of friction under velocity steps of a load point; or positions and forces of several joints,
+        for each of which a law is named.
     vary : str or sequence of str, optional
         ``"friction.*"``, which is all if not given, for the parameters that `fit` fits of each law
         by default, and parameters of the mechanism to fit too, such as ``"mechanism.inertia"``.
@@ -226,9 +228,9 @@ def select(
     Returns
     -------
     Verdict
-        A `TravelVerdict`, `RecordVerdict`, `FeatureVerdict` or `RateStateVerdict`, or that of a
-        route of another package: candidates, the law to use, what the data settle and what they
-        cannot tell.
+        A `TravelVerdict`, `RecordVerdict`, `JointVerdict`, `FeatureVerdict` or `RateStateVerdict`,
+        or that of a route of another package: candidates, the law to use, what the data settle and
+        what they cannot tell.
 
     Raises
     ------
