@@ -92,7 +92,7 @@ def test_a_mirrored_rig_bounces_in_mirror_image(kind, data, rig, y0):
     run = simulate(rig, law, t_end=T_END, y0=y0, throw=False)
     start = {name: -value for name, value in y0.items()}
     image = simulate(mirrored(rig), mirrored_law(law), t_end=T_END, y0=start, throw=False)
-    if mirrors(run, image, kind):
+    if mirrors(run, image, kind, sums=rig.drive is not None and rig.stiffness > 0.0):
         assert image.certificate == run.certificate
 
 

@@ -256,4 +256,4 @@ def test_a_message_says_what_is_compiled_and_how_long_it_takes(empty, monkeypatc
     units = compile_units.units_of(formulate(RIG, LAW), ensembles=False)
     with caplog.at_level("INFO", "stickslip"):
         modules.waiting(units)
-    assert caplog.messages == ["Compiling the solver (about 12 s, once) ..."]
+    assert caplog.messages == ["Compiling the solver (about 27 s, once) ..."]
