@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import symengine as se
 
-from stickslip.formulation.trace import has_switch
+from stickslip.formulation.trace import LONGEST, has_switch
 
-__all__ = ["is_zero", "linear_where"]
+__all__ = ["linear_where"]
 
 MOST_SWITCHES = 4
 """A mode that depends on more switches than this is not examined."""
-LONGEST = 2000
-"""Characters of an expression beyond which it is not expanded to look for cancellations."""
 
 
 def linear_where(
@@ -38,22 +36,6 @@ def linear_where(
     if len(used) > MOST_SWITCHES:
         return se.Integer(0)
     return _decide(list(expressions), list(variables), used, {})
-
-
-def is_zero(e: se.Expr) -> bool:
-    """Whether the terms of an expression cancel; long ones are not examined.
-
-    Parameters
-    ----------
-    e : Expr
-        An expression.
-
-    Returns
-    -------
-    bool
-        Whether it is known to be 0.
-    """
-    return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
 
 
 def _decide(

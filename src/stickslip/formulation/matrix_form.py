@@ -6,8 +6,7 @@ from typing import Any
 import symengine as se
 
 from stickslip.errors import InputError
-from stickslip.formulation.linearity import is_zero
-from stickslip.formulation.trace import expression
+from stickslip.formulation.trace import expression, is_zero
 from stickslip.mechanisms import MatrixMechanism
 
 __all__ = ["matrix_rows", "matrix_supply"]

@@ -17,7 +17,20 @@ from typing_extensions import override
 
 from stickslip.errors import TracingError
 
-__all__ = ["Condition", "Switch", "Switchboard", "Traced", "collapsed", "expression", "has_switch"]
+__all__ = [
+    "LONGEST",
+    "Condition",
+    "Switch",
+    "Switchboard",
+    "Traced",
+    "collapsed",
+    "expression",
+    "has_switch",
+    "is_zero",
+]
+
+LONGEST = 2000
+"""Characters of an expression beyond which it is not expanded to look for cancellations."""
 
 EXACT = 1024
 """Largest numerator and denominator that are kept as whole numbers."""
@@ -260,6 +273,22 @@ class Condition:
         """Serve `stickslip.maths.where`."""
         chosen = self.board.choose(self.margin, expression(yes), expression(no), events)
         return Traced(chosen, self.board)
+
+
+def is_zero(e: se.Expr) -> bool:
+    """Whether the terms of an expression cancel; long ones are not examined.
+
+    Parameters
+    ----------
+    e : Expr
+        An expression.
+
+    Returns
+    -------
+    bool
+        Whether it is known to be 0.
+    """
+    return bool(e == 0) or (len(str(e)) <= LONGEST and bool(se.expand(e) == 0))
 
 
 def collapsed(e: se.Expr) -> se.Expr:
