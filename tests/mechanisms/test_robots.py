@@ -12,7 +12,7 @@ from benchmarks.robots import START, ur, ur_laws
 from tests.contact_cases import Arm, coulomb
 from tests.mechanisms.urdf_cases import by_jacobians, needed, random_urdf
 
-from stickslip import EventDriven, TwoLinkArm, simulate
+from stickslip import Coulomb, EventDriven, TwoLinkArm, simulate
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.mechanisms import Link, Robot, RobotJoint, SerialArm, read_urdf
@@ -298,3 +298,28 @@ def test_a_robot_with_six_joints_moves_as_pinocchio_and_scipy_say():
     assert [run.at(2.0)[q][0] for q in robot.coordinates] == pytest.approx(ends, abs=2e-9)
     assert np.ptp(run["q6"]) == 0.0
     assert len(run.events) == 39
+
+
+def test_a_door_strikes_its_stop_and_comes_back():
+    """J = 4.5 kg m^2, M = 3 N m: 4 - 2 M / J of the squared speed are left after 1 rad."""
+    hinge = RobotJoint(
+        joint="Hinge", mass=20.0, centre_x=0.4, inertia_zz=1.3, upper_stop=1.0, restitution=0.5
+    )
+    door = Robot(joints=(hinge,))
+    run = simulate(door, Coulomb(kinetic_coefficient=3.0), t_end=9.0, y0={"Hinge_dot": 2.0})
+    back = 0.25 * (4.0 - 2.0 * 3.0 / 4.5) * 4.5 / (2.0 * 3.0)
+    assert run["Hinge"][-1] == pytest.approx(1.0 - back, abs=1e-12)
+
+
+def test_joints_of_a_description_do_not_pass_their_limits():
+    found = read_urdf(DESK)
+    assert {one.coordinate: (one.lower_stop, one.upper_stop) for one in found.robot.joints} == {
+        "turret": (None, None), **found.limits
+    }  # fmt: skip
+    laws = {one.contact_name: Coulomb(kinetic_coefficient=0.05) for one in found.robot.joints}
+    run = simulate(found.robot, laws, t_end=2.0, y0={"shoulder": 0.5, "elbow": 0.6})
+    assert run.certificate.certified
+    assert any("hits stop" in event.reason for event in run.events)
+    for name, (low, high) in found.limits.items():
+        assert low - 1e-12 <= run[name].min()
+        assert run[name].max() <= high + 1e-12

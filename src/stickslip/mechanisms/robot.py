@@ -10,7 +10,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact
+from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
 from stickslip.mechanisms.lining import checked_parts
 from stickslip.mechanisms.rigid_bodies import (
     BASE,
@@ -96,6 +96,12 @@ class RobotJoint(Parametrised):
     gear ratio. What the rotor's spin does to other joints is neglected."""
     effort: Drive | None = None
     """Torque [N m] or force [N] at the joint, behind the gear."""
+    lower_stop: Annotated[float, Quantity("q_l", "rad", or_unit="m")] | None = None
+    """Hard stop that the joint does not fall below; none if not given."""
+    upper_stop: Annotated[float, Quantity("q_u", "rad", or_unit="m")] | None = None
+    """Hard stop that the joint does not rise above; none if not given."""
+    restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
+    """Speed after an impact on a stop over the speed before."""
 
     @override
     def __post_init__(self) -> None:
@@ -223,7 +229,7 @@ def _crossed(a: Sequence[float], b: Sequence[float]) -> list[float]:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Robot(JointedMechanism):
+class Robot(BoundedMechanism, JointedMechanism):
     """Rigid links in a tree, joined by joints that turn or slide, with friction in each.
 
     `read_urdf` makes one of a robot description. Coordinates have the names of the joints, with
@@ -334,6 +340,16 @@ class Robot(JointedMechanism):
             - one.damping * q_dot[one.coordinate]
             for one in self.joints
         }
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return tuple(
+            stop
+            for one in self.joints
+            for stop in stops_between(
+                one.coordinate, one.lower_stop, one.upper_stop, one.restitution
+            )
+        )
 
     @override
     def contacts(self) -> tuple[Contact, ...]:

@@ -58,8 +58,8 @@ class RobotDescription:
         Friction levels by contact [N m] or [N] where the file gives them, in ``<dynamics
         friction="...">``.
     limits : mapping of str to (float, float)
-        Lower and upper limits of coordinates [rad] or [m], where the file gives them. Runs do not
-        end there.
+        Lower and upper limits of coordinates [rad] or [m], where the file gives them: hard stops of
+        the robot, without rebound.
     locked : mapping of str to float
         Joints that do not move, and where they stand [rad] or [m].
     remarks : tuple of str
@@ -229,6 +229,8 @@ def _made(joint: _Joint, carrier: str, place: Vector, axes: Matrix, lump: _Lump)
         orientation=tuple(x for row in axes for x in row),
         axis=tuple(joint.axis),
         damping=joint.damping,
+        lower_stop=None if joint.limits is None else joint.limits[0],
+        upper_stop=None if joint.limits is None else joint.limits[1],
         mass=lump.mass,
         centre_x=lump.centre[0],
         centre_y=lump.centre[1],
@@ -360,7 +362,7 @@ def _joint(one: "Element", file: str) -> _Joint:
     ends_at = None
     if limit is not None and kind in ("revolute", "prismatic"):
         lower, upper = (_reals(limit, key, 1, (0.0,), where)[0] for key in ("lower", "upper"))
-        ends_at = lower, upper
+        ends_at = (lower, upper) if lower < upper else None
     return _Joint(
         name=name,
         kind="mimic" if one.find("mimic") is not None and kind != "fixed" else kind,

@@ -16,7 +16,7 @@ __all__ = ["URDF", "UrdfTable", "fill_friction", "robot_of"]
 
 URDF = "urdf"
 """``type`` of a mechanism that a robot description gives."""
-ADDED = ("damping", "armature", "effort", "mass")
+ADDED = ("damping", "armature", "effort", "mass", "lower_stop", "upper_stop", "restitution")
 """What a rig file may say of a joint beside its description."""
 ANGLE, DISTANCE = Quantity("q", "rad"), Quantity("q", "m")
 Added = table_of(RobotJoint, "joint", only=ADDED)
@@ -37,7 +37,8 @@ class UrdfTable(Table):
     gravity: Annotated[Any, Number(fields_of(Robot)["gravity"])] = 9.81
     """Acceleration of free fall [m/s^2]."""
     joints: dict[str, Added] = Field(  # type: ignore[valid-type]  # made at run time
-        default={}, description="joint: damping, armature, mass or effort in place of its own"
+        default={},
+        description="joint: damping, armature, mass, effort or stops of its own",
     )
 
 
