@@ -176,9 +176,7 @@ def test_a_cart_without_load_on_its_pivot_has_the_contact_that_it_always_had():
 def test_a_prescribed_swing_leaves_nothing_for_the_pivot_to_hold():
     swing = Prescribed(profile=SineSwing(amplitude=0.2, frequency=1.0))
     cart = PendulumCart(cart_mass=0.5, ball_mass=0.2, length=0.3, pendulum=swing, pivot_load=1.0)
-    with pytest.raises(
-        InputError, match="theta is a slip coordinate"
-    ):
+    with pytest.raises(InputError, match="theta is a slip coordinate"):
         run_of(cart, coulomb(0.1), 1.0)
 
 
