@@ -34,9 +34,7 @@ def test_a_random_case_is_solved_or_says_why_not(batch):
         assert not outcome.violations, trouble(FEW, outcome)
 
 
-@pytest.mark.parametrize(
-    "batch", [pytest.param(i, marks=[pytest.mark.slow] * (i >= QUICK)) for i in range(10 * QUICK)]
-)
+@pytest.mark.parametrize("batch", range(QUICK))
 def test_a_random_case_with_one_to_six_contacts_is_solved_or_says_why_not(batch):
     for index in range(batch * 10, (batch + 1) * 10):
         outcome = SEVERAL.outcome(index)
