@@ -320,7 +320,7 @@ BAD = [
     (("select", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
     (
         ("select", "--jobs", "2"),
-        "--jobs applies to the force of a spring, velocity steps and records",
+        "--jobs applies to the force of a spring, records of several joints, velocity steps",
     ),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
     (("fit", "--segment", "1"), "--segment applies to records"),

@@ -120,7 +120,6 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
         if rests and not whole[whole[RIGID] + i] and w[whole[ACCELERATION] + i] < 0.0:
             whole[whole[MODES] + i] = BACKWARD  # as bristles begin to bend
             refresh(w[TIME], w, whole, whole[Y])
-    end_beyond_limits(w, whole)
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     whole[CHANGED] = 0
@@ -128,6 +127,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
         pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
         if pulls and whole[STATUS] != LIFTED_OFF:
             lift_off(lift_guard(c, whole), c, w, whole)
+    end_beyond_limits(w, whole)
 
 
 def rubs(i: int, whole: Wholes) -> bool:
