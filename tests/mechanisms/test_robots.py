@@ -323,3 +323,11 @@ def test_joints_of_a_description_do_not_pass_their_limits():
     for name, (low, high) in found.limits.items():
         assert low - 1e-12 <= run[name].min()
         assert run[name].max() <= high + 1e-12
+
+
+def test_a_joint_whose_stops_exclude_0_begins_in_the_middle_between_them():
+    hinge = RobotJoint(
+        joint="Hinge", mass=20.0, centre_x=0.4, inertia_zz=1.3, lower_stop=-3.0, upper_stop=-0.5
+    )
+    run = simulate(Robot(joints=(hinge,)), Coulomb(kinetic_coefficient=3.0), t_end=1.0)
+    assert run["Hinge"][0] == -1.75

@@ -1,5 +1,7 @@
 """Which tier ``auto`` takes: plain Python until machine code would have paid for itself."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
@@ -130,9 +132,12 @@ def test_what_nobody_has_compiled_is_compiled_in_the_background(monkeypatch, tie
 def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monkeypatch, tmp_path):
     units = units_of(formulate(RIG, LAW), ensembles=False)
     calls, loaded = [], []
+    process = SimpleNamespace(returncode=None, poll=lambda: process.returncode)
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
-    monkeypatch.setattr(background, "_begun", set())
-    monkeypatch.setattr(background.subprocess, "Popen", lambda args, **settings: calls.append(args))
+    monkeypatch.setattr(background, "_begun", {})
+    monkeypatch.setattr(
+        background.subprocess, "Popen", lambda args, **settings: calls.append(args) or process
+    )
     assert not background.compile_in_background(units)  # tests forbid it
     monkeypatch.setenv(background.SWITCH, "1")
     assert background.compile_in_background(units)
@@ -143,3 +148,5 @@ def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monke
     monkeypatch.setattr(CompileUnit, "load", lambda unit: loaded.append((unit.text, unit.entries)))
     exec(code)
     assert loaded == [(unit.text, unit.entries) for unit in units]
+    process.returncode = 1  # killed, or out of memory: somebody else has to compile
+    assert not background.compile_in_background(units)

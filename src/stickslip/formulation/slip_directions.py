@@ -193,7 +193,7 @@ def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
     return {names.index(name): table[name] for name in moving}
 
 
-def _is_zero(e: se.Expr) -> bool:
+def _vanishes_for_all_parameters(e: se.Expr) -> bool:
     """Whether an expression of parameters is 0, whatever these are: tried for two sets of them."""
     if se.expand(e) == 0:
         return True
@@ -211,7 +211,7 @@ def _ratio(row: Row, other: Row) -> se.Expr | None:
         return None
     first = next(iter(row))
     factor = row[first] / other[first]
-    same = all(_is_zero(entry - factor * other[j]) for j, entry in row.items())
+    same = all(_vanishes_for_all_parameters(entry - factor * other[j]) for j, entry in row.items())
     return factor if same else None
 
 
@@ -223,7 +223,7 @@ def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
         if weight != 0:
             for j, factor in other.items():
                 rest[j] = se.expand(rest.get(j, se.Integer(0)) - weight * factor)
-    return {j: rest[j] for j in sorted(rest) if not _is_zero(rest[j])}
+    return {j: rest[j] for j in sorted(rest) if not _vanishes_for_all_parameters(rest[j])}
 
 
 def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tuple[Entries, ...]]:

@@ -342,6 +342,18 @@ class Robot(BoundedMechanism, JointedMechanism):
         }
 
     @override
+    def start(self) -> Mapping[str, Scalar]:
+        """Return the middle of the range of joints whose stops exclude 0."""
+        found: dict[str, Scalar] = {}
+        for one in self.joints:
+            ends = [end for end in (one.lower_stop, one.upper_stop) if end is not None]
+            if one.lower_stop is not None and one.lower_stop > 0.0:
+                found[one.coordinate] = sum(ends) / len(ends)
+            if one.upper_stop is not None and one.upper_stop < 0.0:
+                found[one.coordinate] = sum(ends) / len(ends)
+        return found
+
+    @override
     def stops(self) -> tuple[Stop, ...]:
         return tuple(
             stop

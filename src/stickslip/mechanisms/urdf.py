@@ -358,7 +358,9 @@ def _joint(one: "Element", file: str) -> _Joint:
     damping = _reals(dynamics, "damping", 1, (0.0,), where)[0]
     friction = _reals(dynamics, "friction", 1, (0.0,), where)[0]
     if damping < 0.0 or friction < 0.0:
-        raise ParameterError(f"{where}: damping and friction must not be below 0.")
+        raise ParameterError(
+            f"{where}: damping and friction must be at least 0, got {damping:g} and {friction:g}."
+        )
     ends_at = None
     if limit is not None and kind in ("revolute", "prismatic"):
         lower, upper = (_reals(limit, key, 1, (0.0,), where)[0] for key in ("lower", "upper"))

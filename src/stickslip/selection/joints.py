@@ -155,8 +155,7 @@ def select_joints(
     if fitter.exchanged:
         found = Finding(kind="exchanged joints", sentence=fitter.exchanged, severity="warning")
         checks = replace(checks, findings=(found, *checks.findings))
-    descent = _Descent.of(fitter, specs, validate, checks, progress, executor)
-    descent.usual = laws is None
+    descent = _Descent.of(fitter, specs, validate, checks, progress, executor, usual=laws is None)
     return descent.verdict()
 
 
@@ -183,7 +182,7 @@ class _Descent:
     """Held-out blocks of all comparisons."""
     records: dict[str, tuple[tuple[Measurement, Measurement], ...]]
     """Of each contact, what was fitted and validated of its joint, with the whole records."""
-    usual: bool = False
+    usual: bool
     """Whether no laws were named."""
     stopped: bool = False
     """Whether the search was ended early."""
@@ -197,6 +196,8 @@ class _Descent:
         checks: Checks,
         watch: Watch | None,
         executor: Executor | None,
+        *,
+        usual: bool,
     ) -> "_Descent":
         """Begin with the simplest law at all joints, of several that with the least residual."""
         least = min(map(_size, specs))
@@ -224,6 +225,7 @@ class _Descent:
                 contact: tuple((joint_record(fitter.mechanism, one, joint), one) for one in whole)
                 for joint, contact in fitter.contacts.items()
             },
+            usual=usual,
         )
 
     def verdict(self) -> JointVerdict:

@@ -68,8 +68,9 @@ class Work:
 
         Runs of this model have to pay for its equations, runs of all models for the kernels, which
         they share. All calls together then take at most twice as long as in plain Python, and many
-        at most twice as long as if they had been compiled from the first. Nobody waits for a
-        compiler: what nobody has compiled yet is compiled by a process in the background.
+        at most twice as long as if they had been compiled from the first. What
+        nobody has compiled yet is compiled by a process in the background, and without one here
+        once plain runs have taken as long.
         """
         if Work.all_seconds < LOADING and not has_kernels():
             return False

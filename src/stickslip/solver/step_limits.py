@@ -240,8 +240,8 @@ def cause_of_step_limit(
     named = [path for path, _ in fastest.influences[:MOST_NAMED]]
     return (
         f"{text}, set by {_listed(_values(mechanism, law), named)}. Check these values, or leave"
-        f" that motion out: a stiff spring can be a rigid joint, a small mass none, stiff bristles"
-        f" a law without them. {advice}"
+        " that motion out: replace a stiff spring by a rigid joint, leave out a small mass, or"
+        f" choose a law without bristles. {advice}"
     )
 
 

@@ -86,8 +86,7 @@ def check_mechanism(
     Parameters
     ----------
     mechanism : Mechanism
-        What is checked, with ordinary values. Sensitivities of several contacts are not looked at,
-        since there are none.
+        What is checked, with ordinary values.
     law : FrictionLaw
         The friction with which it is run; several contacts share it.
     t_end : float

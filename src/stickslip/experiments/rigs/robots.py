@@ -1,5 +1,6 @@
 """Robots in rig files: a description in URDF and what the file adds to its joints."""
 
+import warnings
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -78,7 +79,10 @@ def robot_of(table: UrdfTable, added: Mapping[str, Mapping[str, Any]], file: str
     ParameterError
         If the description and what the file adds do not make a robot.
     """
-    robot = _described(table, file).robot
+    described = _described(table, file)
+    for remark in described.remarks:
+        warnings.warn(f"{file}: {remark}", stacklevel=2)
+    robot = described.robot
     known = [one.joint for one in robot.joints]
     for name in added:
         if name not in known:
@@ -111,4 +115,7 @@ def fill_friction(
         return  # one law for all contacts, or what is refused elsewhere
     for name, level in _described(table, file).levels.items():
         own = {"coulomb": {"kinetic_coefficient": level}}
-        friction.setdefault(name, own) if len(contacts) > 1 else friction.update(own)
+        if len(contacts) > 1:
+            friction.setdefault(name, own)
+        elif not friction:
+            friction.update(own)

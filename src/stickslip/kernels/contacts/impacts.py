@@ -149,7 +149,8 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
     """Write the changes of all rates, from those of the coordinates that meet their stops.
 
     A stop that would have to pull gives no impulse; one at which a coordinate rests gives one where
-    that would else move into it.
+    that would else move into it. Factors and accelerations are those of the impacts afterwards: a
+    decision has to follow.
 
     Reads: TIME, Y, WALLS, MASS, CHOLESKY, BOUNDS, FLAGS, MODES, STRUCK.
     Writes: MASS, CHOLESKY, ACCELERATION, LAW_VALUES, BOUNDS, MODES, KEPT, STRUCK.
