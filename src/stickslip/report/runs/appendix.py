@@ -24,6 +24,7 @@ __all__ = [
     "drawn",
     "how_known",
     "law_section",
+    "left_out",
     "reproduce_section",
 ]
 
@@ -82,6 +83,24 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
     if name in known.not_identified:
         return "—", f"not identified: {known.not_identified[name]}"
     return interval(*known.intervals[name]), "fitted"
+
+
+def left_out(band: Band) -> list[str]:
+    """Return how many runs of a band ended early, as a sentence; none if all lasted.
+
+    Parameters
+    ----------
+    band : Band
+        The motion with parameters drawn from their estimates.
+
+    Returns
+    -------
+    list of str
+        A sentence at most.
+    """
+    if not band.ended_early:
+        return []
+    return [f"{band.ended_early} of them ended early and were left out."]
 
 
 def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:

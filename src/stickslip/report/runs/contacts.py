@@ -24,7 +24,7 @@ from stickslip.report.core.page import render
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.core.versions import colophon
-from stickslip.report.runs.appendix import certificate_of, drawn, how_known
+from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
 from stickslip.report.runs.motion import event_table
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
@@ -158,13 +158,11 @@ def _spread(about: ContactsReport) -> list[str]:
             for name, one in travels[:MOST_SAID]
         ]
     )
-    said = [
+    return [
         "With the parameters of friction drawn from their estimates, over the whole run"
-        f" {shown} in 95 % of {band.count} runs."
+        f" {shown} in 95 % of {band.count} runs.",
+        *left_out(band),
     ]
-    if band.ended_early:
-        said.append(f"{band.ended_early} of them ended early and were left out.")
-    return said
 
 
 def _number(about: ContactsReport) -> str:
