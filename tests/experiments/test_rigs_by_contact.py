@@ -290,6 +290,15 @@ def test_the_schema_leaves_room_for_contacts_of_which_it_knows_no_names():
     assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
 
 
+def test_the_schema_takes_names_and_intervals_by_contact():
+    """Without quotes, TOML makes a table of the contact in ``rear.kinetic_coefficient``."""
+    known = rig_schema()["$defs"]["EstimatesTable"]["properties"]
+    interval, table = known["intervals"]["additionalProperties"]["anyOf"]
+    assert interval["type"] == "array"
+    assert table == {"type": "object", "additionalProperties": interval}
+    assert [one["type"] for one in known["law"]["anyOf"]] == ["string", "object"]
+
+
 def test_rig_checks_names_of_contacts_and_states():
     body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
     with pytest.raises(UnknownNameError, match="'front'"):

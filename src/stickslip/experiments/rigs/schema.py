@@ -240,7 +240,14 @@ def _flattened(table: Any) -> Any:
     return dict(flat(table)) if isinstance(table, dict) else table
 
 
-ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened)]
+def _nested(schema: dict[str, Any]) -> None:
+    """Let a table stand for the parameters of a contact, which a dot in a key makes."""
+    one = schema["additionalProperties"]
+    table = {"type": "object", "additionalProperties": one}
+    schema["additionalProperties"] = {"anyOf": [one, table]}
+
+
+ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
 
 
 class EstimatesTable(Table):
