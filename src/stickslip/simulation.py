@@ -311,10 +311,35 @@ def own_law(mechanism: object, law: object) -> FrictionLaw:
         If one of them is of another kind or needs fixed steps, or there are several contacts,
         which are named.
     """
-    found = check_pair(mechanism, law)
+    found = event_driven_law(mechanism, law)
     assert isinstance(mechanism, Mechanism)  # as was checked
     slip_of(mechanism)
-    if not isinstance(found, FrictionLaw):
+    assert isinstance(found, FrictionLaw)  # of one contact
+    return found
+
+
+def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
+    """Return the law, or the laws by contact, for what takes no fixed steps.
+
+    Parameters
+    ----------
+    mechanism : object
+        What was given as mechanism.
+    law : object
+        What was given as law.
+
+    Returns
+    -------
+    FrictionLaw or Laws
+        The law; laws by contact, in the order of the contacts.
+
+    Raises
+    ------
+    InputError
+        If one of them is of another kind or needs fixed steps.
+    """
+    found = check_pair(mechanism, law)
+    if isinstance(found, PrintedForm):
         raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
     return found
 

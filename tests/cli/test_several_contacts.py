@@ -1,13 +1,16 @@
 """Commands on rigs with several contacts."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from tests.arm_cases import parts, record
 
+from stickslip import EventDriven, load_rig
 from stickslip.cli import main
+from stickslip.sweep import band_of
 
 FEET = """
 title = "Sledge on two feet"
@@ -27,6 +30,11 @@ static_coefficient = 0.3
 [run]
 t_end = "3 s"
 initial = { x = "90 cm" }
+"""
+DAHL = """
+[friction.rear.dahl]
+kinetic_coefficient = 0.2
+bristle_stiffness = 1e4
 """
 SHARED = FEET.partition("[friction.rear]")[0].replace("[friction.front]", "[friction]")
 PAD = """
@@ -127,7 +135,6 @@ REFUSED = {
     "plan": ("plan", "rig.toml", "-o", "plan.html"),
     "profile": ("profile", "optimise", "rig.toml", "--angle", "1", "--rate", "1"),
     "warmup": ("warmup", "--rig", "rig.toml"),
-    "ensemble": ("simulate", "rig.toml", "--ensemble", "5", "-o", "run.csv"),
     "fixed step": ("simulate", "rig.toml", "--fixed-step", "0.01", "-o", "run.csv"),
     "enforce": ("simulate", "rig.toml", "--enforce", "-o", "run.csv"),
     "law of a file": ("simulate", "rig.toml", "--law", "rig.toml", "-o", "run.csv"),
@@ -150,6 +157,44 @@ def test_records_of_several_contacts_are_not_fitted(called, command):
     code, _, err = called(FEET, command, "rig.toml", "--data", "run.csv")
     assert code == 2
     assert "front, rear" in err
+
+
+ESTIMATES = """
+[estimates]
+law = { front = "coulomb", rear = "coulomb" }
+[estimates.intervals]
+front.kinetic_coefficient = [0.55, 0.65]
+rear.kinetic_coefficient = [0.15, 0.25]
+"""
+
+
+def test_an_ensemble_draws_from_the_laws_of_all_contacts(called, monkeypatch):
+    plain = partial(band_of, solver=EventDriven(tier="python"))  # no kernels to compile
+    monkeypatch.setattr("stickslip.cli.simulate.band_of", plain)
+    asked = ("simulate", "rig.toml", "--ensemble", "4", "--seed", "2")
+    code, shown, err = called(FEET + ESTIMATES, *asked)
+    assert code == 0, err
+    assert "friction.front.kinetic_coefficient, friction.rear.kinetic_coefficient" in shown
+    files = ("-o", "run.csv", "--samples", "7", "--report-to", "page", "--json")
+    band = json.loads(called(FEET + ESTIMATES, *asked, *files)[1])["band"]
+    assert band["parameters"].keys() == {
+        "friction.front.kinetic_coefficient", "friction.rear.kinetic_coefficient"
+    }  # fmt: skip
+    table = pd.read_csv("run.csv")
+    assert table["x_low"].iloc[-1] - table["x"].iloc[0] == pytest.approx(band["travel"]["low"])
+    assert (table["v_low"] <= table["v_high"]).all()
+    page = Path("page/index.html").read_text(encoding="utf-8")
+    for words in ("of friction drawn from their estimates", "0.55 to 0.65", "as given"):
+        assert words in page
+    assert "could not be made" not in page
+
+
+@pytest.mark.parametrize("text", [FEET, FEET.replace("[run]", DAHL + "[run]") + ESTIMATES])
+def test_an_ensemble_needs_estimates_of_the_laws_of_the_run(called, text):
+    laws = ("--law", "front=coulomb,rear=dahl") if text != FEET else ()
+    code, out, err = called(text, "simulate", "rig.toml", "--ensemble", "5", *laws)
+    assert (code, out) == (2, "")
+    assert "--ensemble samples the estimates of a law, and this law has none" in err
 
 
 MISTAKES = {
@@ -225,3 +270,8 @@ def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs)
     assert content["best"] == "shoulder=coulomb-viscous,elbow=coulomb-viscous"
     code, shown, said = called(ARM_RIG, "simulate", "report/law.toml", "--t-end", "0.1")
     assert code == 0, said
+    known = load_rig("report/law.toml").estimates
+    assert known.law == {"shoulder": "coulomb-viscous", "elbow": "coulomb-viscous"}
+    assert len(known.covariance_of) == 4
+    for joint in known.law:
+        assert f"{joint}.kinetic_coefficient" in known.intervals

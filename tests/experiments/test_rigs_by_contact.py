@@ -1,17 +1,23 @@
 """Rig files of mechanisms with several contacts."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.contact_cases import coulomb
 
 from stickslip import BlockChain, ClutchTrain, DiscBrake, EventDriven, LuGre, TwoFeet, load_rig
 from stickslip.drives import Pulse, Sine
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import Rig, rig_schema, rig_toml
+from stickslip.experiments import LawEstimates, Rig, rig_schema, rig_toml
+from stickslip.friction import Laws
 from stickslip.mechanisms import Lining, Rotor
 from stickslip.simulation import simulate
+from stickslip.sweep import band_of
+
+PLAIN = EventDriven(tier="python")
 
 FEET = """
 [mechanism]
@@ -139,6 +145,7 @@ def test_laws_are_chosen_by_name_for_all_contacts_or_for_each(read):
         rig.law_by_contact({"reer": "coulomb"})
 
 
+ESTIMATES = '[estimates]\nlaw = { front = "coulomb", rear = "coulomb" }\n'
 BAD = {
     "a misspelt contact": ("friction.front]", "friction.fronnt]", "Did you mean 'front'"),
     "a misspelt law": ("rear.coulomb", "rear.coulom", r"in \[friction.rear\].*'coulomb'"),
@@ -163,8 +170,29 @@ BAD = {
     "no such state": ("x = ", "y = ", r"run.initial: 'y'"),
     "a wrong unit of a state": ('"90 cm"', '"90 kg"', "run.initial: x .* must be in m"),
     "too few parts": ("mass", "mas", "Did you mean 'mass'"),
-    "estimates": (
-        "[run]", '[estimates]\nlaw = "coulomb"\n\n[run]', "belong to the law of one contact",
+    "estimates of one law": (
+        "[run]", '[estimates]\nlaw = "coulomb"\n\n[run]',
+        'name these, as in law = { front = "coulomb", rear = "coulomb" }',
+    ),
+    "estimates of no contact": (
+        "[run]", '[estimates]\nlaw = { frnt = "coulomb" }\n\n[run]',
+        r"contact in estimates.law in rig.toml: 'frnt'. Did you mean 'front'",
+    ),
+    "estimates of a law that is not there": (
+        "[run]", '[estimates]\nlaw = { rear = "dahl" }\n\n[run]',
+        "rig.toml: the contact 'rear' has no values of the law 'dahl'",
+    ),
+    "an interval of no contact": (
+        "[run]", f'{ESTIMATES}intervals.raer.kinetic_coefficient = [0.1, 0.3]\n\n[run]',
+        r"parameter of the laws in estimates in rig.toml: 'raer.kinetic_coefficient'",
+    ),
+    "an interval of no parameter": (
+        "[run]", f'{ESTIMATES}intervals.rear.kinetic = [0.1, 0.3]\n\n[run]',
+        r"'rear.kinetic'. Did you mean 'rear.kinetic_coefficient'",
+    ),
+    "no names of laws": (
+        "[run]", "[estimates]\nlaw = { rear = 3 }\n\n[run]",
+        "estimates.law must be the name of a law",
     ),
 }  # fmt: skip
 
@@ -262,6 +290,15 @@ def test_the_schema_leaves_room_for_contacts_of_which_it_knows_no_names():
     assert {"$ref": "#/$defs/Friction"} in friction["additionalProperties"]["anyOf"]
 
 
+def test_the_schema_takes_names_and_intervals_by_contact():
+    """Without quotes, TOML makes a table of the contact in ``rear.kinetic_coefficient``."""
+    known = rig_schema()["$defs"]["EstimatesTable"]["properties"]
+    interval, table = known["intervals"]["additionalProperties"]["anyOf"]
+    assert interval["type"] == "array"
+    assert table == {"type": "object", "additionalProperties": interval}
+    assert [one["type"] for one in known["law"]["anyOf"]] == ["string", "object"]
+
+
 def test_rig_checks_names_of_contacts_and_states():
     body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
     with pytest.raises(UnknownNameError, match="'front'"):
@@ -311,3 +348,91 @@ def test_a_contact_that_slips_along_a_line_does_not(read):
 def test_more_contacts_than_can_be_simulated_are_refused(read):
     with pytest.raises(InputError, match=r"rig\.toml: BlockChain has 10000 contacts.* 1000 can be"):
         read('[mechanism]\ntype = "block-chain"\nblocks = 10000\nmass = 1.0\ncoupling = 1.0\n')
+
+
+KNOWN = LawEstimates(
+    law={"front": "coulomb", "rear": "coulomb"},
+    intervals={"front.kinetic_coefficient": (0.5, 0.7), "rear.kinetic_coefficient": (0.1, 0.3)},
+    covariance_of=("front.kinetic_coefficient", "rear.kinetic_coefficient"),
+    covariance=((0.0026, -0.0025), (-0.0025, 0.0026)),
+    not_identified={"front.static_coefficient": "it never sticks"},
+    not_fitted=("rear.static_coefficient",),
+)
+"""Correlated across the contacts: -0.96."""
+BODY = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
+LAWS = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
+
+
+def test_estimates_by_contact_are_read_back_as_they_were_written(read):
+    rig = read(rig_toml(BODY, LAWS, estimates=KNOWN))
+    assert rig.estimates == KNOWN
+    assert rig.law_by_contact() == LAWS
+
+
+def test_estimates_of_some_contacts_need_no_word_on_the_others(read):
+    own = """[estimates]
+law.rear = "coulomb"
+intervals.rear.kinetic_coefficient = [0.1, 0.3]
+[run]"""
+    rig = read(FEET.replace("[run]", own))
+    assert rig.estimates.intervals == {"rear.kinetic_coefficient": (0.1, 0.3)}
+    draws = rig.estimates.draw(Laws(members=tuple(rig.law_by_contact().items())), 3)
+    assert list(draws) == ["friction.rear.kinetic_coefficient"]
+
+
+@pytest.mark.parametrize(
+    ("path", "left"),
+    [
+        ("friction.rear.coulomb.kinetic_coefficient", ["front.kinetic_coefficient"]),
+        ("friction.front.kinetic_coefficient", ["rear.kinetic_coefficient"]),
+        ("friction.kinetic_coefficient", []),
+    ],
+)
+def test_what_is_overridden_at_a_contact_is_no_longer_an_estimate(read, path, left):
+    text = FEET.replace("[friction]", "[friction]\nkinetic_coefficient = 0.4")
+    known = rig_toml(BODY, LAWS, estimates=KNOWN)
+    text = text.replace("[run]", known[known.index("[estimates]") :] + "[run]")
+    rig = read(text, {path: 0.25})
+    assert list(rig.estimates.intervals) == left
+    assert list(rig.estimates.covariance_of) == left
+
+
+def test_what_joints_have_in_common_makes_no_band():
+    """Two pads brake by the sum of their coefficients: opposite errors leave the travel alone."""
+    pads = (Lining(radius=0.1, load=100.0), Lining(radius=0.1, load=100.0))
+    brake = DiscBrake(inertia=0.5, pads=pads)
+    laws = {"pad-1": coulomb(0.3, 0.5), "pad-2": coulomb(0.2, 0.5)}
+    names = ("pad-1.kinetic_coefficient", "pad-2.kinetic_coefficient")
+    alone = LawEstimates(
+        law=dict.fromkeys(laws, "coulomb"),
+        intervals={names[0]: (0.28, 0.32), names[1]: (0.18, 0.22)},
+    )
+    spread = 1e-4
+    opposite = replace(
+        alone, covariance_of=names, covariance=((spread, -spread), (-spread, spread))
+    )
+    asked = {"t_end": 3.0, "count": 12, "y0": {"omega": 20.0}, "solver": PLAIN}
+    band = band_of(brake, laws, alone, **asked)
+    drawn = sum(band.draws[f"friction.{name}"] for name in names)
+    expected = np.quantile(0.5 * 0.5 * 20.0**2 / (10.0 * drawn), [0.025, 0.5, 0.975])
+    np.testing.assert_allclose(band.travel, expected, rtol=1e-9)  # of the solver
+    low, _, high = band_of(brake, laws, opposite, **asked).travel
+    assert np.ptp(expected) > 1.0
+    assert high - low < 1e-9 * low
+
+
+def test_all_coordinates_of_several_contacts_have_a_band():
+    chain = BlockChain(blocks=2, mass=1.0, coupling=4.0)
+    laws = {"block-1": coulomb(0.3, 0.5), "block-2": coulomb(0.2, 0.5)}
+    known = LawEstimates(
+        law={"block-2": "coulomb"}, intervals={"block-2.kinetic_coefficient": (0.15, 0.25)}
+    )
+    asked = {"t_end": 2.0, "count": 3, "y0": {"v1": 3.0}, "solver": PLAIN}
+    band = band_of(chain, laws, known, **asked)
+    assert set(band.states) == {"x1", "x2", "v1", "v2"}
+    for i in (0, 1, 2):
+        np.testing.assert_array_equal(band.states["x2"][i, -1], band.travels["x2"][i])
+    assert band.to_dict()["travel"].keys() == {"x1", "x2"}
+    assert "travel of x2" in band._repr_html_()
+    with pytest.raises(InputError, match=r"several coordinates, x1, x2"):
+        assert band.travel

@@ -54,6 +54,22 @@ def test_intervals_hold_the_laws_of_both_joints_and_the_base_parameters():
     assert held >= 34
 
 
+def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(found, tmp_path):
+    found.save(tmp_path / "law.toml")
+    rig = load_rig(tmp_path / "law.toml")
+    known = rig.estimates
+    assert known == found.law_estimates()
+    assert Laws(members=tuple(rig.law_by_contact().items())) == found.law
+    at = [e.path for e in found.estimates]
+    names = ("shoulder.kinetic_coefficient", "elbow.kinetic_coefficient")
+    i, j = (at.index(f"friction.{name}") for name in names)
+    drawn = known.draw(found.law, 4000, seed=1)
+    seen = np.corrcoef([drawn[f"friction.{name}"] for name in names])[0, 1]
+    # standard error of a correlation of 4000 draws: below 0.016
+    assert seen == pytest.approx(found.inference.correlation[i, j], abs=0.06)
+    assert known.intervals[names[1]] == (found.estimates[j].low, found.estimates[j].high)
+
+
 def test_estimates_are_named_by_joint_and_levels_are_torques(found):
     elbow = found.estimate("friction.elbow.kinetic_coefficient")
     assert elbow.quantity.unit == "N m"

@@ -57,10 +57,10 @@ CALLS = {
 
 
 @pytest.mark.parametrize("law", [LAWS, coulomb(0.3)], ids=["by contact", "shared"])
-@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
-def test_several_contacts_are_refused_by_name(call, law):
+@pytest.mark.parametrize("name", [name for name in CALLS if name != "band_of"])
+def test_several_contacts_are_refused_by_name(name, law):
     with pytest.raises(InputError, match="front, rear"):
-        call(BODY, law)
+        CALLS[name](BODY, law)
 
 
 @pytest.mark.parametrize("name", ["average_velocity", "basins", "band_of", "closed_loop"])

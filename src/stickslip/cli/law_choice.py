@@ -26,6 +26,7 @@ from stickslip.routes import AnyRoute, Law
 __all__ = [
     "ChosenLaw",
     "LawAsked",
+    "estimates_of",
     "friction_content",
     "friction_of",
     "friction_title",
@@ -90,6 +91,28 @@ def friction_of(chosen: ChosenLaw | Laws) -> FrictionLaw | Laws:
     return chosen if isinstance(chosen, Laws) else chosen.law
 
 
+def estimates_of(chosen: ChosenLaw | Laws, rig: Rig) -> LawEstimates | None:
+    """Return how well the law is known, or those of the contacts, if the file of the rig says so.
+
+    Parameters
+    ----------
+    chosen : ChosenLaw or Laws
+        The law with its estimates, or laws by contact.
+    rig : Rig
+        The rig, whose estimates are those of laws by contact.
+
+    Returns
+    -------
+    LawEstimates or None
+        None where the file has none, or other laws than those of its estimates were chosen.
+    """
+    if not isinstance(chosen, Laws):
+        return chosen.estimates
+    known = rig.estimates
+    named = {} if known is None or isinstance(known.law, str) else known.law
+    return known if named and named.items() <= chosen.names.items() else None
+
+
 def friction_title(chosen: ChosenLaw | Laws) -> str:
     """Return the law in words, or those of the contacts."""
     if not isinstance(chosen, Laws):
@@ -114,9 +137,7 @@ def friction_content(chosen: ChosenLaw | Laws, mechanism: Mechanism) -> dict[str
     """
     if not isinstance(chosen, Laws):
         return chosen.to_dict()
-    own = dict(chosen.members)
-    names = [one.name for one in mechanism.contacts()]
-    return {"laws": {name: own[name].name if name in own else None for name in names}}
+    return {"laws": {one.name: chosen.names.get(one.name) for one in mechanism.contacts()}}
 
 
 def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:

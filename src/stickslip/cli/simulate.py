@@ -25,6 +25,7 @@ from stickslip.cli.console import (
 from stickslip.cli.law_choice import (
     ChosenLaw,
     LawAsked,
+    estimates_of,
     friction_content,
     friction_of,
     friction_title,
@@ -36,7 +37,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import fixed, number, printable, residue
 from stickslip.friction import FrictionLaw, Laws, bristle_names
-from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, slip_names
+from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
@@ -51,6 +52,10 @@ __all__ = ["Settings", "check_table", "run", "start_of", "table_bytes"]
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
+NO_ESTIMATES = (
+    "--ensemble samples the estimates of a law, and this law has none: give the law.toml of"
+    " `stickslip select`, or of `stickslip fit -o law.toml`, {}."
+)
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
 """Events of which the terminal shows the first and the last."""
@@ -188,10 +193,7 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     if settings.ensemble is not None and settings.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
     if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(
-            "--ensemble samples the estimates of a law, and this law has none: give the law.toml"
-            " of `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
-        )
+        raise InputError(NO_ESTIMATES.format("as --law law.toml"))
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = start_of(rig, chosen.law)
     wanted = settings.report is None and settings.ensemble is None
@@ -203,23 +205,7 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         solver=_solver(settings),
         throw=wanted,  # a page is drawn of a run that ended early, too
     )
-    band = None
-    if settings.ensemble is not None and chosen.estimates is not None and run.status.complete:
-        times = np.linspace(*run.span, settings.samples)
-        with Drawing("Running") as progress:
-            band = band_of(
-                rig.mechanism,
-                chosen.law,
-                chosen.estimates,
-                t_end=t_end,
-                count=settings.ensemble,
-                seed=settings.seed,
-                times=times,
-                y0=start,
-                progress=progress,
-            )
-    if settings.ensemble is not None and not run.status.complete:
-        note("The ensemble was not simulated: the run with the best-fit values ended early.")
+    band = _band(rig, chosen, settings, run, t_end=t_end)
     lengths = _lengths(rig.mechanism, run)
     resting = bristle_remark(chosen.law, chosen.estimates, lengths, rig.mechanism)
     beyond = (*extrapolations(chosen.carried, rig.mechanism, run), *([resting] if resting else []))
@@ -234,13 +220,37 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     )
 
 
+def _band(
+    rig: Rig, chosen: ChosenLaw | Laws, settings: Settings, run: Trajectory, *, t_end: float
+) -> Band | None:
+    """Return the band of the ensemble; None if none was asked for, or the run ended early."""
+    known = estimates_of(chosen, rig)
+    if settings.ensemble is None or known is None:
+        return None
+    if not run.status.complete:
+        note("The ensemble was not simulated: the run with the best-fit values ended early.")
+        return None
+    friction = friction_of(chosen)
+    with Drawing("Running") as progress:
+        return band_of(
+            rig.mechanism,
+            friction,
+            known,
+            t_end=t_end,
+            count=settings.ensemble,
+            seed=settings.seed,
+            times=np.linspace(*run.span, settings.samples),
+            y0=start_of(rig, friction),
+            progress=progress,
+        )
+
+
 def _ran_by_contact(
     rig: Rig, chosen: ChosenLaw | Laws, settings: Settings, *, enforce: bool
 ) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
     names = ", ".join(one.name for one in rig.mechanism.contacts())
     for option, given in (
-        ("--ensemble", settings.ensemble is not None),
         ("--fixed-step", settings.fixed_step is not None),
         ("--enforce", enforce),
     ):
@@ -249,16 +259,20 @@ def _ran_by_contact(
                 f"{option} takes a mechanism with one contact that slips along a coordinate, but"
                 f" {rig.mechanism.name} has {names}: leave it out."
             )
+    if settings.ensemble is not None and estimates_of(chosen, rig) is None:
+        raise InputError(NO_ESTIMATES.format("in place of this file"))
     friction = friction_of(chosen)
+    t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
         rig.mechanism,
         friction,
-        t_end=rig.t_end if settings.t_end is None else settings.t_end,
+        t_end=t_end,
         y0=start_of(rig, friction),
-        throw=settings.report is None,
+        throw=settings.report is None and settings.ensemble is None,
     )
     remarks = () if isinstance(chosen, Laws) else chosen.remarks
-    return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=remarks)
+    band = _band(rig, chosen, settings, run, t_end=t_end)
+    return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=remarks)
 
 
 def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
@@ -299,6 +313,8 @@ def _page(ran: Ran, settings: Settings) -> str:
                 rig=ran.rig,
                 friction=friction_of(ran.chosen),
                 run=ran.run,
+                estimates=estimates_of(ran.chosen, ran.rig),
+                band=ran.band,
                 commands=(command_line(),),
                 versions=versions(),
                 digests={"the rig": ran.rig.digest},
@@ -451,7 +467,7 @@ def _show(ran: Ran, settings: Settings) -> None:
     for problem in trust.problems:
         console.print(f"Not certified: {problem}", markup=False)
     if ran.band is not None:
-        _show_band(ran.band, run, slip_names(ran.rig.mechanism)[0])
+        _show_band(ran.band)
 
 
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:
@@ -473,16 +489,19 @@ def _event_rows(events: Sequence[Event]) -> list[list[str]]:
     return [*rows[:FIRST_EVENTS], gap, *rows[-LAST_EVENTS:]]
 
 
-def _show_band(band: Band, run: Trajectory, slip: str) -> None:
-    """Print the spread of the motion over draws of the law's parameters."""
-    unit = run.units[slip]
-    rows = [["travel", *_cells(band.travel, unit)]]
-    rows += [
-        [f"cycle {k + 1}", *_cells(one, unit)]
-        for k, one in enumerate(band.cycles)
-        if k in (0, len(band.cycles) - 1)
-    ]
-    rows.append(["mean velocity", *_cells(band.mean_velocity, f"{unit}/s")])
+def _show_band(band: Band) -> None:
+    """Print the spread of the motion over draws of the parameters of the law, or of the laws."""
+    rows = []
+    for name, travel in list(band.travels.items())[:MOST_STATES]:
+        unit, of = band.units[name], f" of {name}" if len(band.travels) > 1 else ""
+        cycles = band.travels_by_cycle[name]
+        rows.append([f"travel{of}", *_cells(travel, unit)])
+        rows += [
+            [f"cycle {k + 1}{of}", *_cells(one, unit)]
+            for k, one in enumerate(cycles)
+            if k in (0, len(cycles) - 1)
+        ]
+        rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
     stdout().print()
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
     show_table(title, ["", "median", "95 % from", "to", "unit"], rows)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 
@@ -166,12 +166,13 @@ def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> floa
 @final
 @dataclass(frozen=True, kw_only=True)
 class LawEstimates:
-    """Intervals and covariance of the parameters of one law.
+    """Intervals and covariance of the parameters of one law, or of the laws of several contacts.
 
     Parameters
     ----------
-    law : str
-        Name of the law.
+    law : str or mapping of str to str
+        Name of the law; names by contact where contacts have laws of their own. Parameters are then
+        called by contact, such as ``elbow.kinetic_coefficient``.
     intervals : mapping of str to tuple of float
         By parameter, lower and upper end of its interval.
     interval : str
@@ -217,7 +218,7 @@ class LawEstimates:
     True
     """
 
-    law: str
+    law: str | Mapping[str, str]
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     interval: str = "95 %"
     covariance_of: tuple[str, ...] = ()
@@ -230,6 +231,12 @@ class LawEstimates:
 
     def __post_init__(self) -> None:
         """Check what can be checked without the law."""
+        named = self.law.values() if isinstance(self.law, Mapping) else [self.law]
+        if not named or not all(isinstance(name, str) for name in named):
+            raise InputError(
+                "estimates.law must be the name of a law, or names by contact such as {elbow ="
+                f' "coulomb"}}, got {self.law!r}.'
+            )
         if self.interval not in KINDS:
             raise UnknownNameError("estimates.interval", self.interval, KINDS)
         if self.levels not in get_args(Levels):
@@ -290,20 +297,20 @@ class LawEstimates:
                 f" its smallest eigenvalue is {number(least)}."
             )
 
-    def checked(self, law: FrictionLaw) -> "LawEstimates":
-        """Return this where it fits a law, or say which name or value does not.
+    def checked(self, law: FrictionLaw | Laws) -> "LawEstimates":
+        """Return this where it fits a law, or laws by contact, or say which name or value does not.
 
         Raises
         ------
         InputError
-            If the law has another name, lacks a parameter, or a value lies outside its interval.
+            If a law has another name, lacks a parameter, or a value lies outside its interval.
         """
-        if law.name != self.law:
-            raise UnknownNameError("law in estimates", self.law, [law.name])
+        self._check_laws(law)
         values = _values(law)
+        owner = "the laws" if isinstance(law, Laws) else law.name
         for name in (*self.intervals, *self.not_identified, *self.not_fitted):
             if name not in values:
-                raise UnknownNameError(f"parameter of {law.name} in estimates", name, values)
+                raise UnknownNameError(f"parameter of {owner} in estimates", name, values)
         for name, (low, high) in self.intervals.items():
             if not low <= values[name] <= high:
                 raise ParameterError(
@@ -312,6 +319,30 @@ class LawEstimates:
                     " remove the parameter from [estimates]."
                 )
         return self
+
+    def _check_laws(self, law: FrictionLaw | Laws) -> None:
+        if isinstance(law, Laws) and isinstance(self.law, Mapping):
+            known = law.names
+            for contact, name in self.law.items():
+                if contact not in known:
+                    raise UnknownNameError("contact in estimates.law", contact, known)
+                if name != known[contact]:
+                    raise UnknownNameError(
+                        f"law of {contact!r} in estimates", name, [known[contact]]
+                    )
+        elif isinstance(law, Laws):
+            contacts = ", ".join(f'{contact} = "{name}"' for contact, name in law.names.items())
+            raise InputError(
+                f"estimates.law is {self.law!r}, but contacts have laws of their own: name these,"
+                f" as in law = {{ {contacts} }}, and the contacts of parameters."
+            )
+        elif isinstance(self.law, Mapping):
+            raise InputError(
+                f"estimates.law names laws by contact, {', '.join(self.law)}, but there is one law:"
+                f' write law = "{law.name}".'
+            )
+        elif law.name != self.law:
+            raise UnknownNameError("law in estimates", self.law, [law.name])
 
     def without(self, names: Sequence[str]) -> "LawEstimates":
         """Return what is known of the other parameters; these have been overridden.
@@ -362,7 +393,7 @@ class LawEstimates:
             levels="per load",
         )
 
-    def draw(self, law: FrictionLaw, count: int, *, seed: int = 0) -> dict[str, Array]:
+    def draw(self, law: FrictionLaw | Laws, count: int, *, seed: int = 0) -> dict[str, Array]:
         """Return values (count,) of the parameters that have an interval, by full path.
 
         Normal with the covariance, and independent without one; even between the ends of a rounding
@@ -371,8 +402,8 @@ class LawEstimates:
 
         Parameters
         ----------
-        law : FrictionLaw
-            The law whose values these are.
+        law : FrictionLaw or Laws
+            The law, or the laws by contact, whose values these are.
         count : int
             Number of draws.
         seed : int
@@ -432,9 +463,9 @@ class LawEstimates:
             if self.overridden
             else "fit the law to data that identify a parameter"
         )
+        owner = self.law if isinstance(self.law, str) else "the laws"
         return (
-            f"no parameter of {self.law} has an interval{why}, so no ensemble can be sampled:"
-            f" {cure}."
+            f"no parameter of {owner} has an interval{why}, so no ensemble can be sampled: {cure}."
         )
 
     def _proposed(
@@ -481,14 +512,14 @@ def equated(law: FrictionLaw) -> dict[str, tuple[str, str]]:
     return {AT_REST: (one.symbol, quantities[one.at_least].symbol)}
 
 
-def _values(law: FrictionLaw) -> dict[str, float]:
-    """Return the parameters of a law without their prefix."""
+def _values(law: FrictionLaw | Laws) -> dict[str, float]:
+    """Return the parameters of a law, or by contact of laws, without their prefix."""
     return {
         path.removeprefix(f"{PREFIX}."): float(value) for path, _, value in parameters(law, PREFIX)
     }
 
 
-def _is_valid(law: FrictionLaw, changes: Mapping[str, float]) -> bool:
+def _is_valid(law: FrictionLaw | Laws, changes: Mapping[str, float]) -> bool:
     try:
         vary(law, PREFIX, changes)
     except ParameterError:

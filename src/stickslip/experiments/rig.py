@@ -13,7 +13,7 @@ from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.travels import scale_of
-from stickslip.friction import BristleLaw, FrictionLaw, law_type, laws
+from stickslip.friction import BristleLaw, FrictionLaw, Laws, law_type, laws
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
@@ -169,7 +169,7 @@ class Rig:
     initial : mapping of str to float
         Values of states from which runs begin [SI], by name; trials have their own.
     estimates : LawEstimates, optional
-        How well one of the laws is known, if it was fitted.
+        How well one of the laws, or those of contacts, are known, if they were fitted.
     published : tuple of Published
         What a publication reports.
     digest : str
@@ -229,9 +229,8 @@ class Rig:
         if self.hold not in ("zero", "first"):
             raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
         if self.estimates is not None:
-            if self.estimates.law not in self.laws:
-                raise UnknownNameError("law in Rig.estimates", self.estimates.law, self.laws)
-            self.estimates.checked(self.laws[self.estimates.law])
+            named = estimated_law(self.estimates.law, self.laws, self.contacts)
+            self.estimates.checked(named)
         contacts = [contact.name for contact in self.mechanism.contacts()]
         _check_names("contact in Rig.contacts", self.contacts, contacts)
         _check_names("state in Rig.initial", self.initial, state_units(self.mechanism))
@@ -339,6 +338,50 @@ class Rig:
 
     def _repr_html_(self) -> str:
         return "<p>" + "<br>".join(html.escape(line) for line in self._lines()) + "</p>"
+
+
+def estimated_law(
+    asked: str | Mapping[str, str],
+    known: Mapping[str, FrictionLaw],
+    contacts: Mapping[str, KnownLaws | None],
+) -> FrictionLaw | Laws:
+    """Return the law that estimates name, or those that they name by contact.
+
+    Parameters
+    ----------
+    asked : str or mapping of str to str
+        `LawEstimates.law`.
+    known : mapping of str to FrictionLaw
+        Laws by name, of one contact or of all.
+    contacts : mapping of str to KnownLaws or None
+        Where contacts have laws of their own: these, None where nothing rubs.
+
+    Returns
+    -------
+    FrictionLaw or Laws
+        What `LawEstimates.checked` compares with.
+
+    Raises
+    ------
+    InputError
+        If there is no such law.
+    UnknownNameError
+        If there is no such law or contact.
+    """
+    rubbing = {name: own for name, own in contacts.items() if own is not None}
+    if rubbing:
+        names = asked if isinstance(asked, Mapping) else dict.fromkeys(rubbing, asked)
+        _check_names("contact in estimates.law", names, rubbing)
+        return Laws(
+            members=tuple((name, rubbing[name].chosen(name, law)) for name, law in names.items())
+        )
+    if not isinstance(asked, str):
+        raise InputError(
+            f"estimates.law names laws by contact, {', '.join(asked)}, but no contact has a table"
+            ' of its own: name one law, such as law = "coulomb".'
+        )
+    _check_names("law in estimates.law", [asked], known)
+    return known[asked]
 
 
 def _check_names(kind: str, given: Iterable[str], known: Collection[str]) -> None:

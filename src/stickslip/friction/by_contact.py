@@ -28,7 +28,12 @@ class Laws(Group):
     @property
     def name(self) -> str:
         """Names of the contacts with those of their laws."""
-        return ", ".join(f"{contact}: {law.name}" for contact, law in self.members)
+        return ", ".join(f"{contact}: {name}" for contact, name in self.names.items())
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Names of the laws by contact."""
+        return {contact: law.name for contact, law in self.members}
 
     @property
     def title(self) -> str:

@@ -158,8 +158,6 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
     def to_toml(self) -> str:
         """Return mechanism, law and estimates as the text of a rig file, which `load_rig` reads.
 
-        Laws by contact are written without their intervals.
-
         Raises
         ------
         InputError
@@ -171,14 +169,10 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
                 " knows no rest, so `simulate` cannot run it. `to_dict()` has its numbers, and"
                 " `simulate_velocity_steps` runs it."
             )
-        if isinstance(self.law, Laws):  # how well they are known is in `to_dict` alone
-            text = rig_toml(self.mechanism, self.law, title="Laws by contact, fitted")
-            return self._remarked(text)
-        title = f"{self.law.title}, fitted"
-        text = rig_toml(self.mechanism, self.law, title=title, estimates=self.law_estimates())
-        return self._remarked(text)
-
-    def _remarked(self, text: str) -> str:
+        title = "Laws by contact" if isinstance(self.law, Laws) else self.law.title
+        text = rig_toml(
+            self.mechanism, self.law, title=f"{title}, fitted", estimates=self.law_estimates()
+        )
         return "".join(f"# {printable(remark)}\n" for remark in self.remarks) + text
 
     @final
@@ -339,7 +333,7 @@ def estimates_for(
     table = 0.5 * (table + table.T)
     paths = [path for path, _, _ in parameters(law, "friction")]
     return LawEstimates(
-        law=law.name,
+        law=law.names if isinstance(law, Laws) else law.name,
         intervals={name: _around(estimates[i]) for i, name in names.items()},
         interval=kind,
         covariance_of=tuple(names.values()),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias, final
+from typing import Any, NamedTuple, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,15 +12,16 @@ from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError, SimulationError
 from stickslip.experiments import LawEstimates
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, slip_names
-from stickslip.simulation import ensemble, own_law
+from stickslip.friction import Friction
+from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
+from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
 from stickslip.trajectory import completed
 
 __all__ = ["Band", "Spread", "band_of"]
 
 Array: TypeAlias = NDArray[np.float64]
+T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
 POINTS = 601
@@ -54,17 +55,33 @@ class Band(OnAxes):
     t: Array
     """Times (m,) [s]."""
     states: Mapping[str, Array]
-    """Lower end, median and upper end (3, m) of the slip coordinate and its rate, by name."""
+    """Lower end, median and upper end (3, m) of the coordinate that slips and its rate, by name; of
+    all coordinates and rates where there are several contacts."""
     units: Mapping[str, str]
     """SI unit of each of them."""
-    travel: Spread
-    """Last position less the first [m] or [rad]."""
-    mean_velocity: Spread
-    """Over all whole cycles, or without any over the run [m/s] or [rad/s]."""
     period: float | None
     """Length of a cycle of the drives [s], if there is one."""
-    cycles: tuple[Spread, ...]
-    """Travel of each whole cycle [m] or [rad]."""
+    travels: Mapping[str, Spread]
+    """By coordinate, last position less the first [m] or [rad]."""
+    mean_velocities: Mapping[str, Spread]
+    """By coordinate, over all whole cycles, or without any over the run [m/s] or [rad/s]."""
+    travels_by_cycle: Mapping[str, tuple[Spread, ...]]
+    """By coordinate, the travel of each whole cycle [m] or [rad]."""
+
+    @property
+    def travel(self) -> Spread:
+        """`travels` of the only coordinate."""
+        return _only("travels", self.travels)
+
+    @property
+    def mean_velocity(self) -> Spread:
+        """`mean_velocities` of the only coordinate."""
+        return _only("mean_velocities", self.mean_velocities)
+
+    @property
+    def cycles(self) -> tuple[Spread, ...]:
+        """`travels_by_cycle` of the only coordinate."""
+        return _only("travels_by_cycle", self.travels_by_cycle)
 
     def at(self, name: str, t: ArrayLike) -> Array:
         """Return lower end, median and upper end (3, n) of a state at some of the times `t`.
@@ -87,12 +104,14 @@ class Band(OnAxes):
 
     @override
     def _summary(self) -> Summary:
-        unit = next(iter(self.units.values()))
+        several = len(self.travels) > 1
         rows = [
-            (name, *(number(value, 4) for value in spread), shown)
-            for name, spread, shown in (
-                ("travel", self.travel, unit),
-                ("mean velocity", self.mean_velocity, f"{unit}/s"),
+            (f"{what} of {name}" if several else what, *(number(x, 4) for x in spread), shown)
+            for name, unit in self.units.items()
+            if name in self.travels
+            for what, spread, shown in (
+                ("travel", self.travels[name], unit),
+                ("mean velocity", self.mean_velocities[name], f"{unit}/s"),
             )
         ]
         lasted = self.count - self.ended_early
@@ -103,21 +122,27 @@ class Band(OnAxes):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the numbers, ready for JSON."""
+        """Return the numbers, ready for JSON; by coordinate where there are several."""
+        travels = {name: one._asdict() for name, one in self.travels.items()}
+        means = {name: one._asdict() for name, one in self.mean_velocities.items()}
+        cycles = {
+            name: [one._asdict() for one in own] for name, own in self.travels_by_cycle.items()
+        }
+        alone = len(travels) == 1
         return {
             "runs": self.count,
             "ended_early": self.ended_early,
             "seed": self.seed,
             "parameters": {path: _spread(values)._asdict() for path, values in self.draws.items()},
-            "travel": self.travel._asdict(),
-            "mean_velocity": self.mean_velocity._asdict(),
-            "travel_by_cycle": [one._asdict() for one in self.cycles],
+            "travel": _only("travel", travels) if alone else travels,
+            "mean_velocity": _only("mean_velocity", means) if alone else means,
+            "travel_by_cycle": _only("travel_by_cycle", cycles) if alone else cycles,
         }
 
 
 def band_of(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     estimates: LawEstimates,
     *,
     t_end: float,
@@ -134,8 +159,8 @@ def band_of(
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        What holds it back, with its best values.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back, with its best values; laws by contact, as in `simulate`.
     estimates : LawEstimates
         How well these are known; parameters without an interval keep their values.
     t_end : float
@@ -157,7 +182,8 @@ def band_of(
     Returns
     -------
     Band
-        Median and ends of 95 % of position and velocity, travel, travel per cycle, mean velocity.
+        Median and ends of 95 % of position and velocity, travel, travel per cycle, mean velocity;
+        of all coordinates where there are several contacts.
 
     Raises
     ------
@@ -177,10 +203,12 @@ def band_of(
     """
     if count < 2:
         raise InputError(f"band_of: count must be at least 2, got {count}.")
-    law = own_law(mechanism, law)
+    law = event_driven_law(mechanism, law)
     draws = estimates.draw(law, count, seed=seed)
-    slip, rate = slip_names(mechanism)
-    unit = mechanism.units[mechanism.coordinates.index(slip)]
+    pairs = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
+    if has_one_slip(mechanism):
+        pairs = dict([slip_names(mechanism)])
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
     period = cycle_or_none(mechanism)
     # with a margin for rounding: the last cycle may end a hair after t_end
     whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
@@ -192,7 +220,7 @@ def band_of(
         law,
         draws,
         t_end=t_end,
-        outputs={name: Samples(name, grid.tolist()) for name in (slip, rate)},
+        outputs={name: Samples(name, grid.tolist()) for pair in pairs.items() for name in pair},
         y0=y0,
         solver=solver,
         progress=progress,
@@ -203,10 +231,14 @@ def band_of(
             f"none of {count} runs with samples of {', '.join(draws)} reached {number(t_end, 6)}"
             f" s: {runs.status[0].value}"
         )
-    x, v = runs[slip][kept], runs[rate][kept]
-    at = x[:, np.searchsorted(grid, marks)]
-    travel = x[:, -1] - x[:, 0]
-    mean = travel / t_end if whole == 0 else (at[:, -1] - at[:, 0]) / float(marks[-1])
+    travels, means, cycles = {}, {}, {}
+    for name in pairs:
+        x = runs[name][kept]
+        at = x[:, np.searchsorted(grid, marks)]
+        travel = x[:, -1] - x[:, 0]
+        mean = travel / t_end if whole == 0 else (at[:, -1] - at[:, 0]) / float(marks[-1])
+        travels[name], means[name] = _spread(travel), _spread(mean)
+        cycles[name] = tuple(_spread(column) for column in np.diff(at, axis=1).T)
     return Band(
         draws={path: values[kept] for path, values in draws.items()},
         count=count,
@@ -214,15 +246,30 @@ def band_of(
         seed=seed,
         t=grid,
         states={
-            slip: np.quantile(x, QUANTILES, axis=0),
-            rate: np.quantile(v, QUANTILES, axis=0),
+            name: np.quantile(runs[name][kept], QUANTILES, axis=0)
+            for pair in pairs.items()
+            for name in pair
         },
-        units=dict(zip((slip, rate), (unit, f"{unit}/s"), strict=True)),
-        travel=_spread(travel),
-        mean_velocity=_spread(mean),
+        units={
+            name: unit
+            for slip, rate in pairs.items()
+            for name, unit in ((slip, units[slip]), (rate, f"{units[slip]}/s"))
+        },
         period=period,
-        cycles=tuple(_spread(column) for column in np.diff(at, axis=1).T),
+        travels=travels,
+        mean_velocities=means,
+        travels_by_cycle=cycles,
     )
+
+
+def _only(what: str, table: Mapping[str, T]) -> T:
+    """Return what there is of the only coordinate."""
+    if len(table) != 1:
+        raise InputError(
+            f"this band has several coordinates, {', '.join(table)}: take those of one from"
+            f" Band.{what}."
+        )
+    return next(iter(table.values()))
 
 
 def _spread(values: Array) -> Spread:

@@ -153,7 +153,12 @@ def by_contact(
 
 
 def overridden_fields(
-    law: type[FrictionLaw], overridden: Collection[str], *, shared: bool = True, of_law: bool = True
+    law: type[FrictionLaw],
+    overridden: Collection[str],
+    *,
+    shared: bool = True,
+    of_law: bool = True,
+    at: str = "friction",
 ) -> set[str]:
     """Return the fields of a law that overrides set: by shared paths, by those of its own table.
 
@@ -167,6 +172,8 @@ def overridden_fields(
         Whether paths shared by all laws count.
     of_law : bool
         Whether paths of the law's own table count.
+    at : str
+        Where the table stands.
 
     Returns
     -------
@@ -176,9 +183,9 @@ def overridden_fields(
     found = set()
     forces = force_parameters(law)
     for path in overridden:
-        table, _, rest = path.removeprefix("friction.").partition(".")
+        table, _, rest = path.removeprefix(f"{at}.").partition(".")
         key = rest.removeprefix("forces.")
-        if not path.startswith("friction."):
+        if not path.startswith(f"{at}."):
             continue
         if shared and not rest:
             found.add(table)

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -19,7 +19,14 @@ from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading, column_of
 from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
 from stickslip.experiments.records import read_data
-from stickslip.experiments.rig import KnownLaws, Published, Rig, check_record, state_units
+from stickslip.experiments.rig import (
+    KnownLaws,
+    Published,
+    Rig,
+    check_record,
+    estimated_law,
+    state_units,
+)
 from stickslip.experiments.rigs.laws import by_contact, known_laws, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
@@ -29,12 +36,13 @@ from stickslip.experiments.rigs.schema import (
     ReadTable,
     RigTable,
     TrialTable,
+    flat,
     rig_table,
 )
 from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
-from stickslip.friction import laws
+from stickslip.friction import FrictionLaw, Laws, laws
 from stickslip.mechanisms import Mechanism, refuse_too_many
 from stickslip.quantities import Quantity
 
@@ -233,21 +241,14 @@ def _measured(
 def _estimates(
     table: EstimatesTable | None,
     known: KnownLaws,
-    of_contacts: Collection[str],
+    of_contacts: Mapping[str, KnownLaws | None],
     file: str,
     overridden: Collection[str],
 ) -> LawEstimates | None:
-    """Return how well a law is known; of what was overridden nothing is."""
+    """Return how well a law, or laws by contact, are known; of what was overridden nothing is."""
     if table is None:
         return None
     given = table.given()
-    if of_contacts:
-        raise InputError(
-            f"{file}: [estimates] belong to the law of one contact, but"
-            f" {' and '.join(of_contacts)} have laws of their own: leave them out."
-        )
-    if table.law not in known.laws:
-        raise UnknownNameError(f"law in {file}: estimates.law:", table.law, known.laws)
     for name, ends in table.intervals.items():
         if len(ends) != 2:
             raise ParameterError(
@@ -257,13 +258,28 @@ def _estimates(
     given["intervals"] = {name: (low, high) for name, (low, high) in table.intervals.items()}
     given["covariance"] = tuple(map(tuple, table.covariance))
     given |= {name: tuple(given[name]) for name in ("not_fitted", "covariance_of") if name in given}
-    changed = sorted(overridden_fields(type(known.laws[table.law]), overridden))
     try:
-        return LawEstimates(**given).without(changed).checked(known.laws[table.law])
+        found = LawEstimates(**given)
+        law = estimated_law(found.law, known.laws, of_contacts)
+        return found.without(_changed(law, overridden)).checked(law)
     except UnknownNameError as error:
         raise UnknownNameError(f"{error.kind} in {file}:", error.name, error.known) from None
     except InputError as error:
         raise type(error)(f"{file}: {error}") from None
+
+
+def _changed(law: FrictionLaw | Laws, overridden: Collection[str]) -> list[str]:
+    """Return the parameters of a law, or by contact of laws, that overrides set."""
+    if isinstance(law, FrictionLaw):
+        return sorted(overridden_fields(type(law), overridden))
+    return [
+        f"{contact}.{name}"
+        for contact, one in law.members
+        for name in sorted(
+            overridden_fields(type(one), overridden)
+            | overridden_fields(type(one), overridden, at=f"friction.{contact}")
+        )
+    ]
 
 
 def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
@@ -435,7 +451,7 @@ def _overrides(
     """Return what a trial sets, by path, and the uncertainties of that."""
     found: dict[str, float] = {}
     doubts: dict[str, float] = {}
-    for name, value in _flat(given, ""):
+    for name, value in flat(given):
         try:
             path = canonical(mechanism, name)
             number = Number(quantity_at(mechanism, path), measured=True).read(value)
@@ -463,12 +479,3 @@ def _initial(given: Mapping[str, Any], mechanism: Mechanism, label: str) -> dict
         except ParameterError as error:
             raise ParameterError(f"{label}: {name} {error}") from None
     return found
-
-
-def _flat(given: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
-    """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes."""
-    for name, value in given.items():
-        if isinstance(value, dict) and "value" not in value:
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

@@ -37,7 +37,7 @@ def rig_toml(
     t_end : float, optional
         Length of the runs [s]; none is written if not given.
     estimates : LawEstimates, optional
-        Intervals and covariance of the law's parameters.
+        Intervals and covariance of the parameters of the law, or of those by contact.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def _estimates(known: LawEstimates) -> dict[str, object]:
     import tomlkit
 
     table: dict[str, object] = {
-        "law": known.law,
+        "law": known.law if isinstance(known.law, str) else dict(known.law),
         "interval": known.interval,
         "levels": known.levels,
         "largest_speed": known.largest_speed,

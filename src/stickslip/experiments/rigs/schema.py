@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
@@ -27,6 +27,7 @@ __all__ = [
     "RigTable",
     "RunTable",
     "TrialTable",
+    "flat",
     "json_schema",
     "rig_table",
 ]
@@ -104,6 +105,18 @@ class ReadTable(Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )
+
+
+@dataclasses.dataclass(frozen=True)
+class NameOrNames:
+    """Annotation of a name, or of names by contact; `LawEstimates` checks them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        names = {"type": "object", "additionalProperties": {"type": "string"}}
+        return {"anyOf": [{"type": "string"}, names]}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -196,10 +209,54 @@ class PublishedTable(Table):
     """A remark."""
 
 
-class EstimatesTable(Table):
-    """How well the values of one law are known, as fits write it; all in SI."""
+def flat(given: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes.
 
-    law: str = Field(description="law to which the values belong")
+    Parameters
+    ----------
+    given : mapping of str to object
+        A table; one with a ``value`` is not opened.
+    prefix : str
+        What stands before each path.
+
+    Yields
+    ------
+    (str, object)
+        Path and value.
+
+    Examples
+    --------
+    >>> dict(flat({"elbow": {"static_coefficient": 0.2}, "x.y": 1}))
+    {'elbow.static_coefficient': 0.2, 'x.y': 1}
+    """
+    for name, value in given.items():
+        if isinstance(value, dict) and "value" not in value:
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
+
+
+def _flattened(table: Any) -> Any:
+    return dict(flat(table)) if isinstance(table, dict) else table
+
+
+def _nested(schema: dict[str, Any]) -> None:
+    """Let a table stand for the parameters of a contact, which a dot in a key makes."""
+    one = schema["additionalProperties"]
+    table = {"type": "object", "additionalProperties": one}
+    schema["additionalProperties"] = {"anyOf": [one, table]}
+
+
+ByParameter = Annotated[dict[str, J], BeforeValidator(_flattened), Field(json_schema_extra=_nested)]
+
+
+class EstimatesTable(Table):
+    """How well the values of a law, or of laws by contact, are known, as fits write it; in SI."""
+
+    law: Annotated[Any, NameOrNames()] = Field(
+        description="law to which the values belong; `contact: law` where contacts have laws of"
+        " their own, whose parameters are then called as `elbow.kinetic_coefficient`"
+    )
     interval: Literal["95 %", "rounding range", "stated interval"] = "95 %"
     """Kind of the intervals."""
     levels: Literal["per load", "forces", "torques"] = Field(
@@ -213,10 +270,10 @@ class EstimatesTable(Table):
     not_fitted: list[str] = Field(
         default=[], description="parameters that were given or assumed, not fitted"
     )
-    not_identified: dict[str, str] = Field(
+    not_identified: ByParameter[str] = Field(
         default={}, description="parameter: reason why the data do not identify it"
     )
-    intervals: dict[str, list[float]] = Field(
+    intervals: ByParameter[list[float]] = Field(
         default={}, description="parameter: lower and upper end of its interval"
     )
     covariance_of: list[str] = Field(

@@ -12,9 +12,17 @@ from stickslip.plots.core.helpers import Sizes, dense
 from stickslip.plots.core.mode_raster import raster
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, SURFACE, shade
+from stickslip.sweep import Band
 from stickslip.trajectory import UNLOADED, Trajectory
 
-__all__ = ["MOST_PANELS", "STATE_SIZES", "contact_sizes", "draw_contacts", "draw_states"]
+__all__ = [
+    "MOST_PANELS",
+    "STATE_SIZES",
+    "contact_sizes",
+    "draw_contacts",
+    "draw_states",
+    "shade_band",
+]
 
 MOST_PANELS: Final = 6
 """Contacts that have a panel of friction each; the modes of more are shown as a raster."""
@@ -65,7 +73,7 @@ def draw_contacts(run: Trajectory, *, until: float | None = None) -> Draw:
     return draw
 
 
-def draw_states(run: Trajectory, *, until: float | None = None) -> Draw:
+def draw_states(run: Trajectory, *, until: float | None = None, band: Band | None = None) -> Draw:
     """Return a drawing of all coordinates against time, those of one unit together.
 
     Parameters
@@ -74,6 +82,8 @@ def draw_states(run: Trajectory, *, until: float | None = None) -> Draw:
         A run.
     until : float, optional
         Last time shown [s]; the end of the run if not given.
+    band : Band, optional
+        Where 95 % of the runs lie that have parameters from their estimates; shown pale.
 
     Returns
     -------
@@ -91,11 +101,36 @@ def draw_states(run: Trajectory, *, until: float | None = None) -> Draw:
     def draw(figure: Figure, narrow: bool) -> None:
         panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for axes, names in zip(panels, units.values(), strict=True):
-            _coordinates(axes, run, seen, names, times, narrow=narrow)
+            _coordinates(axes, run, seen, names, times, band, narrow=narrow)
         figure.align_ylabels()
         panels[-1].set_xlabel("time, s")
 
     return draw
+
+
+def shade_band(
+    axes: Axes, band: Band, name: str, last: float, *, factor: float, colour: str
+) -> None:
+    """Show pale where 95 % of the runs of a band lie.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    band : Band
+        The band.
+    name : str
+        The column.
+    last : float
+        Last time shown [s].
+    factor : float
+        From the SI unit of the column to that of the axes.
+    colour : str
+        That of the column.
+    """
+    shown = band.t <= last
+    low, _, high = factor * band.states[name][:, shown]
+    axes.fill_between(band.t[shown], low, high, color=colour, alpha=0.22, linewidth=0)
 
 
 def _coordinates(
@@ -104,6 +139,7 @@ def _coordinates(
     seen: Trajectory,
     names: list[str],
     times: list[float],
+    band: Band | None,
     *,
     narrow: bool,
 ) -> None:
@@ -115,6 +151,8 @@ def _coordinates(
         colour = SERIES[i] if few else MUTED
         width = 1.8 if few else 0.9
         axes.plot(seen.t, factor * seen[name], color=colour, linewidth=width, label=name)
+        if band is not None and name in band.states:
+            shade_band(axes, band, name, seen.span[1], factor=factor, colour=colour)
         if few:
             axes.plot(times, factor * at[name], "o", color=colour, markersize=3.5, zorder=4)
     what = names[0] if len(names) == 1 else f"{names[0]} to {names[-1]}"

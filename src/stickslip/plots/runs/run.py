@@ -25,7 +25,7 @@ from stickslip.plots.core.helpers import (
 from stickslip.plots.core.label_placement import Curve, label_curves, label_ends
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, INK, MUTED, SURFACE, label_at, shade
-from stickslip.plots.runs.contacts import contact_sizes, draw_contacts
+from stickslip.plots.runs.contacts import contact_sizes, draw_contacts, shade_band
 from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
@@ -91,9 +91,7 @@ def draw_run(
             axes.plot(seen.t, factor * seen[name], color=C1, linewidth=2.0)
             axes.set_ylabel(f"{title}, {unit}")
             if band is not None and name in band.states:
-                shown = band.t <= last
-                low, _, high = factor * band.states[name][:, shown]
-                axes.fill_between(band.t[shown], low, high, color=C1, alpha=0.22, linewidth=0)
+                shade_band(axes, band, name, last, factor=factor, colour=C1)
             axes.margins(x=0, y=0.12)
             axes.grid(axis="y")
             shade(axes, within(run.stick_spans(), last))

@@ -1,6 +1,6 @@
 """The end of the report of a run: the law and its doubt, certificate, how to reproduce it."""
 
-from stickslip.experiments import HARD, equated, unit_on
+from stickslip.experiments import HARD, LawEstimates, equated, unit_on
 from stickslip.formatting import interval, number
 from stickslip.quantities import parameters
 from stickslip.report.core.blocks import (
@@ -15,9 +15,18 @@ from stickslip.report.core.documents import Origin, Section
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.runs.subject import RunReport
+from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
-__all__ = ["certificate_of", "certificate_section", "law_section", "reproduce_section"]
+__all__ = [
+    "certificate_of",
+    "certificate_section",
+    "drawn",
+    "how_known",
+    "law_section",
+    "left_out",
+    "reproduce_section",
+]
 
 
 def law_section(about: RunReport) -> Section:
@@ -26,7 +35,7 @@ def law_section(about: RunReport) -> Section:
     rows = []
     for path, one, value in parameters(law, "friction"):
         name = path.removeprefix("friction.")
-        span, how = _known(about, name)
+        span, how = how_known(about.estimates, name)
         label = f"{name.replace('_', ' ').capitalize()} ${one.symbol}$"
         unit = unit_on(about.rig.mechanism, one)
         unit = "none" if unit == "1" else unit
@@ -46,15 +55,27 @@ def law_section(about: RunReport) -> Section:
     if about.remarks:
         title = "Validity of the law."
         blocks.append(Note(kind="info", title=title, text=" ".join(about.remarks)))
-    blocks += _drawn(about)
+    blocks += drawn(about.band, about.estimates)
     from_file = f", from `{about.law_file}`" if about.law_file else ""
     heading = f"{law.title} friction{from_file}"
     return Section(id="law", nav="The law", heading=heading, blocks=tuple(blocks))
 
 
-def _known(about: RunReport, name: str) -> tuple[str, str]:
-    """Return the interval of a parameter, and how it is known."""
-    known = about.estimates
+def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
+    """Return the interval of a parameter, and how it is known.
+
+    Parameters
+    ----------
+    known : LawEstimates or None
+        How well the law, or the laws by contact, are known.
+    name : str
+        The parameter, as the estimates call it.
+
+    Returns
+    -------
+    tuple of str and str
+        Two cells of a table.
+    """
     if known is None or name not in (*known.intervals, *known.not_identified, *known.not_fitted):
         return "—", "as given"
     if name in known.not_fitted:
@@ -64,11 +85,42 @@ def _known(about: RunReport, name: str) -> tuple[str, str]:
     return interval(*known.intervals[name]), "fitted"
 
 
-def _drawn(about: RunReport) -> list[Block]:
-    band, known = about.band, about.estimates
+def left_out(band: Band) -> list[str]:
+    """Return how many runs of a band ended early, as a sentence; none if all lasted.
+
+    Parameters
+    ----------
+    band : Band
+        The motion with parameters drawn from their estimates.
+
+    Returns
+    -------
+    list of str
+        A sentence at most.
+    """
+    if not band.ended_early:
+        return []
+    return [f"{band.ended_early} of them ended early and were left out."]
+
+
+def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
+    """Return how the runs of a band were drawn, in words; nothing where there is no band.
+
+    Parameters
+    ----------
+    band : Band or None
+        The motion with parameters drawn from their estimates.
+    known : LawEstimates or None
+        The estimates.
+
+    Returns
+    -------
+    list of Block
+        A caption at most.
+    """
     if band is None or known is None:
         return []
-    names = ", ".join(path.removeprefix("friction.").replace("_", " ") for path in band.draws)
+    names = ", ".join(_in_words(path.removeprefix("friction.")) for path in band.draws)
     how = (
         "with their covariance"
         if len(known.covariance_of) > 1
@@ -78,13 +130,19 @@ def _drawn(about: RunReport) -> list[Block]:
     )
     text = (
         f"The band: {band.count} draws (seed {band.seed}) of {names}, {how}, in the valid ranges of"
-        " the law."
+        f" {'the law' if isinstance(known.law, str) else 'the laws'}."
     )
     kept = [*known.not_fitted, *known.not_identified]
     if kept:
-        words = ", ".join(name.replace("_", " ") for name in kept)
+        words = ", ".join(map(_in_words, kept))
         text += f" Fixed: {words}."
     return [Caption(text=text)]
+
+
+def _in_words(name: str) -> str:
+    """Return a parameter in words, after its contact if it has one."""
+    contact, _, own = name.rpartition(".")
+    return f"{contact} {own.replace('_', ' ')}".strip()
 
 
 def certificate_section(about: RunReport) -> Section:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import final
 
-from stickslip.experiments import Rig
-from stickslip.formatting import capital, count, joined, number, percent, quantity
+from stickslip.experiments import LawEstimates, Rig
+from stickslip.formatting import capital, count, joined, number, percent, quantity, span
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.plots import (
     MOST_PANELS,
@@ -24,11 +24,15 @@ from stickslip.report.core.page import render
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.tables import Column, Row, Table
 from stickslip.report.core.versions import colophon
-from stickslip.report.runs.appendix import certificate_of
+from stickslip.report.runs.appendix import certificate_of, drawn, how_known, left_out
 from stickslip.report.runs.motion import event_table
+from stickslip.sweep import Band
 from stickslip.trajectory import Trajectory
 
 __all__ = ["ContactsReport", "contacts_page"]
+
+MOST_SAID = 4
+"""Coordinates whose spread the opening gives."""
 
 
 @final
@@ -44,6 +48,10 @@ class ContactsReport:
         The law that all contacts share, or laws by contact.
     run : Trajectory
         How.
+    estimates : LawEstimates, optional
+        How well the law, or the laws by contact, are known.
+    band : Band, optional
+        The motion with parameters drawn from their estimates.
     commands : tuple of str
         Commands that give this report again.
     versions : mapping of str to str
@@ -55,6 +63,8 @@ class ContactsReport:
     rig: Rig
     friction: FrictionLaw | Laws
     run: Trajectory
+    estimates: LawEstimates | None = None
+    band: Band | None = None
     commands: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     digests: Mapping[str, str] = field(default_factory=dict)
@@ -128,12 +138,31 @@ def opening_section(about: ContactsReport) -> Section:
     opening = Opening(
         kicker=f"{about.rig.heading}, {about.kinds} friction",
         verdict=verdict,
-        lede=" ".join([run.ending, *book.warnings]),
+        lede=" ".join([run.ending, *_spread(about), *book.warnings]),
         facts=tuple(facts),
         cannot_tell=("Whether the laws describe the contacts: that takes measurements of each.",),
         record="run",
     )
     return Section(id="result", nav="Result", heading="", blocks=(opening,))
+
+
+def _spread(about: ContactsReport) -> list[str]:
+    """Return by how much coordinates differ between the runs of the band, in sentences."""
+    band = about.band
+    if band is None:
+        return []
+    travels = list(band.travels.items())
+    shown = joined(
+        [
+            f"{name} changes by {span(one.low, one.high, band.units[name])}"
+            for name, one in travels[:MOST_SAID]
+        ]
+    )
+    return [
+        "With the parameters of friction drawn from their estimates, over the whole run"
+        f" {shown} in 95 % of {band.count} runs.",
+        *left_out(band),
+    ]
 
 
 def _number(about: ContactsReport) -> str:
@@ -142,10 +171,14 @@ def _number(about: ContactsReport) -> str:
 
 def motion_section(about: ContactsReport) -> Section:
     alt = "Coordinates against time"
-    figure = Figure(
-        svg=inline_svg(draw_states(about.run), alt=alt, prefix="motion", **STATE_SIZES),
-        caption="**Coordinates** against time; where there are few, dots are events.",
-    )
+    caption = "**Coordinates** against time; where there are few, dots are events."
+    if about.band is not None:
+        caption += (
+            f" Shaded: range of 95 % of {about.band.count} runs with the parameters of friction"
+            " drawn from their estimates."
+        )
+    draw = draw_states(about.run, band=about.band)
+    figure = Figure(svg=inline_svg(draw, alt=alt, prefix="motion", **STATE_SIZES), caption=caption)
     return Section(id="motion", nav="Motion", heading="The motion", blocks=(figure,))
 
 
@@ -188,25 +221,34 @@ def events_section(about: ContactsReport) -> Section:
 
 def laws_section(about: ContactsReport) -> Section:
     """Return the formula of each kind of law, and the parameters by contact."""
-    laws = about.laws
+    laws, known = about.laws, about.estimates
     kinds = {type(law): law for law in laws.values()}
     rows = []
     for name, law in laws.items():
         for path, one, value in parameters(law, "friction"):
             what = path.removeprefix("friction.").replace("_", " ").capitalize()
             unit = "none" if one.unit == "1" else one.unit
-            cells = (name, law.title, f"{what} ${one.symbol}$", number(value, 4), unit)
-            rows.append(Row(cells=cells))
-    columns = (
+            cells = [name, law.title, f"{what} ${one.symbol}$", number(value, 4), unit]
+            if known is not None:
+                prefix = "" if isinstance(known.law, str) else f"{name}."
+                cells += how_known(known, prefix + path.removeprefix("friction."))
+            rows.append(Row(cells=tuple(cells)))
+    columns = [
         Column(head="contact"),
         Column(head="law", phone="label", label="law:"),
         Column(head="parameter", phone="label", label="parameter:"),
         Column(head="value", numeric=True, phone="label", label="value:"),
         Column(head="unit", phone="label", label="unit:"),
-    )
+    ]
+    if known is not None:
+        columns += [
+            Column(head=known.interval, numeric=True, phone="label", label=f"{known.interval}:"),
+            Column(head="how it is known", phone="label", label="known:"),
+        ]
     idle = [one.name for one in about.rig.mechanism.contacts() if one.name not in laws]
     blocks: list[Block] = [Math(latex=law.formula) for law in kinds.values()]
-    blocks.append(Table(columns=columns, rows=tuple(rows)))
+    blocks.append(Table(columns=tuple(columns), rows=tuple(rows)))
+    blocks += drawn(about.band, known)
     if isinstance(about.friction, FrictionLaw) and len(laws) > 1:
         blocks.append(Caption(text="All contacts share one law."))
     if idle:

@@ -5,6 +5,7 @@ from stickslip.formatting import count, joined, quantity, span
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
 from stickslip.report.core.headings import ended_early
+from stickslip.report.runs.appendix import left_out
 from stickslip.report.runs.subject import RunReport
 
 __all__ = ["opening_section"]
@@ -56,8 +57,7 @@ def _lede(about: RunReport) -> str:
             f"With the law's parameters drawn from their estimates, the travel of the whole run is"
             f" {travels} in 95 % of {band.count} runs."
         )
-        if band.ended_early:
-            said.append(f"{band.ended_early} of them ended early and were left out.")
+        said += left_out(band)
     return " ".join(said)
 
 
