@@ -21,6 +21,6 @@ def names(path):
 
 
 def test_no_two_kernels_define_the_same_name():
-    found = Counter(name for path in FOLDER.glob("*.py") for name in names(path))
+    found = Counter(name for path in FOLDER.rglob("*.py") for name in names(path))
     assert len(found) > 200
     assert [name for name, count in found.items() if count > 1] == []

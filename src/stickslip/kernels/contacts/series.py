@@ -64,7 +64,7 @@ __all__ = ["TOGETHER", "contact_series", "contact_series_step", "first_contact_c
 STILLNESS = 1e-14
 """Acceleration over the forces that make it up, below which they balance but for rounding."""
 
-ROUNDED = 1e-12
+LEAST_SLACK = 1e-12
 """Share of a step beyond the earliest fall known in which others are looked for all the same."""
 TOGETHER = 4e-15
 """Time between two falls that are one, over the larger of the present time and the step."""
@@ -291,7 +291,7 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     for guard in range(2 * n):
         w[whole[ROOTS] + guard] = NEVER_FALLS
     h = w[LENGTH]
-    slack = max(ROUNDED, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
+    slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
     early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
     if early != NO_GUARD:
         best = look_at(early, best, slack, w, whole)
