@@ -346,10 +346,9 @@ class Robot(BoundedMechanism, JointedMechanism):
         """Return the middle of the range of joints whose stops exclude 0."""
         found: dict[str, Scalar] = {}
         for one in self.joints:
-            ends = [end for end in (one.lower_stop, one.upper_stop) if end is not None]
-            if one.lower_stop is not None and one.lower_stop > 0.0:
-                found[one.coordinate] = sum(ends) / len(ends)
-            if one.upper_stop is not None and one.upper_stop < 0.0:
+            low, high = one.lower_stop, one.upper_stop
+            if (low is not None and low > 0.0) or (high is not None and high < 0.0):
+                ends = [end for end in (low, high) if end is not None]
                 found[one.coordinate] = sum(ends) / len(ends)
         return found
 
