@@ -26,7 +26,7 @@ CASES = (
 COMPILE = "compile"
 """Times of compiling, which are printed only: they take minutes and empty caches."""
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
-LIBRARIES = ("stickslip", "numpy", "scipy", "numba", "heyoka", "mujoco", "drake")
+LIBRARIES = ("stickslip", "numpy", "scipy", "llvmlite", "heyoka", "mujoco", "drake")
 
 
 def machine() -> str:

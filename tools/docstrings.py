@@ -52,10 +52,6 @@ SUBPACKAGES = (
     "trajectory",
 )
 """Subpackages that are checked; the others follow one by one."""
-EXEMPT = (
-    "stickslip.solver.compile.numba_prelude",  # its text goes into compiled modules and their hash
-)
-"""Modules that are not checked, and packages with all that is in them."""
 TITLES = ("Parameters", "Returns", "Yields", "Raises")
 LEAST = 2
 """From this number of arguments on, sections are needed."""
@@ -208,16 +204,11 @@ def faults(tree: ast.Module, *, kernel: bool = False) -> Iterator[tuple[int, str
                 yield node.lineno, node.name, fault
 
 
-def exempt(module: str) -> bool:
-    """Return whether a module, or a package that it is in, is not checked."""
-    return any(f"{module}.".startswith(f"{name}.") for name in EXEMPT)
-
-
 def of_subpackages(subpackages: Iterable[str]) -> Iterator[str]:
     """Yield a line for each fault in some subpackages."""
     for module, path in structure.sources().items():
         subpackage = module.partition(".")[2].partition(".")[0]
-        if subpackage in subpackages and not exempt(module):
+        if subpackage in subpackages:
             tree = ast.parse(path.read_text(encoding="utf-8"))
             for line, name, fault in sorted(faults(tree, kernel=subpackage == "kernels")):
                 yield f"{path.relative_to(structure.ROOT)}:{line}: {name}: {fault}"

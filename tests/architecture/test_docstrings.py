@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
-from tools import docstrings, slots, structure
+from tools import docstrings, slots
 
 from stickslip import BlockChain, Coulomb, EventDriven, LuGre, SpringBlock, Stribeck, simulate
 from stickslip.drives import Pulse
@@ -129,15 +129,6 @@ def test_private_functions_overrides_and_single_arguments_need_no_sections() -> 
             return a + b
     """
     assert faults(textwrap.dedent(source)) == []
-
-
-def test_what_is_exempt_exists_and_takes_its_modules_with_it_but_no_module_of_a_like_name() -> None:
-    assert structure.sources().keys() >= {*docstrings.EXEMPT}
-    for name in docstrings.EXEMPT:
-        assert docstrings.exempt(name)
-        assert docstrings.exempt(f"{name}.inner")
-        assert not docstrings.exempt(f"{name}_too")
-        assert not docstrings.exempt(name.rpartition(".")[0])
 
 
 def test_a_kernel_must_list_the_slots_that_it_touches() -> None:

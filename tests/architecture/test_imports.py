@@ -12,7 +12,7 @@ import pytest
 import stickslip
 from stickslip.errors import InputError, MovedError, RenamedError
 
-HEAVY = {"matplotlib", "numba", "pandas", "pydantic", "scipy", "symengine"}
+HEAVY = {"matplotlib", "llvmlite", "pandas", "pydantic", "scipy", "symengine"}
 
 
 def test_importing_the_package_loads_no_heavy_library():

@@ -8,24 +8,16 @@ import sys
 import tempfile
 import threading
 from dataclasses import replace
-from pathlib import Path
 
+import numpy as np
 import pytest
 
-from stickslip import Coulomb, CoulombViscous, EventDriven, SpringBlock, simulate
+from stickslip import Coulomb, CoulombViscous, SpringBlock
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import formulate
 from stickslip.solver import prepare, warm_up
-from stickslip.solver.compile import (
-    compile_units,
-    equations_code,
-    messages,
-    module_cache,
-    modules,
-    precompile,
-)
-from stickslip.solver.compile.compile_units import CompileUnit
-from stickslip.solver.compile.equations_code import EquationsCode
+from stickslip.solver.compile import image_cache, messages, modules, object_code, precompile
+from stickslip.solver.compile.kernels_code import KERNELS, KernelsCode
 from stickslip.solver.compile.modules import load_compiled
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -37,8 +29,8 @@ WARM = """
 from stickslip import Coulomb, SpringBlock
 from stickslip.solver import warm_up
 rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))], ensembles=False)
-print(done.kernels_compiled, done.kernels_found)
+done = warm_up([(rig, Coulomb(kinetic_coefficient=0.25))])
+print(done.kernels_compiled)
 """
 
 
@@ -46,21 +38,14 @@ print(done.kernels_compiled, done.kernels_found)
 def warmed(tmp_path_factory):
     """Warm up a folder with a copy of the kernels that all tests share, one pair first."""
     folder = tmp_path_factory.mktemp("warm")
-    (kernels,) = compile_units.units_of(formulate(RIG, LAW), ensembles=False)
-    kernels.load()
-    source = Path(module_cache.module_of(kernels.text, compiled=True).__file__)
-    (folder / "__pycache__").mkdir()
-    files = [source]
-    for entry in kernels.entries:
-        files += source.parent.glob(f"{source.stem}.{entry}.*.ready")
-        files += source.parent.glob(f"__pycache__/{source.stem}.{entry}-*.nb[ic]")
-    for file in files:  # with their times, by which numba knows the source of machine code
-        shutil.copy2(file, folder / file.relative_to(source.parent))
+    KERNELS.load()
+    (file,) = image_cache.cache_directory().glob(f"{KERNELS.name}.*")
+    shutil.copy2(file, folder)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
-        warm_up(PAIRS[:1], ensembles=False)
+        warm_up(PAIRS[:1])
         told = []
-        done = warm_up(PAIRS, ensembles=False, progress=lambda *news: told.append(news))
+        done = warm_up(PAIRS, progress=lambda *news: told.append(news))
         return folder, done, told
 
 
@@ -79,15 +64,12 @@ def empty(tmp_path, monkeypatch):
 @pytest.fixture
 def fresh(monkeypatch):
     """Forget what this process has in memory."""
-    forgotten = {n: m for n, m in sys.modules.items() if n.startswith("stickslip_")}
-    for name in forgotten:
-        del sys.modules[name]
-    monkeypatch.setattr(compile_units, "_ready", set())
-    monkeypatch.setattr(equations_code, "_loaded", {})
+    monkeypatch.setattr(object_code, "_loaded", {})
     load_compiled.cache_clear()
+    modules._entries.cache_clear()
     yield
     load_compiled.cache_clear()
-    sys.modules.update(forgotten)
+    modules._entries.cache_clear()
 
 
 def start(folder):
@@ -105,33 +87,30 @@ def nothing_is_loaded(monkeypatch):
     def never(_part):
         raise AssertionError("something was loaded or compiled")
 
-    monkeypatch.setattr(CompileUnit, "load", never)
-    monkeypatch.setattr(EquationsCode, "load", never)
+    monkeypatch.setattr(object_code.ObjectCode, "load", never)
 
 
 @pytest.mark.slow
-def test_two_processes_at_once_compile_the_kernels_once(tmp_path):
+def test_two_processes_at_once_leave_the_kernels_once(tmp_path):
     """Beside a third process that is killed."""
     runs = [start(tmp_path) for _ in range(2)]
     doomed = start(tmp_path)
-    while not list(tmp_path.glob("*.py")):
-        threading.Event().wait(0.05)
+    threading.Event().wait(3.0)
     os.killpg(doomed.pid, signal.SIGKILL)
     doomed.communicate()
     outputs = [run.communicate(timeout=600) for run in runs]
     assert [run.returncode for run in runs] == [0, 0], outputs
-    counts = [[int(count) for count in out.split()] for out, _ in outputs]
-    assert [compiled + found for compiled, found in counts] == [1, 1]
-    assert sum(compiled for compiled, _ in counts) <= 1  # none if the killed one was through
+    assert len(list(tmp_path.glob("*.image"))) == 2
+    again = start(tmp_path).communicate(timeout=600)
+    assert again == ("False\n", "")
 
 
 def test_laws_share_the_kernels_and_have_a_file_each(warmed):
     folder, done, _ = warmed
-    assert (done.kernels_compiled, done.kernels_found) == (0, 1)
+    assert not done.kernels_compiled
     assert (done.equations_compiled, done.equations_found) == (1, 1)
     assert done.folder == folder
-    assert len(list((folder / "__pycache__").glob("*.enter_run-*.nbc"))) == 1
-    assert len(list(folder.glob("*.image"))) == 2
+    assert len(list(folder.glob("*.image"))) == 3
 
 
 def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
@@ -141,54 +120,41 @@ def test_progress_tells_when_something_begins_and_when_it_is_done(warmed):
 
 def test_what_is_there_is_not_even_loaded(cache, monkeypatch):
     nothing_is_loaded(monkeypatch)
-    done = warm_up(PAIRS, ensembles=False)
-    assert (done.kernels_compiled, done.equations_compiled) == (0, 0)
-    assert (done.kernels_found, done.equations_found) == (1, 2)
+    done = warm_up(PAIRS)
+    assert not done.kernels_compiled
+    assert (done.equations_compiled, done.equations_found) == (0, 2)
 
 
 def test_what_is_there_needs_no_folder_that_can_be_written(cache, monkeypatch):
     monkeypatch.setattr(precompile, "is_writable", lambda: False)
-    assert warm_up(PAIRS, ensembles=False).kernels_found == 1
+    assert not warm_up(PAIRS).kernels_compiled
 
 
 def test_afterwards_the_equations_are_loaded_and_nothing_is_said(cache, fresh, capsys, monkeypatch):
     monkeypatch.setattr(messages, "_watched", lambda: True)
     monkeypatch.setattr(messages.LOG, "hasHandlers", lambda: False)
+    monkeypatch.setattr(object_code, "_compiled", None)
     prepare(RIG, OTHER)
-    kernels = load_compiled(formulate(RIG, OTHER)).kernels
-    assert not kernels.enter_run.stats.cache_misses
     assert capsys.readouterr().err == ""
 
 
-def test_runs_call_the_kernels_as_they_were_compiled(cache, fresh):
-    run = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="compiled"))
-    run.at([0.5])
+def test_the_kernels_refuse_arrays_of_another_kind(cache, fresh):
     kernels = load_compiled(formulate(RIG, LAW)).kernels
-    assert len(kernels.enter_run.signatures) == 1
-    assert len(kernels.enter_play.signatures) == 1
-    assert not kernels.enter_run.stats.cache_misses
-
-
-def test_a_read_only_cache_is_used_through_a_copy(cache, fresh, monkeypatch, tmp_path):
-    monkeypatch.setattr(module_cache, "_takes_machine_code", lambda folder: False)
-    monkeypatch.setattr(module_cache, "_temporary_folder", lambda: tmp_path)
-    kernels = load_compiled(formulate(RIG, LAW)).kernels
-    assert Path(kernels.__file__).parent == tmp_path
-    assert not kernels.enter_run.stats.cache_misses
+    good = [np.zeros(4), np.zeros(4, dtype=np.int64), *[np.zeros(4)] * 2, 1.0, 1.0, 1.0, 1]
+    for place, wrong in ((0, np.zeros(4, dtype=int)), (1, np.zeros(4)), (2, np.zeros(8)[::2])):
+        given = [*good, np.zeros(4), np.zeros(4)]
+        given[place] = wrong
+        with pytest.raises(TypeError, match=r"driver\.run: \w+ must be an array of"):
+            kernels.enter_run(*given)
 
 
 def test_machine_code_that_was_deleted_counts_as_absent(cache, tmp_path, monkeypatch):
-    model = formulate(RIG, LAW)
-    part = compile_units.units_of(model, ensembles=False)[0]
-    assert part.is_kept()
-    assert not compile_units.units_of(model, ensembles=True)[0].is_kept()
-    monkeypatch.setattr(module_cache, "_processor", lambda: "another")
-    assert not part.is_kept()
+    assert KERNELS.is_kept()
+    monkeypatch.setattr(image_cache, "_processor", lambda: "another")
+    assert not KERNELS.is_kept()
     monkeypatch.undo()
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
-    for stamp in cache.glob("*.ready"):
-        (tmp_path / stamp.name).write_bytes(stamp.read_bytes())
-    assert not part.is_kept()
+    assert not KERNELS.is_kept()
 
 
 def test_a_cache_that_cannot_be_written_to_is_refused(tmp_path, monkeypatch):
@@ -201,9 +167,9 @@ def test_a_cache_that_cannot_be_written_to_is_refused(tmp_path, monkeypatch):
 
 def test_what_the_cache_does_not_keep_is_a_clear_error(cache, tmp_path, monkeypatch):
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
-    monkeypatch.setattr(CompileUnit, "load", lambda unit: True)
+    monkeypatch.setattr(KernelsCode, "load", lambda kernels: True)
     with pytest.raises(CompilationError, match="did not keep the solver"):
-        warm_up(PAIRS, ensembles=False)
+        warm_up(PAIRS)
 
 
 @pytest.mark.parametrize("pair", [RIG, (RIG,), (LAW, RIG), (RIG, Coulomb)])
@@ -216,7 +182,7 @@ def test_the_kernels_come_first_and_once_for_all(empty, monkeypatch):
     seen = []
     monkeypatch.setattr(precompile, "_compiled", lambda parts, _: set(seen.extend(parts) or []))
     warm_up([*PAIRS, (replace(RIG, attached=True), LAW), (replace(RIG, attached=True), OTHER)])
-    assert [isinstance(part, CompileUnit) for part in seen] == [True] + [False] * 4
+    assert [isinstance(part, KernelsCode) for part in seen] == [True] + [False] * 4
     assert len(set(seen)) == len(seen)
 
 
@@ -252,8 +218,7 @@ def test_files_and_pipes_are_nobody_who_watches():
 
 
 def test_a_message_says_what_is_compiled_and_how_long_it_takes(empty, monkeypatch, caplog):
-    monkeypatch.setattr(compile_units, "_ready", set())  # what other tests left in this process
-    units = compile_units.units_of(formulate(RIG, LAW), ensembles=False)
+    monkeypatch.setattr(object_code, "_loaded", {})  # what other tests left in this process
     with caplog.at_level("INFO", "stickslip"):
-        modules.waiting(units)
-    assert caplog.messages == ["Compiling the solver (about 27 s, once) ..."]
+        modules.waiting()
+    assert caplog.messages == ["Compiling the solver (about 6 s, once) ..."]

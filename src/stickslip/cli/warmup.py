@@ -144,7 +144,7 @@ def _content(pairs: Sequence[tuple[Mechanism, FrictionLaw]], done: WarmUp) -> di
             {"mechanism": rig.name, "drives": list(rig.drives()), "law": law.name}
             for rig, law in pairs
         ],
-        "kernels": {"compiled": done.kernels_compiled, "found": done.kernels_found},
+        "kernels": {"compiled": done.kernels_compiled},
         "equations": {"compiled": done.equations_compiled, "found": done.equations_found},
         "seconds": done.seconds,
         "cache": str(done.folder),
@@ -152,8 +152,8 @@ def _content(pairs: Sequence[tuple[Mechanism, FrictionLaw]], done: WarmUp) -> di
 
 
 def _sentence(done: WarmUp) -> str:
+    kernels = "compiled" if done.kernels_compiled else "in the cache"
     return (
-        f"Compiled in {done.seconds:.1f} s: kernels {done.kernels_compiled}, equations"
-        f" {done.equations_compiled}. Already in the cache: kernels {done.kernels_found},"
-        f" equations {done.equations_found}. Cache: {done.folder}"
+        f"Kernels: {kernels}. Equations: {done.equations_compiled} compiled,"
+        f" {done.equations_found} in the cache. Time: {done.seconds:.1f} s. Cache: {done.folder}"
     )

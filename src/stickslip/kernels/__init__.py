@@ -1,1 +1,1 @@
-"""Numeric loops in the subset of Python that numba compiles; they know only arrays of numbers."""
+"""Numeric loops in a small part of Python that is compiled; they know only vectors of numbers."""

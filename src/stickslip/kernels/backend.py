@@ -1,13 +1,13 @@
-"""What differs between the tiers: how vectors are made, how equations are called.
+"""What differs between the tiers: vectors, and how equations are called.
 
-These are the definitions of the plain Python tier; those of the compiled one stand in
-`solver.compile.numba_prelude`.
+These are the definitions of the plain Python tier; in the compiled one, vectors are places in
+memory, and what is called here by its place in a list is called by its address.
 """
 
 from collections.abc import MutableSequence
 from typing import Any, TypeAlias
 
-__all__ = ["Vector", "Wholes", "call_contacts", "call_model", "vector"]
+__all__ = ["Vector", "Wholes", "call_contacts", "call_model"]
 
 Vector: TypeAlias = MutableSequence[float]
 """A list of floats in the Python tier, an array in the compiled one."""
@@ -15,13 +15,8 @@ Wholes: TypeAlias = MutableSequence[int]
 """A list of whole numbers, or an array of them."""
 
 
-def vector(size: int) -> Vector:
-    """Return a vector of zeros."""
-    return [0.0] * size
-
-
 def call_model(
-    w: Any, place: int, name: int, mode: int, flags: int, t: float, at: int, to: int
+    w: Vector, place: int, name: int, mode: int, flags: int, t: float, at: int, to: int
 ) -> None:
     """Call a function of the equations that the vector of the run names.
 
@@ -44,14 +39,16 @@ def call_model(
     to : int
         Place of the result.
     """
-    w[place][name](mode, flags, t, w, at, to)
+    functions: Any = w[place]
+    functions[name](mode, flags, t, w, at, to)
 
 
-def call_contacts(w: Any, place: int, whole: Wholes, name: int, t: float, at: int, to: int) -> None:
+def call_contacts(
+    w: Vector, place: int, whole: Wholes, name: int, t: float, at: int, to: int
+) -> None:
     """Call what works out the equations of several contacts.
 
-    It is a function of its own, as the equations are, so that the code of all that calls it stays
-    small: machine code is made of everything together.
+    It is called by its place, as the equations are, since it asks the kernels in its turn.
 
     Parameters
     ----------
@@ -70,4 +67,5 @@ def call_contacts(w: Any, place: int, whole: Wholes, name: int, t: float, at: in
     to : int
         Place of the result.
     """
-    w[place](name, t, w, whole, at, to)
+    function: Any = w[place]
+    function(name, t, w, whole, at, to)

@@ -1,9 +1,10 @@
 """Many runs one after the other, of each of which some numbers are kept."""
 
-from stickslip.kernels.backend import Vector, Wholes, vector
+from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_evaluation import restore
 from stickslip.kernels.driver import run
+from stickslip.kernels.enums import FULL
 from stickslip.kernels.model_interface import energy
 from stickslip.kernels.reducers import reduced
 from stickslip.kernels.sensitivities import columns_at, sense
@@ -125,10 +126,12 @@ def batch_row(
     results: Vector,
     statuses: Vector,
     evidence: Vector,
-) -> tuple[Vector, Vector]:
-    """Make one run and keep its outputs; return the rows of its steps and of its events.
+) -> bool:
+    """Make one run, or go on with it, and keep its outputs; return whether it found room.
 
-    Reads: POLYNOMIAL, DENSE, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
+    POLYNOMIAL, Y, SCALE, VALUES, DENSE, REACHED, LOWEST, CHANGES, TURN, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
@@ -136,8 +139,11 @@ def batch_row(
     BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
     """
     n = len(outputs) // 2
-    prepare_row(row, columns, places, base, w, whole)
-    log, events = run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
+    if whole[STATUS] != FULL:
+        prepare_row(row, columns, places, base, w, whole)
+    run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
+    if whole[STATUS] == FULL:
+        return False
     statuses[row] = whole[STATUS]
     keep_evidence(row * EVIDENCE, w, whole, table, log, evidence)
     asked = row * 2 * n if len(arguments) > 2 * n else 0
@@ -146,10 +152,11 @@ def batch_row(
             int(outputs[2 * j]), int(outputs[2 * j + 1]), arguments[asked + 2 * j],
             arguments[asked + 2 * j + 1], w, whole, table, log, events,
         )  # fmt: skip
-    return log, events
+    return True
 
 
 def batch(
+    first: int,
     count: int,
     columns: Vector,
     places: Vector,
@@ -169,14 +176,18 @@ def batch(
     results: Vector,
     statuses: Vector,
     evidence: Vector,
-) -> None:
-    """Run all rows.
+) -> int:
+    """Run all rows from one on; return the first that is not done, for want of room for its rows.
+
+    The caller makes room, and calls again with that row.
 
     `columns` has a row a run: the numbers that go to `places` of the vector of a run, which is
     `base` otherwise. `tables`, `bounds`, `caps` and `arguments` have a row a run, or one for all.
     `outputs` has kind and subject of each output, `arguments` two numbers for each.
 
-    Reads: POLYNOMIAL, DENSE, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
+    POLYNOMIAL, Y, SCALE, VALUES, DENSE, REACHED, LOWEST, CHANGES, TURN, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
@@ -185,6 +196,8 @@ def batch(
 
     Parameters
     ----------
+    first : int
+        Row of the first run; one that found no room goes on.
     count : int
         Number of runs.
     columns : array (count places,)
@@ -223,15 +236,23 @@ def batch(
         Written: how each run ended.
     evidence : array (count EVIDENCE,)
         Written: how far each run may be trusted.
+
+    Returns
+    -------
+    int
+        The row to go on with; `count` if all are done.
     """
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
-    for row in range(count):
+    for row in range(first, count):
         own = row if len(caps) > 1 else 0
-        log, events = batch_row(
+        done = batch_row(
             row, columns, places, base, tables[own * width : (own + 1) * width],
             bounds[own * room : (own + 1) * room], caps[own], outputs, arguments, t_end, rtol,
             limit, w, whole, log, events, results, statuses, evidence,
         )  # fmt: skip
+        if not done:
+            return row
+    return count
 
 
 def sense_end(
@@ -262,23 +283,26 @@ def sense_end(
     for i in range(size):
         w[first + i] = starts[i]
     steps = whole[STEPS]
-    end = vector(1)
-    end[0] = log[(steps - 1) * whole[ROW_COLUMNS] + 1]
-    found = vector(size)
-    sense(log, steps, events, whole[EVENTS], end, table, slopes, own, q, w, whole, found)
-    for i in range(size):
-        gradients[row * size + i] = found[i]
+    last = (steps - 1) * whole[ROW_COLUMNS]
+    end = log[last + 1 : last + 2]
+    sense(
+        log, steps, events, whole[EVENTS], end, table, slopes, own, q, w, whole, gradients,
+        row * size,
+    )  # fmt: skip
 
 
 def batch_sensed(
-    count: int, columns: Vector, places: Vector, base: Vector, tables: Vector, bounds: Vector,
-    caps: Vector, outputs: Vector, arguments: Vector, t_end: float, rtol: float, limit: int,
-    w: Vector, whole: Wholes, log: Vector, events: Vector, results: Vector, statuses: Vector,
-    evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int, gradients: Vector,
-) -> None:  # fmt: skip
-    """Run all rows as `batch` does, and take the sensitivities at their ends.
+    first: int, count: int, columns: Vector, places: Vector, base: Vector, tables: Vector,
+    bounds: Vector, caps: Vector, outputs: Vector, arguments: Vector, t_end: float, rtol: float,
+    limit: int, w: Vector, whole: Wholes, log: Vector, events: Vector, results: Vector,
+    statuses: Vector, evidence: Vector, starts: Vector, slopes: Vector, own: Vector, q: int,
+    gradients: Vector,
+) -> int:  # fmt: skip
+    """Run rows as `batch` does, and take the sensitivities at their ends.
 
-    Reads: POLYNOMIAL, DENSE, WALLS, CHANGES, TURN, BOOKS, MODES, LAW_FLAGS, OPEN.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
+    POLYNOMIAL, Y, SCALE, VALUES, DENSE, REACHED, LOWEST, WALLS, CHANGES, TURN, MODE, FLAGS, PIECE,
+    STATUS, STEPS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, BOOKS, MODES, LAW_FLAGS, OPEN.
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, POLYNOMIAL, ROOM, drives, GIVEN, Y,
     Y1, SCALE, END, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST,
@@ -288,6 +312,8 @@ def batch_sensed(
 
     Parameters
     ----------
+    first : int
+        Row of the first run; one that found no room goes on.
     count : int
         Number of runs.
     columns : array (count places,)
@@ -336,18 +362,26 @@ def batch_sensed(
         Number of quantities: numbers of the drives, then parameters.
     gradients : array (count N_STATES m,)
         Written: the sensitivities at the end of each run.
+
+    Returns
+    -------
+    int
+        The row to go on with; `count` if all are done.
     """
     width, room = len(tables) // len(caps), len(bounds) // len(caps)
     long = len(slopes) // len(caps)
-    for row in range(count):
+    for row in range(first, count):
         at = row if len(caps) > 1 else 0
         table = tables[at * width : (at + 1) * width]
-        log, events = batch_row(
+        done = batch_row(
             row, columns, places, base, table, bounds[at * room : (at + 1) * room], caps[at],
             outputs, arguments, t_end, rtol, limit, w, whole, log, events, results, statuses,
             evidence,
         )  # fmt: skip
+        if not done:
+            return row
         sense_end(
             row, table, starts, slopes[at * long : (at + 1) * long], own, q, w, whole, log, events,
             gradients,
         )  # fmt: skip
+    return count

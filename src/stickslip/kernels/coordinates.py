@@ -89,7 +89,7 @@ def state_seen(at: int, state: int, w: Vector, whole: Wholes) -> float:
     n = whole[N_COORDINATES]
     if not whole[IS_TURNED] or state >= 2 * n:
         return w[at + state]
-    block, row = (1, state - n) if state >= n else (0, state)
+    block, row = divmod(state, n)
     total = 0.0
     for j in range(n):
         total += w[whole[TURN] + n * n + row * n + j] * w[at + block * n + j]

@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.enums import AT_REST, END_TIME, HELD, RUNNING, STEP_LIMIT, SWITCH
+from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.mode_transitions import (
@@ -42,13 +42,12 @@ from stickslip.kernels.state_layout import (
     STRIDE,
     TIME,
     Y,
-    longer,
 )
 from stickslip.kernels.step import advance
 from stickslip.kernels.step_log import add_work, close_step, record
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = ["run"]
+__all__ = ["events_are_full", "log_is_full", "run"]
 
 FEW_STALLS = 20
 """Events at one instant that several contacts may have, beside those of each contact and switch."""
@@ -204,6 +203,46 @@ def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
+def log_is_full(whole: Wholes, log: Vector) -> bool:
+    """Whether there is no room for the rows of a step and of its end.
+
+    Reads: STEPS.
+
+    Parameters
+    ----------
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    log : array
+        Room for the rows of steps.
+
+    Returns
+    -------
+    bool
+        Whether a run needs a longer vector to go on.
+    """
+    return (whole[STEPS] + 2) * whole[ROW_COLUMNS] > len(log)
+
+
+def events_are_full(whole: Wholes, events: Vector) -> bool:
+    """Whether there is no room for a step, a jump and what it switches, and a limit after each.
+
+    Reads: EVENTS.
+
+    Parameters
+    ----------
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    events : array
+        Room for the rows of events.
+
+    Returns
+    -------
+    bool
+        Whether a run needs a longer vector to go on.
+    """
+    return (whole[EVENTS] + whole[MOST_EVENTS]) * EVENT_COLUMNS > len(events)
+
+
 def run(
     w: Vector,
     whole: Wholes,
@@ -215,14 +254,14 @@ def run(
     limit: int,
     log: Vector,
     events: Vector,
-) -> tuple[Vector, Vector]:
+) -> None:
     """Integrate from the time and the state in `w` to `t_end`.
 
     `table` has a row a piece: start, then value, slope and start of each drive; `bounds` has least
     and largest value of each drive from the start of each piece on. A run that has reached an end
     time goes on from there: pieces may be told as late as they begin. One that has reached its step
-    limit goes on as if there had been none. Returns the rows of steps and of events, in the vectors
-    given or in longer ones.
+    limit goes on as if there had been none. One that finds no room for further rows has the status
+    FULL, and goes on with longer vectors that begin with the same rows.
 
     Reads: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM,
     POLYNOMIAL, Y, SCALE, VALUES, REACHED, LOWEST, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS,
@@ -254,26 +293,17 @@ def run(
         Room for the rows of steps; those of earlier stretches stand in it.
     events : array
         Room for the rows of events; those of earlier stretches stand in it.
-
-    Returns
-    -------
-    (array, array)
-        The rows of steps and the rows of events; STEPS and EVENTS tell how many there are.
     """
-    width = whole[ROW_COLUMNS]
-    most_events = whole[MOST_EVENTS]
     if whole[STATUS] == END_TIME:
         go_on(table, t_end, w, whole, events)
-    elif whole[STATUS] == STEP_LIMIT:
+    elif whole[STATUS] in (STEP_LIMIT, FULL):
         whole[STATUS] = RUNNING
     else:
         begin(table, t_end, w, whole, events)
     while whole[STATUS] == RUNNING:
-        if (whole[STEPS] + 2) * width > len(log):  # one of the step, one of its end
-            log = longer(log)
-        # of the step, of a jump and what it switches, and a limit after each
-        while (whole[EVENTS] + most_events) * EVENT_COLUMNS > len(events):
-            events = longer(events)
+        if log_is_full(whole, log) or events_are_full(whole, events):
+            whole[STATUS] = FULL
+            return
         if rests_for_good(w, whole, bounds):
             stay(t_end, w, whole, log)
             whole[STATUS] = AT_REST
@@ -287,4 +317,3 @@ def run(
     # where not one step could be taken, the start is all there is; a last impact has changed rates
     if whole[STEPS] == 0 or whole[STATUS] == HELD:
         stay(w[TIME], w, whole, log)
-    return log, events

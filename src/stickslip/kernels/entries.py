@@ -2,8 +2,16 @@
 
 from stickslip.kernels.batch import batch as enter_batch
 from stickslip.kernels.batch import batch_sensed as enter_batch_sensed
+from stickslip.kernels.contacts.answers import answer as enter_contacts
 from stickslip.kernels.dense_evaluation import play as enter_play
 from stickslip.kernels.driver import run as enter_run
 from stickslip.kernels.sensitivities import sense as enter_sense
 
-__all__ = ["enter_batch", "enter_batch_sensed", "enter_play", "enter_run", "enter_sense"]
+__all__ = [
+    "enter_batch",
+    "enter_batch_sensed",
+    "enter_contacts",
+    "enter_play",
+    "enter_run",
+    "enter_sense",
+]

@@ -15,6 +15,7 @@ __all__ = [
     "FINAL",
     "FORWARD",
     "FREE",
+    "FULL",
     "GRADIENT",
     "GREATEST",
     "HELD",
@@ -95,4 +96,5 @@ STEP_LIMIT = 4
 STEP_TOO_SMALL = 5
 ZENO = 6
 HELD = 7
-LIMITED = 8
+FULL = 8  # not yet: the caller makes room for rows, and calls again
+LIMITED = 9

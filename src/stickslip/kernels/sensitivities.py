@@ -603,6 +603,7 @@ def sense(
     w: Vector,
     whole: Wholes,
     out: Vector,
+    to: int,
 ) -> None:
     """Write the sensitivities at increasing times; those at the start stand in columns 0.
 
@@ -637,8 +638,10 @@ def sense(
         Vector of the run, with room for sensitivities.
     whole : array (WHOLES,)
         Whole numbers of the run.
-    out : array (k N_STATES m,)
-        Written: sensitivities at each time, rows by states.
+    out : array
+        Written: sensitivities (k, N_STATES, m) at each time, rows by states.
+    to : int
+        Place of the first of them in `out`.
     """
     width = whole[ROW_COLUMNS]
     m = len(own)
@@ -666,7 +669,7 @@ def sense(
             advance_sensed(log, row, times[asked] - log[at], w, whole, own, q, m)
             turn_columns(result, m, 1, w, whole)
             for i in range(n * m):
-                out[asked * n * m + i] = w[result + i]
+                out[to + asked * n * m + i] = w[result + i]
             asked += 1
         if last:
             return

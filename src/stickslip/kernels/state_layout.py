@@ -16,8 +16,6 @@ places, nor what becomes of the slots of several contacts where these are called
 name in back quotes is an argument that gives a place.
 """
 
-from stickslip.kernels.backend import Vector, vector
-
 __all__ = [
     "ACCELERATION",
     "ACCELERATION_SLOPES",
@@ -184,7 +182,6 @@ __all__ = [
     "WORKS",
     "Y1",
     "Y",
-    "longer",
 ]
 
 DOP853_STAGES = 16
@@ -440,11 +437,3 @@ ROUNDING = 4.5e-16
 
 # A recorded event: time, mode before, mode after, guard, flags after, margin, contact.
 EVENT_COLUMNS = 7
-
-
-def longer(values: Vector) -> Vector:
-    """Return a copy with twice the room."""
-    copy = vector(2 * len(values))
-    for i in range(len(values)):
-        copy[i] = values[i]
-    return copy

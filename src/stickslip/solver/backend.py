@@ -3,15 +3,16 @@
 import functools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.formulation import Model
+from stickslip.kernels.driver import events_are_full, log_is_full
+from stickslip.kernels.enums import FULL
 from stickslip.kernels.header import Sizes
-from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE
+from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE, STATUS
 from stickslip.solver.compile.modules import load, load_compiled
 
 __all__ = ["Runner", "runner_of"]
@@ -21,7 +22,7 @@ __all__ = ["Runner", "runner_of"]
 class Runner:
     """Calls the kernels of one tier for one model."""
 
-    kernels: ModuleType
+    kernels: Any
     """The kernels that are called."""
     equations: Any
     """Address of the compiled equations, or their functions."""
@@ -99,6 +100,78 @@ class Runner:
         numbers[ADDRESS] = numbers[SEVERAL] = 0.0
         return self._addressed(self.vector(numbers))
 
+    def run(
+        self,
+        w: Any,
+        whole: Any,
+        table: Any,
+        bounds: Any,
+        t_end: float,
+        rtol: float,
+        cap: float,
+        limit: int,
+        log: Any,
+        events: Any,
+    ) -> tuple[Any, Any]:
+        """Run on to a time, as `kernels.driver.run` does, with as much room as it takes.
+
+        Parameters
+        ----------
+        w : array or list (SIZE,)
+            Vector of the run.
+        whole : array or list (WHOLES,)
+            Whole numbers of the run.
+        table, bounds : array or list
+            Rows of the pieces of the drives, and least and largest values of the drives.
+        t_end : float
+            End of the run [s].
+        rtol : float
+            Relative tolerance.
+        cap : float
+            Longest step [s].
+        limit : int
+            Most steps.
+        log, events : array or list
+            Rows of steps and of events.
+
+        Returns
+        -------
+        log, events : array or list
+            The same, or longer vectors that begin with the same rows.
+        """
+        while True:
+            log, events = self.with_room(whole, log, events)
+            self.kernels.enter_run(w, whole, table, bounds, t_end, rtol, cap, limit, log, events)
+            if whole[STATUS] != FULL:
+                return log, events
+
+    def with_room(self, whole: Any, log: Any, events: Any) -> tuple[Any, Any]:
+        """Return rows of steps and of events with room for a further step.
+
+        Parameters
+        ----------
+        whole : array or list (WHOLES,)
+            Whole numbers of the run.
+        log, events : array or list
+            Rows of steps and of events.
+
+        Returns
+        -------
+        log, events : array or list
+            The same, or vectors of twice the length that begin with the same rows.
+        """
+        while log_is_full(whole, log):
+            log = self._longer(log)
+        while events_are_full(whole, events):
+            events = self._longer(events)
+        return log, events
+
+    def _longer(self, rows: Any) -> Any:
+        """Return a vector of twice the length that begins with the same numbers."""
+        longer = self.zeros(2 * len(rows))
+        longer[: len(rows)] = rows
+        return longer
+
     def _addressed(self, w: Any) -> Any:
         """Put in where the equations are."""
         if self.compiled:
@@ -108,10 +181,8 @@ class Runner:
         return w
 
 
-def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runner:
+def runner_of(model: Model, *, compiled: bool) -> Runner:
     """Return the runner of a tier; the compiled one compiles what is not there yet.
-
-    What single runs need is compiled, or what ensembles do.
 
     Parameters
     ----------
@@ -119,13 +190,11 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
         Equations of a mechanism with a law.
     compiled : bool
         Whether to take machine code, or else plain Python.
-    ensembles : bool, default False
-        Whether the compiled tier is for ensembles, or else for single runs.
 
     Returns
     -------
     Runner
         What calls the kernels.
     """
-    tier = load_compiled(model, ensembles=ensembles) if compiled else load(model)
+    tier = load_compiled(model) if compiled else load(model)
     return Runner(tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places)

@@ -97,7 +97,7 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     """
     model = job.model()
     runner = _runner(job)
-    kernels, vector = runner.kernels, runner.flat
+    vector = runner.flat
     rows = len(next(iter(columns.values())))
     driven = {path: column for path, column in columns.items() if path.count(".") > 1}
     plan = schedule(job.mechanism, driven, rows if driven else 1, job.t_end)
@@ -110,7 +110,6 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
     results, evidence = runner.zeros(rows * width), runner.zeros(rows * EVIDENCE)
     statuses, gradients = runner.zeros(rows), runner.zeros(rows * along.start.size)
     call: list[Any] = [
-        rows,
         vector(np.column_stack(list(columns.values()))),
         vector(_places(model, columns)),
         _base(job, runner),
@@ -119,13 +118,18 @@ def run_chunk(job: Job, start: int, columns: Mapping[str, Array]) -> Chunk:
         vector(plan.time_scale / 6.0),
         vector(kinds),
         vector(own),
-        *_settings(job, runner, along),
     ]
+    written: list[Any] = [results, statuses, evidence]
     if job.gradients():
-        sensed = [vector(along.start), vector(along.table), vector(along.own), along.quantities]
-        kernels.enter_batch_sensed(*call, results, statuses, evidence, *sensed, gradients)
+        run = runner.kernels.enter_batch_sensed
+        written += [vector(along.start), vector(along.table), vector(along.own), along.quantities]
+        written.append(gradients)
     else:
-        kernels.enter_batch(*call, results, statuses, evidence)
+        run = runner.kernels.enter_batch
+    *settings, whole, log, events = _settings(job, runner, along)
+    row = 0
+    while (row := run(row, rows, *call, *settings, whole, log, events, *written)) < rows:
+        log, events = runner.with_room(whole, log, events)
     return Chunk(
         start,
         np.reshape(results, (rows, width)),
@@ -151,7 +155,7 @@ def _settings(job: Job, runner: Runner, along: Directions) -> list[Any]:
 
 
 def _runner(job: Job) -> Runner:
-    return runner_of(job.model(), compiled=job.solver.tier != "python", ensembles=True)
+    return runner_of(job.model(), compiled=job.solver.tier != "python")
 
 
 def _places(model: Model, columns: Mapping[str, Array]) -> list[float]:

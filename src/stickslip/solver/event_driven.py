@@ -95,8 +95,8 @@ class EventDriven(Solver):
     """Whether to run once more with half the tolerance, and to put the difference into the
     certificate: errors that the tolerance controls are of its size."""
     tier: Tier = "auto"
-    """``"python"`` runs at once; ``"compiled"`` waits for numba, half a minute the first time on a
-    machine and a second or two for further equations, and is then a hundred times faster;
+    """``"python"`` runs at once; ``"compiled"`` compiles, which takes some seconds the first time
+    on a machine and a tenth of a second for further equations, and is then a hundred times faster;
     ``"auto"`` takes what this process has compiled already, and compiles once its plain runs of the
     same equations have taken as long as that would."""
 

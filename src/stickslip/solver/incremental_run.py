@@ -3,13 +3,12 @@
 import math
 from bisect import bisect_left
 from collections.abc import Sequence
-from typing import Any, final
+from typing import final
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
-    EVENTS,
     MOST_EVENTS,
     ROW_COLUMNS,
     TIME,
@@ -118,8 +117,7 @@ class IncrementalRun:
             self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
             self._table[at + 1] += slope
         self._row = last
-        self._make_room()
-        self._log, self._events = self.runner.kernels.enter_run(
+        self._log, self._events = self.runner.run(
             self._w,
             self._whole,
             self._table,
@@ -132,15 +130,6 @@ class IncrementalRun:
             self._events,
         )
         return bool(self.t >= until)
-
-    def _make_room(self) -> None:
-        """See to room for what a stretch begins with; the kernels see to more."""
-        needed = int(self._whole[EVENTS]) + self.runner.header[MOST_EVENTS]
-        needed *= EVENT_COLUMNS
-        if needed > len(self._events):
-            longer: Any = self.runner.zeros(2 * needed)
-            longer[: len(self._events)] = self._events
-            self._events = longer
 
     def finished(self, mechanism: Mechanism) -> Trajectory:
         """Return the run, of the mechanism with the drive that was told."""

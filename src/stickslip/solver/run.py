@@ -19,9 +19,9 @@ from stickslip.kernels.state_layout import (
 from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.compile.background import compile_in_background
-from stickslip.solver.compile.compile_units import has_kernels, units_of
 from stickslip.solver.compile.equations_code import code_of
-from stickslip.solver.compile.modules import is_loaded, load_compiled
+from stickslip.solver.compile.kernels_code import KERNELS
+from stickslip.solver.compile.modules import load_compiled
 from stickslip.solver.drive_schedule import Inputs
 
 __all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
@@ -72,20 +72,15 @@ class Work:
         nobody has compiled yet is compiled by a process in the background, and without one here
         once plain runs have taken as long.
         """
-        if Work.all_seconds < LOADING and not has_kernels():
-            return False
-        if is_loaded(self.model):
-            return True
-        absent = [u for u in units_of(self.model, ensembles=False) if not u.is_ready()]
-        if absent:
+        if not KERNELS.is_ready():
             if Work.all_seconds < LOADING:
                 return False
-            new = [u for u in absent if not u.is_kept()]
-            if new and (
-                compile_in_background(new) or Work.all_seconds < sum(u.seconds() for u in new)
+            if not KERNELS.is_kept() and (
+                compile_in_background() or Work.all_seconds < KERNELS.seconds
             ):
                 return False
-        return self.seconds >= EQUATIONS or code_of(self.model).is_kept()
+        equations = code_of(self.model)
+        return equations.is_ready() or self.seconds >= EQUATIONS or equations.is_kept()
 
 
 @functools.lru_cache(maxsize=256)
@@ -151,23 +146,15 @@ def execute(
     w, whole = runner.working(inputs.p), runner.whole()
     for i, value in enumerate(y0, header[Y]):
         w[i] = float(value)
-    table, bounds = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
+    given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
+    table, bounds = map(runner.flat, given)
     log: Any = runner.zeros(FIRST_ROWS * header[ROW_COLUMNS])
     events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
     counted = 0
     while True:
         most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
-        log, events = runner.kernels.enter_run(
-            w,
-            whole,
-            runner.flat(table),
-            runner.flat(bounds),
-            t_end,
-            tolerance,
-            inputs.time_scale / 6.0,
-            most,
-            log,
-            events,
+        log, events = runner.run(
+            w, whole, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
         )
         if not runner.compiled:
             taken = int(whole[STEPS] + whole[REJECTED])
@@ -179,6 +166,7 @@ def execute(
             runner = runner_of(model, compiled=True)
             w, whole = runner.taken_over(w), runner.wholes(whole)
             log, events = runner.vector(log), runner.vector(events)
+            table, bounds = map(runner.flat, given)
 
 
 def prepare(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:

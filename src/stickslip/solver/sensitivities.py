@@ -143,6 +143,7 @@ class Sensing:
             working(runner, runner.working(self.inputs.p), along),
             runner.whole(),
             out,
+            0,
         )
         found = np.empty((len(t), len(model.states), len(full)))
         found[order] = np.reshape(out, found.shape)

@@ -448,7 +448,7 @@ def guard_slopes_along(
         for i in range(n):
             mode = whole[whole[MODES] + i]
             if mode in (FORWARD, BACKWARD):
-                w[to + 2 * i * count + j] = mode if k == n + i else 0.0
+                w[to + 2 * i * count + j] = float(mode) if k == n + i else 0.0
             elif mode == HELD_FAST:
                 needed = w[whole[NEEDED_SLOPES] + i]
                 levels = whole[LEVEL_SLOPES] + 2 * i

@@ -1,18 +1,15 @@
-"""Compiles in a process of its own what runs would have to wait for."""
+"""Compiles the kernels in a process of its own, which runs would have to wait for."""
 
 import atexit
 import contextlib
-import json
 import multiprocessing
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
-from stickslip.solver.compile.codegen import contacts_text, kernels_text
-from stickslip.solver.compile.compile_units import CompileUnit
-from stickslip.solver.compile.module_cache import cache_directory, is_writable
+from stickslip.solver.compile.image_cache import cache_directory, is_writable
+from stickslip.solver.compile.kernels_code import KERNELS
 
 __all__ = ["compile_in_background", "main"]
 
@@ -23,39 +20,32 @@ POLITE = 10
 ON_WINDOWS = ("CREATE_NO_WINDOW", "BELOW_NORMAL_PRIORITY_CLASS")
 """What makes it so on Windows, without a window of its own."""
 
-_begun: dict[CompileUnit, subprocess.Popen[bytes]] = {}
-"""Processes by what they compile."""
+_begun: list[subprocess.Popen[bytes]] = []
+"""The process, once there is one."""
 
 
-def compile_in_background(units: Sequence[CompileUnit]) -> bool:
-    """Begin to compile units in another process, once; return whether that is being done.
+def compile_in_background() -> bool:
+    """Begin to compile the kernels in another process, once; return whether that is being done.
 
     The process ends by itself; what it compiled is found in the cache by whoever asks later. There
     is none where the cache cannot be written to, nor in a worker of `multiprocessing`, nor where
     ``STICKSLIP_BACKGROUND`` is 0. One that has failed is not begun again.
 
-    Parameters
-    ----------
-    units : sequence of CompileUnit
-        What is not compiled yet.
-
     Returns
     -------
     bool
-        Whether processes for all of them are at work.
+        Whether the process is at work.
     """
-    new = [unit for unit in units if unit not in _begun]
-    if not new:
-        return all(_begun[unit].poll() is None for unit in units)
+    if _begun:
+        return _begun[0].poll() is None
     if os.environ.get(SWITCH) == "0" or not _is_python() or not is_writable():
         return False
     if multiprocessing.parent_process() is not None:
         return False
-    wanted = json.dumps([[unit.text == kernels_text(), list(unit.entries)] for unit in new])
     places = [str(Path(place).absolute()) for place in sys.path]
-    try:
+    with contextlib.suppress(OSError):
         process = subprocess.Popen(
-            [sys.executable, "-c", f"from {__name__} import main; main()", wanted],
+            [sys.executable, "-c", f"from {__name__} import main; main()"],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -64,16 +54,14 @@ def compile_in_background(units: Sequence[CompileUnit]) -> bool:
             creationflags=sum(getattr(subprocess, name, 0) for name in ON_WINDOWS),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
         )
-    except OSError:
-        return False
-    _begun.update(dict.fromkeys(new, process))
-    return True
+        _begun.append(process)
+    return bool(_begun)
 
 
 @atexit.register
 def _leave() -> None:
-    """Let processes go on by themselves, without a warning that they still run."""
-    for process in _begun.values():
+    """Let the process go on by itself, without a warning that it still runs."""
+    for process in _begun:
         process.returncode = process.returncode or 0
 
 
@@ -84,9 +72,7 @@ def _is_python() -> bool:
 
 
 def main() -> None:
-    """Compile the units that the command line names."""
+    """Compile the kernels."""
     with contextlib.suppress(AttributeError, OSError):
         os.nice(POLITE)
-    for kernels, entries in json.loads(sys.argv[1]):
-        text = kernels_text() if kernels else contacts_text()
-        CompileUnit("", text, tuple(entries)).load()
+    KERNELS.load()

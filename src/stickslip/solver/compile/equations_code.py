@@ -1,146 +1,106 @@
-"""Machine code of a model's equations: made by LLVM in a tenth of a second, and kept in a file.
+"""Machine code of a model's equations: made by LLVM in a tenth of a second."""
 
-Numba, which takes a second or more for each model, is not asked: here everything is known to be a
-real number or a place (`translation`). LLVM gets the settings that numba gives it, so that results
-are the same.
-
-Code that is loaded stays until the process ends, since vectors of runs hold its address.
-"""
-
+import ast
 import functools
-import itertools
-import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import version
-from pathlib import Path
-from typing import Any, final
+from typing import final
+
+from typing_extensions import override
 
 from stickslip.errors import CompilationError
 from stickslip.formulation import Model
-from stickslip.solver.compile import translation
 from stickslip.solver.compile.codegen import numbered
-from stickslip.solver.compile.module_cache import (
-    has_image,
-    image_of,
-    keep_image,
-    name_of,
-    processor,
+from stickslip.solver.compile.image_cache import name_of
+from stickslip.solver.compile.object_code import ObjectCode, maker
+from stickslip.solver.compile.translation import (
+    REAL,
+    VECTOR,
+    WHOLE,
+    Function,
+    Signature,
+    translated,
 )
 
-__all__ = ["EquationsCode", "code_of"]
+__all__ = ["ENTRY", "EquationsCode", "code_of"]
 
-_LOCK = threading.RLock()
-_loaded: dict["EquationsCode", tuple[int, Any]] = {}
-"""Addresses of equations, and what keeps them in memory."""
-_numbers = itertools.count()
-"""What is put into memory needs names that were never used."""
+ENTRY = "equations"
+"""The function that calls the others by their numbers; no other is seen from outside."""
+TAKEN = (
+    ("mode", WHOLE),
+    ("flags", WHOLE),
+    ("t", REAL),
+    ("w", VECTOR),
+    ("at", WHOLE),
+    ("to", WHOLE),
+)
 
 
 @final
 @dataclass(frozen=True)
-class EquationsCode:
+class EquationsCode(ObjectCode):
     """Machine code of the equations of a mechanism with a law, whatever their parameters."""
 
-    title: str = field(compare=False)
+    pair: str = field(compare=False)
     """Mechanism and law in words."""
-    text: str
+    program: str
     """Program text of the functions."""
     numbers: tuple[tuple[str, int], ...]
     """Names of the functions that are called, and their numbers."""
 
     @property
+    @override
+    def title(self) -> str:
+        return self.pair
+
+    @property
+    @override
     def name(self) -> str:
-        """Name of its file, which depends on all that decides what is in it but the processor."""
-        return name_of("\n".join([_maker(), repr(self.numbers), self.text]))
+        return name_of("\n".join([maker(), repr(self.numbers), self.program]))
 
-    def is_ready(self) -> bool:
-        """Whether it is in this process."""
-        return self in _loaded
+    @property
+    @override
+    def symbols(self) -> Sequence[str]:
+        return (ENTRY,)
 
-    def is_kept(self) -> bool:
-        """Whether there is a file of it for this kind of processor."""
-        return has_image(self.name)
+    @property
+    @override
+    def seconds(self) -> float:
+        return 0.1
 
     @property
     def address(self) -> int:
-        """Address of a C function of (number, mode, flags, t, w, at, to), once it is ready."""
-        return _loaded[self][0]
+        """Address of a C function of (number, mode, flags, t, w, size, at, to)."""
+        return self.addresses[ENTRY]
 
-    def load(self) -> bool:
-        """Load it, or compile it and keep it; return whether it was compiled.
+    @override
+    def text(self) -> str:
+        functions = []
+        for node in ast.parse(self.program).body:
+            if not isinstance(node, ast.FunctionDef):
+                shown = ast.unparse(node).partition("\n")[0]
+                raise CompilationError(f"equations, line {node.lineno}: {shown!r} is no function.")
+            signature = Signature(f"f.{node.name}", TAKEN)
+            functions.append(Function(node, signature, _nothing, "equations"))
+        return "\n".join([translated(functions), *_chosen(dict(self.numbers))])
 
-        Two processes that do so at once both compile: to wait for each other would take as long.
-        """
-        with _LOCK:
-            if self.is_ready() and self.is_kept():
-                return False
-            image = image_of(self.name)
-            compiled = image is None
-            if image is None:
-                image = _compiled(translation.translated(self.text, dict(self.numbers)))
-                keep_image(self.name, image)
-            if not self.is_ready():
-                _loaded[self] = _linked(self.name, image)
-            return compiled
+
+def _nothing(_name: str) -> None:
+    """Say that no name outside a function stands for anything."""
+
+
+def _chosen(numbers: dict[str, int]) -> list[str]:
+    """Return a function that calls the others by their number; others do nothing."""
+    given = "i64 %mode, i64 %flags, double %t, ptr %w, i64 %w.length, i64 %at, i64 %to"
+    lines = [f"define void @{ENTRY}(i64 %name, {given}) nounwind {{"]
+    cases = " ".join(f"i64 {number}, label %is.{number}" for number in numbers.values())
+    lines.append(f"  switch i64 %name, label %none [{cases}]")
+    for name, number in numbers.items():
+        lines += [f"is.{number}:", f"  tail call void @f.{name}({given})", "  ret void"]
+    return [*lines, "none:", "  ret void", "}"]
 
 
 @functools.lru_cache(maxsize=256)
 def code_of(model: Model) -> EquationsCode:
     """Return the machine code of a model's equations, which may have yet to be made."""
     return EquationsCode(model.title, model.text, tuple(numbered(model).items()))
-
-
-@functools.cache
-def _maker() -> str:
-    """Return what decides, beside the text, which machine code comes of it."""
-    sources = [Path(path).read_text("utf-8") for path in (__file__, translation.__file__)]
-    return name_of("\n".join([f"llvmlite {version('llvmlite')}", *sources]))
-
-
-@functools.cache
-def _machine() -> Any:
-    """Return LLVM's description of this kind of processor."""
-    from llvmlite import binding
-
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-    triple, name, features = processor()
-    target = binding.Target.from_triple(triple)
-    # Code that may lie anywhere in memory, far from the C library.
-    return target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic")
-
-
-def _compiled(text: str) -> bytes:
-    """Return the object code of a module."""
-    from llvmlite import binding
-
-    machine = _machine()
-    module = binding.parse_assembly(text, binding.create_context())
-    module.triple = machine.triple
-    module.data_layout = str(machine.target_data)
-    module.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=2)
-    options.loop_vectorization = options.slp_vectorization = False
-    builder = binding.create_pass_builder(machine, options)
-    builder.getModulePassManager().run(module, builder)
-    return bytes(machine.emit_object(module))
-
-
-@functools.cache
-def _linker() -> Any:
-    from llvmlite import binding
-
-    return binding.create_lljit_compiler(_machine(), use_jit_link=True)
-
-
-def _linked(name: str, image: bytes) -> tuple[int, Any]:
-    """Put object code into memory; return the address of its one function, and its keeper."""
-    from llvmlite import binding
-
-    library = binding.JITLibraryBuilder().add_object_img(image).add_current_process()
-    library.export_symbol(translation.ENTRY)
-    try:
-        tracker = library.link(_linker(), f"{name}.{next(_numbers)}")
-    except RuntimeError as error:
-        raise CompilationError(f"compiled equations cannot be loaded: {error}") from error
-    return tracker[translation.ENTRY], tracker

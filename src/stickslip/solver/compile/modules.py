@@ -1,25 +1,23 @@
 """Loads the two tiers of a model: its plain equations, or machine code for them."""
 
 import functools
+import linecache
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any, TypeAlias
 
 from stickslip.formulation import Model
 from stickslip.kernels import entries
-from stickslip.kernels.contacts.answers import answer
-from stickslip.solver.compile.codegen import contacts_text, kernels_text, numbered, plain_text
-from stickslip.solver.compile.compile_units import CompileUnit, units_of
+from stickslip.solver.compile.codegen import numbered, plain_text
 from stickslip.solver.compile.equations_code import code_of
+from stickslip.solver.compile.image_cache import cache_directory, name_of
+from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.messages import notice
-from stickslip.solver.compile.module_cache import cache_directory, module_of
 
 __all__ = [
     "Tier",
     "cache_directory",
-    "is_loaded",
     "load",
     "load_compiled",
     "plain_equations",
@@ -33,8 +31,8 @@ Equation: TypeAlias = Callable[[int, int, float, Any, int, int], None]
 class Tier:
     """One tier of a model."""
 
-    kernels: ModuleType
-    """The kernels: `stickslip.kernels.entries`, or the compiled module of the same functions."""
+    kernels: Any
+    """The kernels: `stickslip.kernels.entries`, or machine code of the same functions."""
     equations: Any
     """The equations: functions by their number, or the address of the compiled ones."""
     contacts: Any
@@ -47,11 +45,15 @@ def plain_equations(model: Model) -> Mapping[str, Equation]:
 
     Arithmetic errors give NaN, as they do in compiled code.
     """
-    module = module_of(plain_text(model))
+    text = plain_text(model)
+    place = f"<{name_of(text)}>"
+    linecache.cache[place] = len(text), None, text.splitlines(keepends=True), place  # for debuggers
+    module: dict[str, Any] = {}
+    exec(compile(text, place, "exec", dont_inherit=True), module)
     return {
-        name: _fenced(getattr(module, name), length)
+        name: _fenced(module[name], length)
         for name, length in model.sizes.lengths().items()
-        if hasattr(module, name)
+        if name in module
     }
 
 
@@ -74,70 +76,39 @@ def load(model: Model) -> Tier:
     functions = plain_equations(model)
     numbers = numbered(model)
     known = {numbers[name]: own for name, own in functions.items() if name in numbers}
-    return Tier(entries, known, answer)
+    return Tier(entries, known, entries.enter_contacts)
 
 
 @functools.lru_cache(maxsize=256)
-def load_compiled(model: Model, *, ensembles: bool = False) -> Tier:
-    """Return the compiled tier of a model, with what single runs or what ensembles need.
+def load_compiled(model: Model) -> Tier:
+    """Return the compiled tier of a model.
 
-    The first process of all waits for the kernels, for half a minute; equations take hundredths of
-    a second.
+    The first process of all compiles the kernels, which takes some seconds; equations take
+    hundredths of a second.
 
     Parameters
     ----------
     model : Model
         Equations of a mechanism with a law.
-    ensembles : bool, default False
-        Whether for ensembles, or else for single runs.
 
     Returns
     -------
     Tier
-        The module of the kernels and the address of the equations.
+        The functions of the kernels, and the addresses of what they call.
     """
-    units = units_of(model, runs=not ensembles, ensembles=ensembles)
-    waiting(units)
-    for unit in units:
-        unit.load()
+    waiting()
+    KERNELS.load()
     equations = code_of(model)
     equations.load()
-    contacts = 0
-    if model.contacts:
-        contacts = int(module_of(contacts_text(), compiled=True).contacts.address)
-    kernels = module_of(kernels_text(), compiled=True)
-    return Tier(kernels, equations.address, contacts)
+    return Tier(_entries(), equations.address, KERNELS.addresses["enter_contacts"])
 
 
-def is_loaded(model: Model, *, ensembles: bool = False) -> bool:
-    """Whether this process has the compiled tier of a model already.
-
-    Parameters
-    ----------
-    model : Model
-        Equations of a mechanism with a law.
-    ensembles : bool, default False
-        Whether for ensembles, or else for single runs.
-
-    Returns
-    -------
-    bool
-        Whether nothing needs to be loaded or compiled.
-    """
-    units = units_of(model, runs=not ensembles, ensembles=ensembles)
-    return code_of(model).is_ready() and all(unit.is_ready() for unit in units)
+@functools.cache
+def _entries() -> Any:
+    return KERNELS.functions()
 
 
-def waiting(units: Sequence[CompileUnit]) -> None:
-    """Tell who watches which of these have to be compiled and how long it takes.
-
-    Parameters
-    ----------
-    units : sequence of CompileUnit
-        What is about to be loaded.
-    """
-    absent = [unit for unit in units if not unit.is_ready() and not unit.is_kept()]
-    if absent:
-        titles = " and ".join(unit.title for unit in absent)
-        seconds = sum(unit.seconds() for unit in absent)
-        notice(f"Compiling {titles} (about {seconds:.0f} s, once) ...")
+def waiting() -> None:
+    """Tell who watches that the kernels have to be compiled, and how long it takes."""
+    if not KERNELS.is_ready() and not KERNELS.is_kept():
+        notice(f"Compiling {KERNELS.title} (about {KERNELS.seconds:.0f} s, once) ...")

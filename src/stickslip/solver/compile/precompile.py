@@ -4,31 +4,29 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
-from stickslip.solver.compile.compile_units import CompileUnit, units_of
-from stickslip.solver.compile.equations_code import EquationsCode, code_of
-from stickslip.solver.compile.module_cache import cache_directory, is_writable
+from stickslip.solver.compile.equations_code import code_of
+from stickslip.solver.compile.image_cache import cache_directory, is_writable
+from stickslip.solver.compile.kernels_code import KERNELS
 from stickslip.solver.compile.modules import waiting
+from stickslip.solver.compile.object_code import ObjectCode
 
 __all__ = ["Progress", "WarmUp", "warm_up"]
 
 Progress = Callable[[int, int, str], object]
-Part: TypeAlias = CompileUnit | EquationsCode
 
 
 @dataclass(frozen=True, kw_only=True)
 class WarmUp:
     """What a warm-up did: machine code is kept for the kernels, and for the equations of pairs."""
 
-    kernels_compiled: int
-    """Modules of kernels that were compiled: one serves all pairs, one more several contacts."""
-    kernels_found: int
-    """Modules of kernels that were there already."""
+    kernels_compiled: bool
+    """Whether the kernels, which all pairs share, were compiled, or else were there already."""
     equations_compiled: int
     """Pairs whose equations were compiled."""
     equations_found: int
@@ -42,7 +40,6 @@ class WarmUp:
 def warm_up(
     pairs: Iterable[tuple[Mechanism, FrictionLaw]],
     *,
-    ensembles: bool = True,
     progress: Progress | None = None,
 ) -> WarmUp:
     """Compile the equations of many mechanisms with their laws, and what all of them share.
@@ -54,8 +51,6 @@ def warm_up(
     ----------
     pairs : iterable of (Mechanism, FrictionLaw)
         What will be run; only the structure counts, not the values of parameters.
-    ensembles : bool
-        Whether to compile what `stickslip.ensemble` needs, too: some seconds more, once.
     progress : callable, optional
         Called with the number of parts done and of all to compile, and the part in work, when one
         begins and when it is done.
@@ -80,14 +75,12 @@ def warm_up(
     """
     start = time.perf_counter()
     models = [_formulated(pair) for pair in pairs]
-    units = list(dict.fromkeys(u for m in models for u in units_of(m, ensembles=ensembles)))
     codes = list(dict.fromkeys(code_of(model) for model in models))
-    parts: list[Part] = [*units, *codes]
+    parts: list[ObjectCode] = [KERNELS, *codes]
     absent = [part for part in parts if not part.is_kept()]
     compiled = _compiled(absent, progress) if absent else set()
     return WarmUp(
-        kernels_compiled=len(compiled.intersection(units)),
-        kernels_found=len(set(units) - compiled),
+        kernels_compiled=KERNELS in compiled,
         equations_compiled=len(compiled.intersection(codes)),
         equations_found=len(set(codes) - compiled),
         seconds=time.perf_counter() - start,
@@ -103,16 +96,16 @@ def _formulated(pair: Any) -> Model:
     raise InputError(f"pairs must hold (mechanism, law), got {pair!r}.")
 
 
-def _compiled(parts: Sequence[Part], progress: Progress | None) -> set[Part]:
+def _compiled(parts: Sequence[ObjectCode], progress: Progress | None) -> set[ObjectCode]:
     """Compile parts; return those that were really not there."""
     if not is_writable():
         raise InputError(
-            f"{cache_directory()} cannot be written to, so compiled modules would be lost. Set"
+            f"{cache_directory()} cannot be written to, so machine code would be lost. Set"
             " STICKSLIP_CACHE to a writable folder."
         )
     if progress is None:
-        waiting([part for part in parts if isinstance(part, CompileUnit)])
-    new = set[Part]()
+        waiting()
+    new = set[ObjectCode]()
     for done, part in enumerate(parts):
         _tell(progress, done, len(parts), part)
         if part.load():
@@ -123,6 +116,6 @@ def _compiled(parts: Sequence[Part], progress: Progress | None) -> set[Part]:
     return new
 
 
-def _tell(progress: Progress | None, done: int, total: int, part: Part) -> None:
+def _tell(progress: Progress | None, done: int, total: int, part: ObjectCode) -> None:
     if progress is not None:
         progress(done, total, part.title)

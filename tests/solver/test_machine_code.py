@@ -1,17 +1,18 @@
-"""Files of the equations' machine code: what is loaded of them, and what is not."""
+"""Files of machine code: what is loaded of them, and what is not."""
 
 import ctypes
 import os
 import stat
 import subprocess
 import sys
+import warnings
 
 import pytest
 
 from stickslip.errors import CompilationError
-from stickslip.solver.compile import equations_code, module_cache
-from stickslip.solver.compile.equations_code import EquationsCode, _linked
-from stickslip.solver.compile.translation import translated
+from stickslip.solver.compile import equations_code, image_cache, object_code
+from stickslip.solver.compile.equations_code import EquationsCode
+from stickslip.solver.compile.object_code import _linked
 
 TEXT = "def f(mode, flags, t, w, at, to):\n    w[to] = w[at] + math.exp(t)\n    return\n"
 CODE = EquationsCode("a test", TEXT, (("f", 0),))
@@ -33,10 +34,10 @@ posix = pytest.mark.skipif(os.name == "nt", reason="Windows has access lists, no
 def cache(tmp_path, monkeypatch):
     """Give each test a cache of its own, and forget what is in memory."""
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(equations_code, "_loaded", {})
-    module_cache._warn.cache_clear()
+    monkeypatch.setattr(object_code, "_loaded", {})
+    image_cache._warn.cache_clear()
     yield tmp_path / "cache"
-    module_cache._warn.cache_clear()
+    image_cache._warn.cache_clear()
 
 
 @pytest.fixture
@@ -44,16 +45,17 @@ def file(cache):
     """Return the file of the code, which was compiled and is forgotten."""
     assert CODE.load()
     (path,) = cache.iterdir()
-    equations_code._loaded.clear()
+    object_code._loaded.clear()
     return path
 
 
 def value():
     """Return what the loaded code makes of 2.0 at time 0."""
     whole, real = ctypes.c_int64, ctypes.c_double
-    kind = ctypes.CFUNCTYPE(None, whole, whole, whole, real, ctypes.POINTER(real), whole, whole)
+    vector = ctypes.POINTER(real), whole
+    kind = ctypes.CFUNCTYPE(None, whole, whole, whole, real, *vector, whole, whole)
     w = (real * 2)(2.0, 0.0)
-    kind(CODE.address)(0, 0, 0, 0.0, w, 0, 1)
+    kind(CODE.address)(0, 0, 0, 0.0, w, 2, 0, 1)
     return w[1]
 
 
@@ -62,7 +64,7 @@ def never(*_):
 
 
 def test_a_second_process_loads_what_the_first_has_compiled(file, monkeypatch):
-    monkeypatch.setattr(equations_code, "_compiled", never)
+    monkeypatch.setattr(object_code, "_compiled", never)
     assert CODE.is_kept()
     assert not CODE.is_ready()
     assert not CODE.load()
@@ -81,7 +83,7 @@ def test_what_is_loaded_stays_where_it_is(file):
 
 DAMAGE = {
     "nothing left": lambda content: b"",
-    "only the seal": lambda content: content[: module_cache.SEAL],
+    "only the seal": lambda content: content[: image_cache.SEAL],
     "cut short": lambda content: content[: len(content) // 2],
     "one byte short": lambda content: content[:-1],
     "one byte more": lambda content: content + b"\x00",
@@ -98,12 +100,14 @@ DAMAGE = {
 def test_a_damaged_file_is_never_linked_but_written_anew(file, damage, monkeypatch):
     whole = file.read_bytes()
     file.write_bytes(damage(whole))
-    linked, seen = equations_code._linked, []
+    linked, seen = object_code._linked, []
     monkeypatch.setattr(
-        equations_code, "_linked", lambda name, image: seen.append(image) or linked(name, image)
+        object_code,
+        "_linked",
+        lambda name, image, symbols: seen.append(image) or linked(name, image, symbols),
     )
     assert CODE.load()
-    assert seen == [whole[module_cache.SEAL :]]
+    assert seen == [whole[image_cache.SEAL :]]
     assert file.read_bytes() == whole
     assert value() == 3.0
 
@@ -121,23 +125,23 @@ def test_the_code_of_other_equations_is_damage_too(file):
 @pytest.mark.parametrize("image", [b"", b"no code", b"\x7fELF" + bytes(200)])
 def test_what_llvm_cannot_link_is_a_clear_error(image):
     with pytest.raises(CompilationError, match="cannot be loaded"):
-        _linked("a test", image)
+        _linked("a test", image, ["equations"])
 
 
 def test_a_function_that_nothing_defines_is_a_clear_error():
     text = "define void @equations() {\n  call void @stickslip_nowhere()\n  ret void\n}\n"
-    image = equations_code._compiled(text + "declare void @stickslip_nowhere()\n")
+    image = object_code._compiled(text + "declare void @stickslip_nowhere()\n")
     with pytest.raises(CompilationError, match="cannot be loaded"):
-        _linked("a test", image)
+        _linked("a test", image, ["equations"])
 
 
 def test_another_processor_or_another_maker_has_files_of_its_own(file, monkeypatch):
-    monkeypatch.setattr(module_cache, "_processor", lambda: "another")
+    monkeypatch.setattr(image_cache, "_processor", lambda: "another")
     assert not CODE.is_kept()
     monkeypatch.undo()
     monkeypatch.setenv("STICKSLIP_CACHE", str(file.parent))
     assert CODE.is_kept()
-    monkeypatch.setattr(equations_code, "_maker", lambda: "a later version")
+    monkeypatch.setattr(equations_code, "maker", lambda: "a later version")
     assert not CODE.is_kept()
 
 
@@ -229,5 +233,126 @@ def test_two_processes_at_once_leave_one_whole_file_each(cache):
 
 
 def test_the_same_equations_give_the_same_code_every_time(file):
-    image = equations_code._compiled(translated(TEXT, {"f": 0}))
-    assert file.read_bytes()[module_cache.SEAL :] == image
+    image = object_code._compiled(CODE.text())
+    assert file.read_bytes()[image_cache.SEAL :] == image
+
+
+@posix
+def test_a_folder_within_one_that_others_may_write_to_is_not_trusted(tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "open" / "cache"))
+    (tmp_path / "open" / "cache").mkdir(parents=True, mode=0o700)
+    (tmp_path / "open").chmod(0o777)
+    with pytest.warns(UserWarning, match=r"others may write to .*open: "):
+        CODE.load()
+    assert not CODE.is_kept()
+    assert not image_cache.is_writable()
+    (tmp_path / "open").chmod(0o1777)  # as /tmp: nobody may rename what is another's
+    assert CODE.load()
+    assert CODE.is_kept()
+    assert image_cache.is_writable()
+
+
+@posix
+def test_a_read_only_folder_of_root_is_trusted_by_all_users(file, monkeypatch):
+    if os.geteuid() != 0:
+        pytest.skip("only root can make what belongs to root")
+    file.parent.chmod(0o755)
+    monkeypatch.setattr(os, "geteuid", lambda: 1234)
+    assert not CODE.load()  # and nothing warns
+    assert value() == 3.0
+
+
+@posix
+def test_a_link_to_a_folder_of_ones_own_is_followed_and_its_target_is_judged(tmp_path, monkeypatch):
+    (tmp_path / "real").mkdir(mode=0o700)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "link"))
+    CODE.load()
+    assert [path.suffix for path in (tmp_path / "real").iterdir()] == [".image"]
+    (tmp_path / "real").chmod(0o777)
+    object_code._loaded.clear()
+    with pytest.warns(UserWarning, match="others may write"):
+        CODE.load()
+
+
+@posix
+def test_folders_that_are_made_are_closed_to_others(tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a" / "b"))
+    old = os.umask(0o000)
+    try:
+        CODE.load()
+    finally:
+        os.umask(old)
+    made = [tmp_path / "a", tmp_path / "a" / "b"]
+    assert [stat.S_IMODE(folder.stat().st_mode) for folder in made] == [0o700] * 2
+
+
+@posix
+def test_a_warning_is_given_once(file):
+    file.parent.chmod(0o777)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(3):
+            object_code._loaded.clear()
+            CODE.load()
+    assert len(caught) == 1
+
+
+def test_nothing_is_judged_where_there_are_no_mode_bits(file, monkeypatch):
+    file.parent.chmod(0o777)
+    monkeypatch.setattr(image_cache, "HAS_MODES", False)
+    assert not CODE.load()
+
+
+@posix
+def test_links_that_go_round_in_circles_are_no_obstacle(tmp_path, monkeypatch):
+    (tmp_path / "a").symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "a"))
+    assert not CODE.is_kept()
+    assert not image_cache.is_writable()
+    with pytest.warns(UserWarning, match="cannot be used"):
+        CODE.load()
+    assert value() == 3.0
+
+
+@posix
+def test_the_command_in_a_warning_can_be_pasted(tmp_path, monkeypatch):
+    folder = tmp_path / "my cache; rm"
+    folder.mkdir()
+    folder.chmod(0o777)
+    monkeypatch.setenv("STICKSLIP_CACHE", str(folder))
+    with pytest.warns(UserWarning, match="chmod") as caught:
+        CODE.load()
+    command = str(caught[0].message).partition("run ")[2].partition("):")[0]
+    subprocess.run(command, shell=True, check=True)
+    CODE.load()
+    assert CODE.is_kept()
+
+
+@pytest.mark.parametrize(("seconds", "warned"), [(0.1, 0), (10.0, 1)])
+def test_who_compiles_for_long_in_vain_is_told(file, monkeypatch, seconds, warned):
+    def refuse(*_):
+        raise OSError("read-only file system")
+
+    file.unlink()
+    monkeypatch.setattr("pathlib.Path.replace", refuse)
+    monkeypatch.setattr(EquationsCode, "seconds", seconds)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert CODE.load()
+    assert len(caught) == warned
+
+
+def test_the_cache_is_where_the_environment_says(cache, monkeypatch):
+    assert image_cache.cache_directory() == cache
+    monkeypatch.delenv("STICKSLIP_CACHE")
+    assert image_cache.cache_directory().name == "code"
+    assert "stickslip" in str(image_cache.cache_directory())
+
+
+def test_code_for_a_named_processor_has_files_of_its_own(monkeypatch):
+    own = image_cache.processor.__wrapped__()
+    monkeypatch.setenv("STICKSLIP_CPU", "generic")
+    triple, name, features = image_cache.processor.__wrapped__()
+    assert (triple, name, features) == (own[0], "generic", "")

@@ -1,0 +1,199 @@
+"""Machine code of the kernels, which all mechanisms and laws share: one file on a machine.
+
+Functions are translated from the modules of `stickslip.kernels` as they stand, those that the
+entries reach; their annotations say what everything is.
+"""
+
+import ast
+import ctypes
+import functools
+import inspect
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import FunctionType, SimpleNamespace
+from typing import Any, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip import kernels
+from stickslip.errors import CompilationError
+from stickslip.kernels import backend, entries
+from stickslip.solver.compile.image_cache import name_of
+from stickslip.solver.compile.object_code import ObjectCode, maker
+from stickslip.solver.compile.translation import (
+    REAL,
+    TRUTH,
+    VECTOR,
+    WHOLE,
+    WHOLES,
+    Function,
+    Meaning,
+    Signature,
+    call_by_address,
+    exported,
+    translated,
+)
+
+__all__ = ["KERNELS", "KernelsCode"]
+
+KINDS = {"Vector": VECTOR, "Wholes": WHOLES, "float": REAL, "int": WHOLE, "bool": TRUTH}
+"""Kinds of values by their annotations."""
+CALLED = {
+    backend.call_model: ("name", "mode", "flags", "t", "w", "at", "to"),
+    backend.call_contacts: ("name", "t", "w", "whole", "at", "to"),
+}
+"""What is called by an address in a vector, and what it is given."""
+NUMBERS: Mapping[str, Any] = {REAL: ctypes.c_double, WHOLE: ctypes.c_int64}
+ARRAYS = {VECTOR: np.dtype(np.float64).str, WHOLES: np.dtype(np.int64).str}
+SECONDS = 6.0
+
+
+@final
+@dataclass(frozen=True)
+class KernelsCode(ObjectCode):
+    """Machine code of the kernels."""
+
+    @property
+    @override
+    def title(self) -> str:
+        return "the solver"
+
+    @property
+    @override
+    def name(self) -> str:
+        return _name()
+
+    @property
+    @override
+    def symbols(self) -> Sequence[str]:
+        return entries.__all__
+
+    @property
+    @override
+    def seconds(self) -> float:
+        return SECONDS
+
+    @override
+    def text(self) -> str:
+        functions = [_function(one) for one in _reached()]
+        called = [call_by_address(_signature(one), order) for one, order in CALLED.items()]
+        outside = [exported(name, _signature(getattr(entries, name))) for name in self.symbols]
+        return "\n".join([translated(functions), *called, *outside])
+
+    def functions(self) -> SimpleNamespace:
+        """Return the entries as Python functions of arrays, once they are ready."""
+        return SimpleNamespace(
+            **{
+                name: _callable(address, _signature(getattr(entries, name)))
+                for name, address in self.addresses.items()
+            }
+        )
+
+
+KERNELS = KernelsCode()
+"""Those of this version."""
+
+
+@functools.cache
+def _name() -> str:
+    """Return the name of the file: a hash of the text of all kernels."""
+    folder = Path(kernels.__file__).parent
+    sources = [path.read_text("utf-8") for path in (Path(__file__), *sorted(folder.rglob("*.py")))]
+    return name_of("\n".join([maker(), *sources]))
+
+
+def _reached() -> list[FunctionType]:
+    """Return the functions that the entries call, directly or not."""
+    found = dict[FunctionType, None]()
+    waiting = [getattr(entries, name) for name in entries.__all__]
+    while waiting:
+        function = waiting.pop()
+        if function not in found and function not in CALLED:
+            found[function] = None
+            waiting += _callees(function)
+    return list(found)
+
+
+def _callees(function: FunctionType) -> Iterator[FunctionType]:
+    for node in ast.walk(_definition(function)):
+        if isinstance(node, ast.Name):
+            other = function.__globals__.get(node.id)
+            if isinstance(other, FunctionType):
+                yield other
+
+
+@functools.cache
+def _definitions(module: str) -> Mapping[str, ast.FunctionDef]:
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def _definition(function: FunctionType) -> ast.FunctionDef:
+    return _definitions(function.__module__)[function.__name__]
+
+
+@functools.cache
+def _signature(function: FunctionType) -> Signature:
+    """Return how a kernel is called, from its annotations."""
+    node = _definition(function)
+    place = function.__module__.removeprefix(f"{kernels.__name__}.")
+    taken = tuple((a.arg, _kind(a.annotation, function)) for a in node.args.args)
+    return Signature(f"{place}.{function.__name__}", taken, _results(node.returns, function))
+
+
+def _results(node: ast.expr | None, function: FunctionType) -> tuple[str, ...]:
+    match node:
+        case ast.Constant(value=None):
+            return ()
+        case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=kinds)):
+            return tuple(_kind(kind, function) for kind in kinds)
+    return (_kind(node, function),)
+
+
+def _kind(node: ast.expr | None, function: FunctionType) -> str:
+    match node:
+        case ast.Name(id=name) if name in KINDS:
+            return KINDS[name]
+    shown = "nothing" if node is None else repr(ast.unparse(node))
+    raise CompilationError(
+        f"{function.__module__}.{function.__name__}: {shown} is no annotation that is compiled."
+    )
+
+
+def _function(function: FunctionType) -> Function:
+    def meaning(name: str) -> Meaning | None:
+        found = function.__globals__.get(name)
+        if isinstance(found, FunctionType):
+            return _signature(found)
+        return found if isinstance(found, bool | int | float | tuple) else None
+
+    title = f"{function.__module__}.{function.__name__}"
+    return Function(_definition(function), _signature(function), meaning, title)
+
+
+def _callable(address: int, signature: Signature) -> Callable[..., Any]:
+    """Return machine code as a function of arrays and numbers, which are checked."""
+    kinds = [kind for _, kind in signature.parameters]
+    types: list[Any] = []
+    for kind in kinds:
+        types += [NUMBERS[kind]] if kind in NUMBERS else [ctypes.c_void_p, ctypes.c_int64]
+    result = NUMBERS[signature.results[0]] if signature.results else None
+    bare = ctypes.CFUNCTYPE(result, *types)(address)
+    arrays = [(i, ARRAYS[kind]) for i, kind in enumerate(kinds) if kind in ARRAYS]
+
+    def call(*arguments: Any) -> Any:
+        given: list[Any] = list(arguments)
+        for i, kind in reversed(arrays):
+            seen = given[i].__array_interface__
+            if seen["typestr"] != kind or seen["strides"] or len(seen["shape"]) != 1:
+                name = signature.parameters[i][0]
+                raise TypeError(
+                    f"{signature.symbol}: {name} must be an array of {kind} in one row."
+                )
+            given[i : i + 1] = seen["data"][0], seen["shape"][0]
+        return bare(*given)
+
+    return call
