@@ -13,7 +13,7 @@ from stickslip.kernels import dop853_tableau, rodas5p_tableau
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
-from stickslip.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y, longer
+from stickslip.kernels.state_layout import FLAGS, MODE, POINT, SCALE, Y1, Y
 
 
 def solved(a, b):
@@ -64,10 +64,6 @@ def test_the_last_stage_of_rodas5p_is_the_one_before_with_its_correction():
     rows = [a[s * (s - 1) // 2 : s * (s + 1) // 2] for s in range(1, 8)]
     assert rows[5] == (*rows[4], 1.0)
     assert rows[6] == (*rows[5], 1.0)
-
-
-def test_vectors_grow_by_doubling_and_keep_what_they_hold():
-    assert longer([1.0, 2.0, 3.0]) == [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ __all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
-LOADING = 0.3
+LOADING = 0.1
 """Time to load kernels that an earlier process compiled [s]."""
 EQUATIONS = 0.1
 """Time to compile the equations of a model [s]."""

@@ -447,7 +447,7 @@ class _Body:
         label = self._label()
         condition = self._truth(node.test, names)
         otherwise = "else" if node.orelse else "end"
-        self._line(f"br i1 {condition}, label %then.{label}, label %{otherwise}.{label}")
+        self._fork(condition, f"then.{label}", f"{otherwise}.{label}")
         arriving = [] if node.orelse else [set(names)]
         for side, body in (("then", node.body), ("else", node.orelse)):
             if body:
@@ -466,7 +466,7 @@ class _Body:
         self._line(f"br label %test.{label}")
         self._begin(f"test.{label}")
         condition = self._truth(node.test, names)
-        self._line(f"br i1 {condition}, label %loop.{label}, label %done.{label}")
+        self._fork(condition, f"loop.{label}", f"done.{label}")
         self._loop(node.body, label, f"test.{label}", set(names))
         self._begin(f"done.{label}")
         match node.test:
@@ -503,7 +503,7 @@ class _Body:
         at = self._result(WHOLE, f"load i64, ptr {counter}")
         word = "slt" if step > 0 else "sgt"
         more = self._result(TRUTH, f"icmp {word} i64 {{}}, {{}}", at, end)
-        self._line(f"br i1 {more.text}, label %loop.{label}, label %done.{label}")
+        self._fork(more.text, f"loop.{label}", f"done.{label}")
         own = set(names)
         self._begin(f"loop.{label}")
         self._store_local(name, at, own, node.target)
@@ -564,7 +564,7 @@ class _Body:
             ways.append(f"[ {decided}, %{self._block} ]")
             targets = (f"more.{label}.{i}", f"end.{label}")
             yes, no = targets if isinstance(op, ast.And) else targets[::-1]
-            self._line(f"br i1 {found}, label %{yes}, label %{no}")
+            self._fork(found, yes, no)
             self._begin(f"more.{label}.{i}")
         self._begin(f"end.{label}")
         return self._result(TRUTH, f"phi i1 {', '.join(ways)}").text
@@ -711,16 +711,12 @@ class _Body:
         """Divide whole numbers; the quotient is rounded down, as in Python."""
         quotient = self._result(WHOLE, "sdiv i64 {}, {}", left, right)
         less = self._result(WHOLE, "sub i64 {}, 1", quotient)
-        return self._result(
-            WHOLE, f"select i1 {self._rounds_up(left, right)}, i64 {{}}, i64 {{}}", less, quotient
-        )
+        return self._selected(self._rounds_up(left, right), less, quotient)
 
     def _remainder(self, left: Value, right: Value) -> Value:
         rest = self._result(WHOLE, "srem i64 {}, {}", left, right)
         more = self._result(WHOLE, "add i64 {}, {}", rest, right)
-        return self._result(
-            WHOLE, f"select i1 {self._rounds_up(left, right)}, i64 {{}}, i64 {{}}", more, rest
-        )
+        return self._selected(self._rounds_up(left, right), more, rest)
 
     def _rounds_up(self, left: Value, right: Value) -> str:
         """Return whether the processor's quotient is above the exact one."""
@@ -733,7 +729,7 @@ class _Body:
     def _choice(self, node: ast.IfExp, names: set[str]) -> Value:
         label = self._label()
         condition = self._truth(node.test, names)
-        self._line(f"br i1 {condition}, label %then.{label}, label %else.{label}")
+        self._fork(condition, f"then.{label}", f"else.{label}")
         found, blocks = [], []
         for side, part in (("then", node.body), ("else", node.orelse)):
             self._begin(f"{side}.{label}")
@@ -837,7 +833,7 @@ class _Body:
         value = self._as_whole(value, node)
         negative = self._result(WHOLE, "sub i64 0, {}", value)
         below = self._result(TRUTH, "icmp slt i64 {}, 0", value).text
-        return self._result(WHOLE, f"select i1 {below}, i64 {{}}, i64 {{}}", negative, value)
+        return self._selected(below, negative, value)
 
     def _cut(self, value: Value) -> Value:
         """Return a number without what is behind its point."""
@@ -854,8 +850,7 @@ class _Body:
             other = value if kind == WHOLE else self._real_of(value)
             op = ast.Lt() if name == "min" else ast.Gt()
             beyond = self._comparison(op, other, found)
-            text = f"select i1 {beyond}, {kind} {{}}, {kind} {{}}"
-            found = self._result(kind, text, other, found)
+            found = self._selected(beyond, other, found)
         return found
 
     # --- kinds
@@ -900,10 +895,11 @@ class _Body:
 
     def _place(self, node: ast.Subscript, names: set[str]) -> tuple[str, str]:
         vector = self._vector(node.value, names)
-        kind = ELEMENTS[vector.kind]
-        place = self._whole(node.slice, names)
-        text = f"getelementptr {kind}, ptr {vector.text}, i64 {{}}"
-        return self._result("ptr", text, place).text, kind
+        return self._within(vector, self._whole(node.slice, names)), ELEMENTS[vector.kind]
+
+    def _within(self, vector: Value, index: Value) -> str:
+        text = f"getelementptr {ELEMENTS[vector.kind]}, ptr {vector.text}, i64 {{}}"
+        return self._result("ptr", text, index).text
 
     def _slice(self, node: ast.Subscript, names: set[str]) -> Value:
         """Return a part of a vector, which is only read: a list would be copied."""
@@ -913,13 +909,18 @@ class _Body:
             ):
                 vector = self._vector(of, names)
                 first, end = self._whole(lower, names), self._whole(upper, names)
-                text = f"getelementptr {ELEMENTS[vector.kind]}, ptr {vector.text}, i64 {{}}"
-                place = self._result("ptr", text, first).text
                 length = self._result(WHOLE, "sub i64 {}, {}", end, first).text
-                return Value(vector.kind, place, length)
+                return Value(vector.kind, self._within(vector, first), length)
         raise self._refused(node)
 
     # --- lines
+
+    def _fork(self, condition: str, yes: str, no: str) -> None:
+        self._line(f"br i1 {condition}, label %{yes}, label %{no}")
+
+    def _selected(self, condition: str, yes: Value, no: Value) -> Value:
+        kind = yes.kind
+        return self._result(kind, f"select i1 {condition}, {kind} {{}}, {kind} {{}}", yes, no)
 
     def _refused(
         self, node: ast.AST, reason: str = "is outside the subset that is compiled"
