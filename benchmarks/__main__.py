@@ -81,8 +81,10 @@ def main() -> None:
     )
     chosen = parser.parse_args().cases
     if chosen == [COMPILE]:
-        found = importlib.import_module("benchmarks.compiling").run()
-        print("\n".join([*tables.section(found), machine()]))
+        compiling = importlib.import_module("benchmarks.compiling")
+        for found in (compiling.run(), compiling.default_calls()):
+            print("\n".join([f"## {found.title}", "", *tables.section(found)]))
+        print(machine())
         return
     unknown = [case for case in chosen if case not in CASES]
     if unknown:

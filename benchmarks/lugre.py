@@ -63,11 +63,13 @@ def jacobian(t, y):
     ]
 
 
-def by_scipy(method: str, tolerance: float, times: Sequence[float] | None = None):
+def by_scipy(
+    method: str, tolerance: float, times: Sequence[float] | None = None, t_end: float = T_END
+):
     """Return a run; tolerances of small states follow their size."""
     atol = tolerance * np.array([1.0, 0.1, 1e-5])
     return solve_ivp(
-        rates, (0.0, T_END), [0.0, 0.0, 0.0], method=method, rtol=tolerance, atol=atol,
+        rates, (0.0, t_end), [0.0, 0.0, 0.0], method=method, rtol=tolerance, atol=atol,
         jac=jacobian, t_eval=times,
     )  # fmt: skip
 

@@ -240,6 +240,15 @@ def test_compile_times_stand_in_a_table_without_being_measured_here():
     assert [row[1:] for row in found.rows] == [("1.00", "2.00")] * 2
 
 
+def test_default_calls_stand_beside_lsoda_without_being_measured_here(monkeypatch):
+    monkeypatch.setattr(compiling, "in_child", lambda folder, count: None)
+    found = compiling.default_calls(
+        lambda folder, count: [[0.2, 0.01, 0.005, 0.02, 0.05, 0.1], [1e-6, 1e-5, 1e-6, 1e-7]]
+    )
+    assert found.rows[2] == ("call 3", "5", "1.0e-06")
+    assert found.rows[4][0].endswith("1e-09: 10.0 x the third call")
+
+
 def entry(solver, seconds):
     return Entry(
         solver=solver, tolerance=1e-9, error=0.0, first=1.0, run=lambda: None, times=(seconds,)
