@@ -6,6 +6,7 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 """
 
 import dataclasses
+import functools
 import importlib
 import math
 import numbers
@@ -283,6 +284,8 @@ class Quantity:
         ParameterError
             If the value is no finite number in the allowed range.
         """
+        if type(value) is float and self.allows(value):  # nearly always, and the rest is slow
+            return value
         label = f"{owner}.{name} ({self.symbol})"
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
@@ -380,6 +383,12 @@ def _optional(cls: type, name: str) -> bool:
     return _OPTIONAL[cls, name]
 
 
+@functools.cache
+def _names(cls: type) -> tuple[str, ...]:
+    """Return the names of the fields of a class, which every run asks for several times."""
+    return tuple(field.name for field in dataclasses.fields(cls))
+
+
 def fields_of(cls: type) -> Mapping[str, Quantity]:
     """Return the declared quantities of a class by field name, in order.
 
@@ -430,15 +439,15 @@ def parameters(root: Parametrised, prefix: str) -> Iterator[tuple[str, Quantity,
             yield from parameters(member, f"{prefix}.{name}")
         return
     quantities = fields_of(type(root))
-    for field in dataclasses.fields(root):
-        value = getattr(root, field.name)
-        path = f"{prefix}.{field.name}"
-        if field.name in quantities:
-            if quantities[field.name].stands_in_equations(value):
-                yield path, quantities[field.name], value
+    for name in _names(type(root)):
+        value = getattr(root, name)
+        path = f"{prefix}.{name}"
+        if name in quantities:
+            if quantities[name].stands_in_equations(value):
+                yield path, quantities[name], value
         elif isinstance(value, Parametrised):
             yield from parameters(value, path)
-        elif isinstance(value, tuple) and field.name not in root.data_fields:
+        elif isinstance(value, tuple) and name not in root.data_fields:
             for index, item in enumerate(value):
                 if isinstance(item, Parametrised):
                     yield from parameters(item, f"{path}.{index}")
@@ -522,13 +531,13 @@ def structure(root: Parametrised) -> tuple[Hashable, ...]:
         return (type(root), *((name, structure(member)) for name, member in root.members))
     quantities = fields_of(type(root))
     parts: list[Any] = [type(root)]
-    for field in dataclasses.fields(root):
-        value = getattr(root, field.name)
-        if field.name in root.data_fields:
+    for name in _names(type(root)):
+        value = getattr(root, name)
+        if name in root.data_fields:
             continue
-        if field.name in quantities and quantities[field.name].stands_in_equations(value):
+        if name in quantities and quantities[name].stands_in_equations(value):
             continue
-        parts.append((field.name, _structure_of(value)))
+        parts.append((name, _structure_of(value)))
     return tuple(parts)
 
 

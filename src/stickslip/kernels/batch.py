@@ -2,7 +2,7 @@
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import state_seen
-from stickslip.kernels.dense_evaluation import restore
+from stickslip.kernels.dense_evaluation import restore_start
 from stickslip.kernels.driver import run
 from stickslip.kernels.enums import FULL
 from stickslip.kernels.model_interface import energy
@@ -86,8 +86,7 @@ def keep_evidence(
 
     Reads: TIME, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, Y, TURN, MODE, FLAGS, STEPS,
     REJECTED.
-    Writes: TIME, drives, Y, END, POINT, VALUES, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED,
-    MODES, LAW_FLAGS, OPEN.
+    Writes: drives, Y, END, VALUES, MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
     """
     n = whole[N_STATES]
     end = whole[END]
@@ -95,7 +94,7 @@ def keep_evidence(
     for i in range(n):
         w[end + i] = state_seen(y, i, w, whole)
     last = energy_at(w[TIME], w, whole)
-    restore(log, 0, table, w, whole)
+    restore_start(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)
     size = max(abs(first), abs(last), w[GROSS])
     mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])

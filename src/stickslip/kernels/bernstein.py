@@ -6,7 +6,6 @@ The coefficients stand at POLYNOMIAL, the intervals still to be looked at on a s
 """
 
 from stickslip.kernels.backend import Vector
-from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.state_layout import DEEPEST, INTERVAL, POLYNOMIAL, ROOM
 
 __all__ = ["FALLS_AT_ONCE", "NEVER_FALLS", "first_fall"]
@@ -16,8 +15,6 @@ FALLS_AT_ONCE = -1.0
 ROUNDED = 4e-15
 """Share of all coefficients below which the first ones are zero but for rounding."""
 EPSILON = 2.220446049250313e-16
-PASSES = 4
-"""Searches, each with the rounding of the last result as its goal: early roots are exact too."""
 
 
 def horner(w: Vector, first: int, degree: int, x: float) -> float:
@@ -87,35 +84,46 @@ def halve(w: Vector, at: int, d: int) -> None:
         w[top + 2 + row] = w[at + 2]
 
 
-def fall_in(w: Vector, first: int, degree: int, low: float, high: float) -> float:
+def fall_in(w: Vector, first: int, degree: int, at: int) -> float:
     """Return the point just past the one sign change of an interval.
 
-    Reads: POLYNOMIAL.
+    Reads: `at`, POLYNOMIAL.
     """
-    f_low = horner(w, first, degree, low)
-    f_high = horner(w, first, degree, high)
+    low = w[at]
+    high = low + w[at + 1]
+    f_low = w[at + 2]
+    f_high = w[at + 2 + degree - first]
     if f_low <= 0.0:  # a root within rounding of the lower end
         return low
     if f_high >= 0.0:  # negative before, and back at zero but for rounding
         f_high = -EPSILON * f_low
-    for _ in range(PASSES):
-        width = high - low
-        epsilon = EPSILON * high
-        if width <= 2.0 * epsilon:
+    # Newton's steps, and the middle of the bracket where they leave it or shrink too slowly
+    last = high - low
+    x = low + last * (f_low / (f_low - f_high))
+    while True:
+        value = w[POLYNOMIAL + degree]
+        slope = 0.0
+        for k in range(POLYNOMIAL + degree - 1, POLYNOMIAL + first - 1, -1):
+            slope = slope * x + value
+            value = value * x + w[k]
+        if value < 0.0:
+            high = x
+        else:
+            low = x
+        step = -value / slope if slope < 0.0 else high - low
+        if abs(step) <= EPSILON * x or high - low <= 2.0 * EPSILON * high:
             break
-        limit = itp_limit(width, epsilon)
-        for trial in range(limit + 1):
-            if high - low <= 2.0 * epsilon:
-                break
-            x = itp_point(limit - trial, width, epsilon, low, high, f_low, f_high)
-            value = horner(w, first, degree, x)
-            if value < 0.0:
-                high = x
-                f_high = value
-            else:
-                low = x
-                f_low = value
-    return high
+        if not (low < x + step < high and 2.0 * abs(step) <= last):
+            step = 0.5 * (low + high) - x
+            if not low < x + step < high:
+                return high
+        last = abs(step)
+        x += step
+    beyond = EPSILON * x
+    while x < high and beyond > 0.0 and horner(w, first, degree, x) >= 0.0:
+        x += beyond
+        beyond *= 2.0
+    return min(x, high)
 
 
 def first_fall(w: Vector, degree: int) -> float:
@@ -137,8 +145,12 @@ def first_fall(w: Vector, degree: int) -> float:
         A fraction of the step, `NEVER_FALLS` (above 1) or `FALLS_AT_ONCE` (below 0).
     """
     total = 0.0
+    down = 0.0
     for k in range(degree + 1):
-        total += abs(w[POLYNOMIAL + k])
+        coefficient = w[POLYNOMIAL + k]
+        total += abs(coefficient)
+        if coefficient < 0.0:
+            down -= coefficient
     first = 0
     while first <= degree and abs(w[POLYNOMIAL + first]) <= ROUNDED * total:
         first += 1
@@ -146,8 +158,8 @@ def first_fall(w: Vector, degree: int) -> float:
         return NEVER_FALLS
     if w[POLYNOMIAL + first] < 0.0:
         return FALLS_AT_ONCE
-    # on 0 to 1 the other terms cannot outweigh the first one if it is more than their sum
-    if 2.0 * w[POLYNOMIAL + first] > total:
+    # on 0 to 1 the negative terms cannot outweigh the first one if it is more than their sum
+    if w[POLYNOMIAL + first] > down:
         return NEVER_FALLS
     d = degree - first
     to_bernstein(w, first, d)
@@ -158,7 +170,7 @@ def first_fall(w: Vector, degree: int) -> float:
         if changes == -1:
             return max(w[at], EPSILON)
         if changes == 1:
-            return fall_in(w, first, degree, w[at], w[at] + w[at + 1])
+            return fall_in(w, first, degree, at)
         if changes == 0 or top == DEEPEST:
             top -= 1
         else:

@@ -28,7 +28,7 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.kernels.taylor_series import series_fill
 
-__all__ = ["piece_at", "play", "restore", "restore_modes", "row_at"]
+__all__ = ["piece_at", "play", "restore", "restore_modes", "restore_start", "row_at"]
 
 
 def row_at(log: Vector, count: int, t: float, whole: Wholes) -> int:
@@ -115,6 +115,37 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
     ask_here(RESTORE, w, whole)
 
 
+def restore_start(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
+    """Bring back the start of a row in Y, its mode, and the piece of its drives.
+
+    Reads: TIME.
+    Writes: drives, Y, MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN.
+
+    Parameters
+    ----------
+    log : array (rows ROW_COLUMNS,)
+        Rows of steps.
+    row : int
+        Index of the row of a step.
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n = whole[N_STATES]
+    y = whole[Y]
+    at = row * whole[ROW_COLUMNS]
+    whole[MODE] = int(log[at + 3])
+    whole[FLAGS] = int(log[at + 4])
+    load_piece(table, int(log[at + 5]), w, whole)
+    for i in range(n):
+        w[y + i] = log[at + ROW_DENSE + 1 + i]
+    if whole[N_CONTACTS] > 0:
+        restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+
+
 def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> None:
     """Bring back the start of a row in Y, its dense output, its mode, and the piece of its drives.
 
@@ -139,13 +170,7 @@ def restore(log: Vector, row: int, table: Vector, w: Vector, whole: Wholes) -> N
     y = whole[Y]
     dense = whole[DENSE]
     at = row * whole[ROW_COLUMNS]
-    whole[MODE] = int(log[at + 3])
-    whole[FLAGS] = int(log[at + 4])
-    load_piece(table, int(log[at + 5]), w, whole)
-    for i in range(n):
-        w[y + i] = log[at + ROW_DENSE + 1 + i]
-    if whole[N_CONTACTS] > 0:
-        restore_modes(at + whole[ROW_COLUMNS], log, w, whole)
+    restore_start(log, row, table, w, whole)
     if log[at + ROW_DENSE] > 0.0 and whole[N_CONTACTS] > 0:
         w[TIME] = log[at]
         ask_of(SERIES_FROM, log[at + 2], w, whole, y, 0)

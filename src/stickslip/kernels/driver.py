@@ -194,8 +194,8 @@ def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 
     Reads: TIME, STEP, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS, PIECE, STEPS,
     EVENTS, STALLS, BOOKS, MODES.
-    Writes: STEP, GROSS, LOST, drives, Y, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS,
-    MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
+    Writes: STEP, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT,
+    WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
     """
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)

@@ -233,17 +233,19 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     n_guards = whole[N_GUARDS]
     first_wall = whole[FIRST_WALL]
     at = whole[SAMPLED] + guard
-    armed = w[at] > 0.0
+    value = w[at]
+    before = value
+    armed = value > 0.0
     for s in range(1, SAMPLES + 1):
         low = (s - 1) / SAMPLES
         if armed and low >= first:
             return first
+        earlier = before
+        before = value
         value = w[at + s * n_guards]
-        before = w[at + (s - 1) * n_guards]
         if armed and value < 0.0:
             return min(first, bisect(guard, low, s / SAMPLES, t, h, w, whole))
         if armed and s > 1:
-            earlier = w[at + (s - 2) * n_guards]
             if s == 2 and turns(earlier, before, value):
                 x = dip(guard, 0.0, 1.0 / SAMPLES, t, h, w, whole)
                 if x >= 0.0:
@@ -263,7 +265,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
         if value < 0.0 and guard >= first_wall:  # a bounce too short to be seen
             return -1.0
         armed = armed or value > 0.0
-    return -1.0 if not armed and w[at + SAMPLES * n_guards] < 0.0 else first
+    return -1.0 if not armed and value < 0.0 else first
 
 
 def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
@@ -462,7 +464,11 @@ def note_sizes(w: Vector, whole: Wholes) -> None:
     sampled = whole[SAMPLED]
     reached = whole[REACHED]
     for guard in range(n_guards):
+        largest = w[reached + guard]
+        least = w[sampled + guard]
         for s in range(SAMPLES + 1):
             value = w[sampled + s * n_guards + guard]
-            w[reached + guard] = max(w[reached + guard], abs(value))
-            note_least(guard, value, w, whole)
+            largest = max(largest, abs(value))
+            least = min(least, value)
+        w[reached + guard] = largest
+        note_least(guard, least, w, whole)

@@ -46,7 +46,11 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     w[POLYNOMIAL] = w[values + guard]
     last = w[values + guard]
     degree = 0
-    for k in range(1, int(w[dense]) + 1):
+    terms = 0  # many guards are 0 in a mode, or change with nothing in it
+    for i in range(n + 1):
+        if w[row + i] != 0.0:
+            terms = int(w[dense])
+    for k in range(1, terms + 1):
         total = h * w[row + n] if k == 1 else 0.0
         for i in range(n):
             total += w[row + i] * w[dense + 1 + k * n + i]

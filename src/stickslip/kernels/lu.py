@@ -41,9 +41,10 @@ def lu_factor(w: Vector, a: int, n: int, pivots: int) -> bool:
                 w[a + k * n + j] = w[a + best * n + j]
                 w[a + best * n + j] = swap
         for i in range(k + 1, n):
-            w[a + i * n + k] /= w[a + k * n + k]
+            factor = w[a + i * n + k] / w[a + k * n + k]
+            w[a + i * n + k] = factor
             for j in range(k + 1, n):
-                w[a + i * n + j] -= w[a + i * n + k] * w[a + k * n + j]
+                w[a + i * n + j] -= factor * w[a + k * n + j]
     return True
 
 
@@ -68,13 +69,18 @@ def lu_solve(w: Vector, a: int, n: int, pivots: int, b: int) -> None:
     """
     for k in range(n):
         best = int(w[pivots + k])
-        swap = w[b + k]
-        w[b + k] = w[b + best]
-        w[b + best] = swap
-    for i in range(n):
+        if best != k:
+            swap = w[b + k]
+            w[b + k] = w[b + best]
+            w[b + best] = swap
+    # sums in variables of their own: a processor waits for what it has just put into memory
+    for i in range(1, n):
+        total = w[b + i]
         for j in range(i):
-            w[b + i] -= w[a + i * n + j] * w[b + j]
+            total -= w[a + i * n + j] * w[b + j]
+        w[b + i] = total
     for i in range(n - 1, -1, -1):
+        total = w[b + i]
         for j in range(i + 1, n):
-            w[b + i] -= w[a + i * n + j] * w[b + j]
-        w[b + i] /= w[a + i * n + i]
+            total -= w[a + i * n + j] * w[b + j]
+        w[b + i] = total / w[a + i * n + i]

@@ -3,6 +3,7 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.dense_output import NESTED_SHORT
 from stickslip.kernels.enums import HELD_FAST
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.lu import lu_factor, lu_solve
@@ -25,6 +26,7 @@ from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_STATES,
     PIVOTS,
+    POINT,
     SLIP,
     STAGES,
     Y1,
@@ -56,7 +58,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
     Reads: Y, SCALE, MODE, FLAGS, MODES.
-    Writes: Y1, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
+    Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -82,6 +84,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     y1 = whole[Y1]
     matrix = whole[MATRIX]
     pivots = whole[PIVOTS]
+    point = whole[POINT]
     n = whole[N_STATES]
     if not rodas_matrix(t, h, w, whole):
         return math.inf
@@ -93,15 +96,17 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
         stage = stages + s * n
         for i in range(n):
             total = w[y + i]
+            product = 0.0
             for j in range(s):
-                total += A_RODAS[row + j] * w[stages + j * n + i]
+                earlier = w[stages + j * n + i]
+                total += A_RODAS[row + j] * earlier
+                product += C_RODAS[row + j] * earlier
             w[y1 + i] = total
+            w[point + i] = product
         field(t + TIMES_RODAS[s] * h, w, whole, y1, stage)
+        slope = h * SLOPES_RODAS[s]
         for i in range(n):
-            total = 0.0
-            for j in range(s):
-                total += C_RODAS[row + j] * w[stages + j * n + i]
-            w[stage + i] += total / h + h * SLOPES_RODAS[s] * w[drift + i]
+            w[stage + i] += w[point + i] / h + slope * w[drift + i]
         lu_solve(w, matrix, n, pivots, stage)
         hold_still(stage, w, whole)
     for i in range(n):
@@ -161,7 +166,7 @@ def rodas_dense(w: Vector, whole: Wholes) -> None:
     y = whole[Y]
     y1 = whole[Y1]
     n = whole[N_STATES]
-    w[dense] = 0.0
+    w[dense] = NESTED_SHORT
     for i in range(n):
         at = dense + 1 + i
         first = 0.0

@@ -67,7 +67,8 @@ def add_work(w: Vector, whole: Wholes) -> None:
     if whole[N_CONTACTS] > 0:
         ask_here(BOOK, w, whole)
         return
-    few = 0.0 < w[whole[DENSE]] <= FEW_TERMS
+    terms = w[whole[DENSE]]
+    few = 0.0 < terms <= FEW_TERMS or terms < 0.0
     for node in range(len(FEW_NODES) if few else len(NODES)):
         x = share * (FEW_NODES[node] if few else NODES[node])
         interpolate(w, whole, x, point)

@@ -48,8 +48,8 @@ def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins.
 
     Reads: TIME, STEP, Y, SCALE, VALUES, MODE, FLAGS, MODES.
-    Writes: STEP, Y1, SCALE, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER, SLOW, ANSWER,
-    CHANGED.
+    Writes: STEP, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER, SLOW,
+    ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     What is at rest begins as a power of time, which no relative error control gets started.
 
     Reads: TIME, Y, SCALE, MODE, FLAGS, MODES.
-    Writes: Y1, SCALE, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
+    Writes: Y1, SCALE, POINT, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
     """
     n = whole[N_STATES]
     scale = whole[SCALE]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.formulation import Model
 from stickslip.kernels.driver import events_are_full, log_is_full
@@ -56,9 +56,11 @@ class Runner:
 
     def whole(self) -> Any:
         """Return the whole numbers of a run that begins, which books its work."""
+        if self.compiled:
+            return _beginning(self.header).copy()
         whole = list(self.header)
         whole[BOOKS] = 1
-        return self.wholes(whole)
+        return whole
 
     def wholes(self, numbers: Iterable[int]) -> Any:
         """Return whole numbers as the tier takes them: a list, or an array."""
@@ -179,6 +181,14 @@ class Runner:
         else:
             w[ADDRESS], w[SEVERAL] = self.equations, self.contacts
         return w
+
+
+@functools.lru_cache(maxsize=256)
+def _beginning(header: tuple[int, ...]) -> NDArray[np.int64]:
+    """Return the whole numbers of a run that begins, as an array to copy."""
+    whole = np.array(header, dtype=np.int64)
+    whole[BOOKS] = 1
+    return whole
 
 
 def runner_of(model: Model, *, compiled: bool) -> Runner:

@@ -192,15 +192,11 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
 
 def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
     """Return the energies at the start of the first row and at the end of the last."""
-    times = playback.span()
-    if playback.model.contacts:  # whose equations may have other coordinates than the run
-        n, y = len(playback.model.states), playback.runner.header[Y]
-        states = [playback.rows[0][ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.array(w[y : y + n])]
-    else:
-        states = list(playback.played(np.array(times))[0])
+    rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
+    states = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.asarray(w[y : y + n])
     equations = Equations(playback.model, playback.inputs)
     found = []
-    for row, t, state in zip((playback.rows[0], playback.rows[-1]), times, states, strict=True):
+    for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         equations.load(int(row[5]))
         (energy,) = equations("energy", 0, int(row[4]), t, state.tolist())
         found.append(float(energy))
@@ -224,8 +220,9 @@ def _stick_drift(playback: Playback, w: Sequence[float]) -> float:
     rows, header = playback.rows, playback.runner.header
     if playback.model.contacts:
         return _contact_drift(playback, w)
-    end, _, _ = playback.played(rows[-1:, 1])
+    (held,) = np.nonzero(np.abs(rows[:, 3]) != 1)
+    if not held.size:
+        return 0.0
     coordinate = header[SLIP] - header[N_COORDINATES]
-    places = np.append(rows[:, ROW_DENSE + 1 + coordinate], end[0, coordinate])
-    moved = np.abs(np.diff(places))[np.abs(rows[:, 3]) != 1]
-    return float(moved.max(initial=0.0))
+    places = playback.column(ROW_DENSE + 1 + coordinate, w[header[Y] + coordinate])
+    return float(np.abs(places[held + 1] - places[held]).max())

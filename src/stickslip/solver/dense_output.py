@@ -59,7 +59,7 @@ class Playback:
         width = runner.header[ROW_COLUMNS]
         log = log[: count * width]
         return cls(
-            model, runner, inputs, log, np.array(log, dtype=np.float64).reshape(count, width)
+            model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )
 
     def span(self) -> tuple[float, float]:
@@ -68,7 +68,27 @@ class Playback:
 
     def times(self) -> Array:
         """Return the ends of the steps."""
-        return np.append(self.rows[:, 0], self.rows[-1, 1])
+        return self.column(0, self.rows[-1, 1])
+
+    def column(self, index: int, last: float) -> Array:
+        """Return a number of each row, and one more behind them.
+
+        Parameters
+        ----------
+        index : int
+            Index of the number in a row.
+        last : float
+            What comes after that of the last row.
+
+        Returns
+        -------
+        array (steps + 1,)
+            The numbers.
+        """
+        found = np.empty(len(self.rows) + 1)
+        found[:-1] = self.rows[:, index]
+        found[-1] = last
+        return found
 
     def played(self, t: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Return states (n, states), forces (n, 2 + channels) and rows (n,) at times."""

@@ -1,11 +1,14 @@
 """The equations of a model, called with plain numbers."""
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from stickslip.formulation import Model
 from stickslip.kernels.dense_evaluation import piece_at
 from stickslip.kernels.drive_segments import load_piece
+from stickslip.kernels.header import Sizes
 from stickslip.kernels.mode_transitions import set_flags
 from stickslip.kernels.state_layout import GIVEN, N_DRIVES, SIZE, Y
 from stickslip.solver.backend import runner_of
@@ -13,6 +16,12 @@ from stickslip.solver.compile.modules import plain_equations
 from stickslip.solver.drive_schedule import Inputs
 
 __all__ = ["Equations"]
+
+
+@functools.lru_cache(maxsize=256)
+def _lengths(sizes: Sizes) -> Mapping[str, int]:
+    """Return how many numbers each function writes."""
+    return MappingProxyType(sizes.lengths())
 
 
 class Equations:
@@ -32,7 +41,7 @@ class Equations:
         self.sizes = sizes = model.sizes
         self.functions = plain_equations(model)
         self.table: Any = inputs.table.data  # gives plain numbers, and only those asked for
-        self.lengths = sizes.lengths()
+        self.lengths = _lengths(sizes)
         self.whole: list[int] = runner.whole()
         self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
         self.width = 1 + 3 * self.whole[N_DRIVES]

@@ -305,7 +305,7 @@ def _events(
     contacts = model.contacts or tuple(contact.name for contact in mechanism.contacts())
     events = []
     whole = record.whole
-    rows = [float(x) for x in record.events[: EVENT_COLUMNS * whole[EVENTS]]]
+    rows = np.asarray(record.events[: EVENT_COLUMNS * whole[EVENTS]]).tolist()
     for i in range(whole[EVENTS]):
         t, before, after, _, _, margin, contact = rows[EVENT_COLUMNS * i : EVENT_COLUMNS * (i + 1)]
         reason = names[happened(rows, i, whole)]

@@ -5,11 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
+import numpy as np
+
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.enums import STEP_LIMIT
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
+    N_DRIVES,
     REJECTED,
     ROW_COLUMNS,
     STATUS,
@@ -148,7 +151,9 @@ def execute(
         w[i] = float(value)
     given = inputs.table, inputs.bounds if len(inputs.bounds) else [0.0]
     table, bounds = map(runner.flat, given)
-    log: Any = runner.zeros(FIRST_ROWS * header[ROW_COLUMNS])
+    # each piece of the drives takes a step at least; pages that no step reaches cost nothing
+    pieces = len(table) // (1 + 3 * header[N_DRIVES]) if runner.compiled else 0
+    log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[ROW_COLUMNS])
     events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
     counted = 0
     while True:
@@ -161,7 +166,7 @@ def execute(
             work.add(taken - counted)
             counted = taken
         if most >= limit or whole[STATUS] != STEP_LIMIT:
-            return Record(runner, log, events, w, [int(x) for x in whole])
+            return Record(runner, log, events, w, np.asarray(whole).tolist())
         if work.is_enough():  # the rest in machine code, which gives the same bits
             runner = runner_of(model, compiled=True)
             w, whole = runner.taken_over(w), runner.wholes(whole)
