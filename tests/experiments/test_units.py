@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import check_uncertainty, factor, read_number
+from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.quantities import Quantity
+from stickslip.units import factor
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_degrees_become_radians():
         ("30 deg", "1", "must be a pure number or in %, not in deg"),
         ("60 rpm", "Hz", "not in rpm"),
         ("20 degC", "m", "an offset zero"),
-        ("5", "m", "has no unit in '5': write \"5 m\""),
+        ("5", "m", "has no unit, got '5': write \"5 m\""),
         ("heavy", "kg", 'such as "1 kg"'),
         ("", "kg", "got ''"),
         ("nan m", "m", "got 'nan m'"),

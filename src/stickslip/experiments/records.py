@@ -23,8 +23,8 @@ from stickslip.experiments.readers.reader_options import Column, Reading, check_
 from stickslip.experiments.readers.spelling import spelled
 from stickslip.experiments.readers.time_base import Repair, repaired, repairs
 from stickslip.experiments.readers.unit_conversion import Scaling, gains_of, load_stated
-from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
+from stickslip.units import shown
 
 if TYPE_CHECKING:
     from stickslip.experiments.readers.table_reader import Frame

@@ -13,7 +13,7 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
-from stickslip.experiments.units import shown
+from stickslip.units import shown
 
 __all__ = ["ambiguous", "culprit", "grouped", "read_text"]
 

@@ -9,8 +9,8 @@ from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.parameter_paths import PREFIX, canonical
 from stickslip.experiments.readers.spelling import Speaker
 from stickslip.experiments.readers.time_base import Repair, repairs
-from stickslip.experiments.units import shown
 from stickslip.mechanisms import Mechanism
+from stickslip.units import shown
 
 __all__ = ["Column", "Reading", "check_columns", "column_of"]
 

@@ -16,7 +16,7 @@ from stickslip.experiments.readers.matlab import read_mat
 from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.toml import check_file
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
-from stickslip.experiments.units import factor, is_pixel, shown
+from stickslip.units import factor, is_pixel, shown
 
 __all__ = ["SECOND", "Frame", "read_frame"]
 

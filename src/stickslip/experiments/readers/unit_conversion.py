@@ -9,10 +9,11 @@ import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Array, quantity_called
-from stickslip.experiments.units import factor, gain_factor, is_of, read_gain
+from stickslip.experiments.units import gain_factor, read_gain
 from stickslip.formatting import number
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
+from stickslip.units import factor, is_of
 
 if TYPE_CHECKING:
     from stickslip.experiments.readers.table_reader import Frame
