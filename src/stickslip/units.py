@@ -19,6 +19,7 @@ __all__ = [
     "is_of",
     "is_pint",
     "is_pixel",
+    "is_unit",
     "number_in",
     "pint_magnitude",
     "shown",
@@ -363,3 +364,17 @@ def _counted(one: Any) -> tuple[Any, Any]:
     """Return the powers of what has no dimension, but is no pure number either."""
     powers = one.to_root_units()._units
     return powers.get("radian", 0), powers.get("count", 0)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of something.
+
+    Examples
+    --------
+    >>> is_unit("U/min"), is_unit("Weg"), is_unit("1")
+    (True, False, False)
+    """
+    try:
+        return text != "1" and _one(text) is not None
+    except ParameterError:
+        return is_pixel(text)
