@@ -63,6 +63,8 @@ _JOINED: Final = re.compile(
     r"(?P<force>(?:[mckdMµμu]|da)?N|kp|kgf|kg|g|A|V)(?P<length>[mckdµμu]?m)?(?P<time>s)?"
 )
 """Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
+_TEMPERATURES: Final = ("°C", "°F", "degC", "degF")
+"""Units with a zero of their own, which are not converted."""
 _PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
 """What means revolutions per minute where a speed of rotation is wanted."""
 _ROTATION: Final = ("rad/s", "radian/second")
@@ -374,7 +376,9 @@ def is_unit(text: str) -> bool:
     >>> is_unit("U/min"), is_unit("Weg"), is_unit("1")
     (True, False, False)
     """
+    if text in ("1", *_TEMPERATURES):
+        return text != "1"
     try:
-        return text != "1" and _one(text) is not None
+        return _one(text) is not None
     except ParameterError:
         return is_pixel(text)

@@ -234,14 +234,20 @@ class _Files:
         if _is_table(path):
             return self.one(_table(path), name or "table")
         given: list[Any] = list(path) if isinstance(path, Iterable) else [path]
-        if not all(isinstance(file, str | PathLike) for file in given):
+        if not all(isinstance(one, str | PathLike) or _is_table(one) for one in given):
             raise InputError(_no_file(path))
         return self.several(given, name)
 
-    def several(self, paths: Sequence[str | Path], name: str) -> Measurement:
-        """Return the trials of several files, each called like its file."""
+    def several(self, paths: Sequence[Any], name: str) -> Measurement:
+        """Return the trials of several files, each called like its file, or of several tables."""
         if not paths:
             raise InputError("load_measurement needs at least one file, got an empty list.")
+        if any(map(_is_table, paths)):
+            parts = [
+                self.one(_table(one), f"table {place}") if _is_table(one) else self.one(one, "")
+                for place, one in enumerate(paths, 1)
+            ]
+            return Measurement(trials=tuple(r for one in parts for r in one.records()), name=name)
         stems = [Path(path).stem for path in paths]
         # Files of one name in several folders are told apart by these.
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]

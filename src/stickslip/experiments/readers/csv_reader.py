@@ -6,6 +6,7 @@ import itertools
 import re
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -120,7 +121,11 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int
         units = map(unit_in, cells_of(lines[1], layout.separator))
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
-    return _parsed(path, data, names, lines[1 + layout.units_row :], layout)
+    sample = lines[1 + layout.units_row :]
+    if not layout.thousands.isascii():  # of which the parser knows none
+        data = text.replace(layout.thousands, "").encode(layout.encoding)
+        layout = replace(layout, thousands="")
+    return _parsed(path, data, names, sample, layout)
 
 
 def _parsed(

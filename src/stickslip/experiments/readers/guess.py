@@ -199,7 +199,11 @@ def guess_data(
     found = _assigned(frame, given, units or {})
     _check_enough(frame, found)
     turning = _turns(found)
-    known = {q: one.unit for q, one in found.items() if one.unit and not one.stated}
+    known = {
+        q: one.unit
+        for q, one in found.items()
+        if one.unit and (not one.stated or is_of(one.unit, "count"))
+    }
     reasons |= {q: _column_text(one) for q, one in found.items()}
     if "time" in found:
         reasons["time"] += _rate_text(frame, found["time"])

@@ -23,6 +23,7 @@ ALIKE: Final = 10
 CODE_PAGES: Final = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 MISSING: Final = ("", "nan", "inf", "+inf", "-inf", "na", "n/a", "null", "none", "true", "false")
 """Words of cells, in any case, that stand for a number that is missing, or for none."""
+BRACKETS: Final = ("[]", "()", "<>", "{}")
 NO_UNIT: Final = ("-", "\N{EN DASH}", "\N{MINUS SIGN}", "1")
 _NUMBER: Final = re.compile(
     r"""[+-]?(?:\d+(?:[.'\ \u2019\u00a0\u202f]\d{3})*(?:[.,]\d*)?   # 12, 0,5, 1.592,0
@@ -246,28 +247,32 @@ def _upper(text: str) -> list[str]:
 def _rows(lines: Sequence[str], separator: str) -> Iterator[tuple[int, int, int]]:
     """Yield, if rows of numbers are parted by a mark, where they begin.
 
-    That is the number of words among them, negative; the number of cells; the first line.
+    That is the number of words among them, negative; the number of cells that are not empty at the
+    end of all rows; the first line.
     """
     counts = [_counted(line, separator) for line in lines]
     full = [index for index, line in enumerate(lines) if line.strip()]
     for place, index in enumerate(full):
         following = [counts[i] for i in full[place : place + ALIKE]]
-        widths = {width for width, _ in following}
-        if len(widths) == 1 and min(widths) > 0:
-            yield -sum(words for _, words in following), following[0][0], index
+        sizes = {size for size, _, _ in following}
+        if len(sizes) == 1 and min(sizes) > 0:
+            words = sum(words for _, _, words in following)
+            yield -words, max(width for _, width, _ in following), index
             return
 
 
-def _counted(line: str, separator: str) -> tuple[int, int]:
-    """Return the number of cells, and of words, of a row most of which are numbers; else 0."""
+def _counted(line: str, separator: str) -> tuple[int, int, int]:
+    """Return the numbers of cells, of those up to the last that is not empty, and of words.
+
+    All are 0 unless most of the cells are numbers.
+    """
     if not line.strip() or line.startswith("#"):
-        return 0, 0
+        return 0, 0, 0
     cells = cells_of(line, separator)
-    while len(cells) > 1 and not cells[-1]:
-        cells.pop()
+    width = max((place for place, cell in enumerate(cells, 1) if cell), default=0)
     numbers = sum(is_number(cell) or is_stamp(cell) for cell in cells)
     words = sum(cell.casefold() not in MISSING for cell in cells) - numbers
-    return (len(cells), words) if numbers > words else (0, 0)
+    return (len(cells), width, words) if numbers > words else (0, 0, 0)
 
 
 def _is_head(cells: Sequence[str], width: int) -> bool:
@@ -280,7 +285,10 @@ def _is_head(cells: Sequence[str], width: int) -> bool:
 
 def _are_units(cells: Sequence[str]) -> bool:
     named = [cell for cell in cells if cell]
-    return bool(named) and all(unit_in(cell) in NO_UNIT or is_unit(unit_in(cell)) for cell in named)
+    return bool(named) and all(
+        cell[0] + cell[-1] in BRACKETS or unit_in(cell) in NO_UNIT or is_unit(unit_in(cell))
+        for cell in named
+    )
 
 
 def unit_in(cell: str) -> str:
