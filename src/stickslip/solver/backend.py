@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip.formulation import Model
 from stickslip.kernels.header import Sizes
 from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE
-from stickslip.solver.compile.modules import load, load_compiled
+from stickslip.solver.compile.modules import is_loaded, load, load_compiled
 
 __all__ = ["Runner", "runner_of"]
 
@@ -33,6 +33,12 @@ class Runner:
     """How much of everything the model has."""
     places: tuple[int, ...]
     """Place of each parameter in the vector of a run."""
+    model: Model
+    """The equations."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the equations: code is a process's own, and both tiers give the same bits."""
+        return _again, (self.model, self.compiled)
 
     @functools.cached_property
     def header(self) -> tuple[int, ...]:
@@ -128,4 +134,11 @@ def runner_of(model: Model, *, compiled: bool, ensembles: bool = False) -> Runne
         What calls the kernels.
     """
     tier = load_compiled(model, ensembles=ensembles) if compiled else load(model)
-    return Runner(tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places)
+    return Runner(
+        tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places, model
+    )
+
+
+def _again(model: Model, compiled: bool) -> Runner:
+    """Return the runner of a pickle; machine code only where this process has it already."""
+    return runner_of(model, compiled=compiled and is_loaded(model))

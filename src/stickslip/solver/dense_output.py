@@ -62,6 +62,10 @@ class Playback:
             model, runner, inputs, log, np.array(log, dtype=np.float64).reshape(count, width)
         )
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the rows; the log is made of them, as the tier takes it."""
+        return _restored, (self.model, self.runner, self.inputs, self.rows)
+
     def span(self) -> tuple[float, float]:
         """Return the first and the last time."""
         return float(self.rows[0, 0]), float(self.rows[-1, 1])
@@ -102,3 +106,8 @@ class Playback:
                 columns[mode] = columns[mode].astype(np.int8)
             return columns
         return columns | {"mode": self.rows[rows, 3].astype(np.int8)}
+
+
+def _restored(model: Model, runner: Runner, inputs: Inputs, rows: Array) -> Playback:
+    """Return the playback of a pickle."""
+    return Playback(model, runner, inputs, runner.flat(rows), rows)
