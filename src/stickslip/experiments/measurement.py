@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, TypeAlias, cast, final
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.quantities import Converted, Numbers, Quantity
 from stickslip.units import is_pint, number_in, pint_magnitude
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "BY_JOINT",
@@ -349,6 +352,35 @@ class Measurement:
         _present("measurement", quantity, (*QUANTITIES, *self.quantities()))
         known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return what was measured as a pandas DataFrame, as `load_measurement` reads it.
+
+        Times and quantities have their units in brackets, values as measured, with the offsets of
+        sensors. Of several trials, a column ``trial`` has the names; travels are a row each.
+
+        Examples
+        --------
+        >>> list(Measurement(time=[0, 1], force=[2.0, 3.0], turning=True).to_dataframe())
+        ['time [s]', 'force [N m]']
+        """
+        import pandas as pd
+
+        parts = []
+        for place, record in enumerate(self.records(), 1):
+            columns: dict[str, Any] = {"trial": record.name or place} if self.trials else {}
+            columns |= {} if record.time is None else {"time [s]": record.time}
+            for name in record.quantities():
+                first, _, joint = name.partition(".")
+                held = getattr(record.joints[joint] if joint else record, first)
+                columns[f"{name} [{record.unit(name)}]"] = held
+            parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
+        return pd.concat(parts, ignore_index=True)
+
+    def _is_long(self) -> bool:
+        """Whether there is more than one number of a quantity."""
+        held = (getattr(self, name) for name in QUANTITIES)
+        return self.time is not None or any(isinstance(one, np.ndarray) for one in held)
 
     def values(self, quantity: str) -> Array | float:
         """Return a quantity with its sensor offset subtracted.
