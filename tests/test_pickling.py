@@ -146,7 +146,9 @@ SLOW = {
     "basins": lambda: basins(
         DRIVEN, Coulomb(kinetic_coefficient=0.5), {"x": [-1.0, 1.0], "v": [-1.0, 1.0]}, settle=20
     ),
-    "posterior": lambda: sample_posterior(fit(BLOCK, Coulomb, TRAVEL), steps=200),
+    "posterior": lambda: sample_posterior(
+        fit(AXIS, CoulombViscous, series(), **BY_INVERSE), steps=100
+    ),
     "velocity steps": lambda: fit_rate_state(SLIDER, "rate-and-state", steps(), **FREE),
     "verdict on velocity steps": lambda: select(
         SLIDER, ["rate-and-state", "rate-and-state-slip"], steps(), **FREE

@@ -290,11 +290,11 @@ class Quantity:
         number: Any = self._with_unit(label, value) if _has_unit(value) else value
         if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
-        number = float(number)
-        if not self.allows(number):
-            got = repr(str(value)) if _has_unit(value) else f"{number:g}"
+        found = float(number)
+        if not self.allows(found):
+            got = repr(str(value)) if _has_unit(value) else f"{found:g}"
             raise ParameterError(f"{label} must be {self.range}, got {got}.")
-        return number
+        return found
 
     def _with_unit(self, label: str, value: object) -> float:
         """Return a value with a unit as a number, in the unit of either kind of motion."""

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 from stickslip.cli.console import (
     document,
@@ -48,7 +49,8 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
         raise type(error)(text) from None
     write_file(target, guessed_rig(guess, _relative(file, target)))
     if as_json:
-        found = {"file": str(file), "rig": str(target), "columns": dict(guess.columns)}
+        found: dict[str, Any] = {"file": str(file), "rig": str(target)}
+        found |= {"columns": dict(guess.columns)}
         found |= {"units": dict(guess.units), "turning": guess.turning, "hold": guess.hold}
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))

@@ -65,13 +65,12 @@ class _Shown:
     and the time left.
     """
 
-    def __init__(self, bars: Progress, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, bars: Progress) -> None:
         self._bars = bars
         self._said: set[str] = set()
         self._seen = bars.console.is_terminal
         self._quiet = is_quiet()
-        self._clock = clock
-        self._start = self._last = clock()
+        self._start = self._last = time.monotonic()
 
     def _say(self, step: str, done: float = 0.0, total: float = 0.0) -> None:
         """Write what is in work, and how far it is, where no bar can be seen.
@@ -83,7 +82,7 @@ class _Shown:
         done, total : float
             How much is done, and of how much; 0 if unknown.
         """
-        now = self._clock()
+        now = time.monotonic()
         new = step not in self._said
         self._said.add(step)
         if self._seen or self._quiet or not (new or now - self._last >= SILENCE):

@@ -384,8 +384,9 @@ def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
     """Return the units of the columns of an export."""
     units = {"t": "s", **ran.run.units}
     ends = ("_low", "_median", "_high")
-    stems = {name: name.rpartition("_")[0] for name in table if name.endswith(ends)}
-    return {name: units.get(stems.get(name, name), units.get(name, "")) for name in table}
+    names = [str(name) for name in table]
+    stems = {name: name.rpartition("_")[0] for name in names if name.endswith(ends)}
+    return {name: units.get(stems.get(name, name), units.get(name, "")) for name in names}
 
 
 def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -> bytes:

@@ -379,7 +379,7 @@ def _table(given: Any) -> "pd.DataFrame":
     except (TypeError, ValueError) as error:
         raise InputError(f"the columns do not make a table: {error}.") from None
     index = table.index
-    named = str(index.name or "").partition("[")[0].strip().casefold() in ("time", "t")
+    named = str(index.name).partition("[")[0].strip().casefold() in ("time", "t")
     if isinstance(index, pd.TimedeltaIndex):
         index = pd.Index(index.total_seconds())
     timed = isinstance(index, pd.DatetimeIndex) or index is not table.index

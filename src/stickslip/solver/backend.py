@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from typing_extensions import override
 
 from stickslip.formulation import Model
 from stickslip.kernels.header import Sizes
@@ -36,6 +37,7 @@ class Runner:
     model: Model
     """The equations."""
 
+    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the equations: code is a process's own, and both tiers give the same bits."""
         return _again, (self.model, self.compiled)

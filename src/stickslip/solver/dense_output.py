@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.formulation import Model
 from stickslip.kernels.state_layout import ROW_COLUMNS
@@ -62,6 +63,7 @@ class Playback:
             model, runner, inputs, log, np.array(log, dtype=np.float64).reshape(count, width)
         )
 
+    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the rows; the log is made of them, as the tier takes it."""
         return _restored, (self.model, self.runner, self.inputs, self.rows)

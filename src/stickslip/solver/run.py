@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
+from typing_extensions import override
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
@@ -113,6 +114,7 @@ class Record:
     whole: list[int]
     """(WHOLES,): the whole numbers of the run at its end."""
 
+    @override
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle numbers only: the vector of a run has addresses in it, or functions."""
         numbers = list(self.w)

@@ -75,8 +75,8 @@ class Layout:
                 "layout.thousands must be one character other than the decimal mark, got"
                 f" {self.thousands!r}."
             )
-        whole = isinstance(self.preface, int) and not isinstance(self.preface, bool)
-        if not whole or self.preface < 0:
+        lines: object = self.preface
+        if not isinstance(lines, int) or isinstance(lines, bool) or lines < 0:
             raise InputError(f"layout.preface must be a number of lines, got {self.preface!r}.")
         try:
             "".encode(self.encoding)
@@ -210,7 +210,7 @@ def _table(
     heads = [index for index in above if _is_head(cells_of(lines[index], separator), width)]
     if not heads:
         return None
-    header, units = heads[-1], ()
+    header, units = heads[-1], tuple[str, ...]()
     last = cells_of(lines[header], separator)
     if len(heads) > 1 and heads[-2] == above[-2] and _are_units(last):
         header, units = heads[-2], tuple(unit_in(cell) for cell in last)

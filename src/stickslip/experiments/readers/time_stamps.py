@@ -105,7 +105,7 @@ def _pattern(texts: "pd.Series[Any]", found: re.Match[str]) -> str:
 
 def _since_first(stamps: "pd.Series[Any]") -> NDArray[np.float64]:
     elapsed = stamps - stamps.dropna().iloc[0]
-    return elapsed.dt.total_seconds().to_numpy(dtype=float)
+    return np.array(elapsed.dt.total_seconds(), dtype=float)
 
 
 def _of_day(texts: "pd.Series[Any]") -> NDArray[np.float64] | None:

@@ -118,4 +118,4 @@ def _inline(table: Mapping[str, Any]) -> str:
 def _toml(value: Any) -> str:
     import tomlkit
 
-    return tomlkit.item(list(value) if isinstance(value, tuple) else value).as_string()
+    return str(tomlkit.item(list(value) if isinstance(value, tuple) else value).as_string())
