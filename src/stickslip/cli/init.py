@@ -12,7 +12,7 @@ from stickslip.cli.console import (
     write_file,
 )
 from stickslip.errors import InputError
-from stickslip.experiments import Reading, guess_data, guessed_rig
+from stickslip.experiments import Reading, guess_data, guessed_rig, inertia_of, read_data
 
 __all__ = ["run"]
 
@@ -47,7 +47,9 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
     except InputError as error:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None
-    write_file(target, guessed_rig(guess, _relative(file, target)))
+    inertia = inertia_of(read_data([file], guess.reading))
+    text = guessed_rig(guess, _relative(file, target), inertia=inertia or 1.0)
+    write_file(target, text)
     if as_json:
         found: dict[str, Any] = {"file": str(file), "rig": str(target)}
         found |= {"columns": dict(guess.columns)}

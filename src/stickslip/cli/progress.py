@@ -215,7 +215,7 @@ class Searching(_Shown):
         step = f"Fitting {name}" if known else f"Validating on {name}"
         if not known:
             self._interrupts.promise = NO_SHORTER
-        self._say(step, done, len(self._names))
+        self._say(step, done, len(self._names) if known else 0)
         self._bars.update(self._task, completed=done, description=step, runs=reached)
         return not self._interrupts.stopped
 

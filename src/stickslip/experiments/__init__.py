@@ -47,6 +47,7 @@ INSIDE = {
     "condition_unit": "condition_values",
     "equated": "estimates",
     "findings_text": "preconditions",
+    "inertia_of": "checking.dynamics",
     "interval_of": "differentiation",
     "is_data_file": "readers.table_reader",
     "is_narrow": "checking.mains",

@@ -13,7 +13,7 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
-from stickslip.experiments.readers.reader_options import Column, Reading
+from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
@@ -72,7 +72,16 @@ WANTED: Final = (
     "vorgabe",
 )
 """What names of wanted values contain: only a wanted position is read."""
-OTHER: Final = ("error", "fehler", "abweichung", "schlepp", "temp", "status", "index", "spannung")
+OTHER: Final = (
+    "error",
+    "fehler",
+    "abweichung",
+    "schlepp",
+    "temperatur",
+    "status",
+    "index",
+    "spannung",
+)
 """What names of columns contain that none of the quantities has."""
 TURNING: Final = (
     *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
@@ -98,7 +107,8 @@ _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "
 class Guess:
     """What a file seems to hold, as `guess_data` returns it.
 
-    `columns`, `units`, `repair` and `layout` are arguments of `load_measurement`.
+    `columns`, `units`, `gain`, `repair` and `layout` are arguments of `load_measurement`, and so is
+    `motor_constant` unless it is empty.
     """
 
     file: str
@@ -106,9 +116,13 @@ class Guess:
     layout: Layout | None
     """How a text file holds its table; None for other files."""
     columns: Mapping[str, Column]
-    """Quantity -> name of its column. A ``current`` needs a motor constant to be read."""
+    """Quantity -> name of its column."""
     units: Mapping[str, str]
     """Quantity -> unit of its column, where the header has none in brackets."""
+    gain: Mapping[str, str] = field(default_factory=dict)
+    """Quantity -> assumed size of a count, where it is counted."""
+    motor_constant: str = ""
+    """Assumed force or torque per current, where the file has a current and no force."""
     repair: tuple[Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
     hold: Literal["zero", "first"] = "first"
@@ -124,7 +138,12 @@ class Guess:
     def reading(self) -> Reading:
         """How the file is read."""
         return Reading(
-            columns=self.columns, units=self.units, repair=self.repair, layout=self.layout
+            columns=self.columns,
+            units=self.units,
+            gain=self.gain,
+            motor_constant=motor_constants(self.motor_constant) if self.motor_constant else {},
+            repair=self.repair,
+            layout=self.layout,
         )
 
     @override
@@ -204,6 +223,7 @@ def guess_data(
         for q, one in found.items()
         if one.unit and (not one.stated or is_of(one.unit, "count"))
     }
+    counted = [q for q, one in found.items() if one.unit and is_of(one.unit, "count")]
     reasons |= {q: _column_text(one) for q, one in found.items()}
     if "time" in found:
         reasons["time"] += _rate_text(frame, found["time"])
@@ -220,6 +240,8 @@ def guess_data(
         layout=layout,
         columns={q: given.get(q, one.name) for q, one in found.items()},
         units={**known, **(units or {})},
+        gain=dict.fromkeys(counted, "0.001 rad/count" if turning else "0.001 mm/count"),
+        motor_constant=("1 N m/A" if turning else "1 N/A") * ("current" in found),
         repair=repair,
         hold=hold,
         turning=turning,
@@ -302,15 +324,16 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
         return
     if quantity != "time" and not pd.api.types.is_numeric_dtype(column.dtype):
         return
+    stamps = "" if pd.api.types.is_numeric_dtype(column.dtype) else "time stamps, "
     score, why = _named_score(bare, quantity)
     if score and fits:
         score += 1.0
     if not score and fits and unit != "1":
         score, why = BY_UNIT, "by its unit"
     if not score and quantity == "time" and _increases(column):
-        score, why = BY_VALUES, "because it increases evenly"
+        score, why = BY_VALUES, "because it increases"
     if score:
-        yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=why)
+        yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
 
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:

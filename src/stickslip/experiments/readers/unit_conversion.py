@@ -103,6 +103,8 @@ def with_motors(
     ------
     InputError
         If there is no such current, or a force beside it.
+    ParameterError
+        If the gain of a current has a unit.
     """
     gains = dict(gains)
     if not constants:

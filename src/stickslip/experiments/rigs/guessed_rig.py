@@ -7,12 +7,11 @@ from typing import Any
 
 from stickslip.experiments.readers.guess import Guess
 from stickslip.experiments.readers.layout import Layout
-from stickslip.units import is_of
 
 __all__ = ["guessed_rig"]
 
 
-def guessed_rig(guess: Guess, file: str | Path) -> str:
+def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
     """Return the text of a commented rig file for what a file seems to hold.
 
     The mechanism is an `Axis` whose inertia is fitted. What is assumed is marked "assumed".
@@ -23,6 +22,8 @@ def guessed_rig(guess: Guess, file: str | Path) -> str:
         What the file seems to hold, from `guess_data`.
     file : str or Path
         The data file as the rig file should name it: relative to the rig file, or absolute.
+    inertia : float
+        Mass [kg] or moment of inertia [kg m^2] from which a fit begins.
 
     Returns
     -------
@@ -44,7 +45,7 @@ def guessed_rig(guess: Guess, file: str | Path) -> str:
     units = { force = "kN" }
     <BLANKLINE>
     """
-    return "\n".join([*_head(guess, file), *_mechanism(guess), *_data(guess, file), ""])
+    return "\n".join([*_head(guess, file), *_mechanism(guess, inertia), *_data(guess, file), ""])
 
 
 def _head(guess: Guess, file: str | Path) -> Iterator[str]:
@@ -60,16 +61,16 @@ def _head(guess: Guess, file: str | Path) -> Iterator[str]:
     yield ""
 
 
-def _mechanism(guess: Guess) -> Iterator[str]:
+def _mechanism(guess: Guess, inertia: float) -> Iterator[str]:
     turning = guess.turning
     yield "[mechanism]"
     what = "moment of inertia" if turning else "mass"
     yield f'type = "axis"  # one {what} with friction; `stickslip models` lists the others'
     unit, example = ("kg m^2", "0.02 kg m^2") if turning else ("kg", "5 kg")
     if "time" in guess.columns and _drive(guess):
-        yield f"# assumed: the {what} is not known and is fitted; the search begins at this value."
+        yield f"# The {what} is not in the file. It is fitted; the search begins at this value."
         yield f'# If it is known, write it without vary: inertia = "{example}"'
-        yield f'inertia = {{ value = "1 {unit}", vary = true }}'
+        yield f'inertia = {{ value = "{inertia:.2g} {unit}", vary = true }}'
     else:
         yield f"# assumed: the file cannot tell the {what}."
         yield f'inertia = "1 {unit}"'
@@ -94,14 +95,12 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
     yield f"columns = {_inline(guess.columns)}"
     if guess.units:
         yield f"units = {_inline(guess.units)}"
-    if "current" in guess.columns:
-        unit = "N m/A" if guess.turning else "N/A"
-        yield f'motor_constant = "1 {unit}"  # assumed: replace it by that of the data sheet'
-    counts = {name: unit for name, unit in guess.units.items() if is_of(unit, "count")}
-    if counts:
-        step = "0.001 rad/count" if guess.turning else "0.001 mm/count"
-        gains = _inline(dict.fromkeys(counts, step))
-        yield f"gain = {gains}  # assumed: replace it by the resolution of the encoder"
+    if guess.motor_constant:
+        cure = "assumed: replace it by that of the data sheet, times the gear ratio"
+        yield f"motor_constant = {_toml(guess.motor_constant)}  # {cure}"
+    if guess.gain:
+        cure = "assumed: replace it by the resolution of the encoder"
+        yield f"gain = {_inline(guess.gain)}  # {cure}"
     if guess.layout is not None and guess.layout != Layout():
         yield ""
         yield "[data.layout]"
