@@ -95,13 +95,15 @@ def raised(function: structure.Function) -> Iterator[str]:
 
 
 def is_command(function: structure.Function) -> bool:
-    """Return whether a decorator such as ``@app.command()`` makes a function a command."""
-    return any(
-        isinstance(mark, ast.Call)
-        and isinstance(mark.func, ast.Attribute)
-        and mark.func.attr == "command"
-        for mark in function.decorator_list
+    """Return whether a decorator makes a function a command.
+
+    It is one such as ``@app.command()`` or ``@command(app, "show")``.
+    """
+    calls = [mark.func for mark in function.decorator_list if isinstance(mark, ast.Call)]
+    names = (
+        call.attr if isinstance(call, ast.Attribute) else getattr(call, "id", "") for call in calls
     )
+    return "command" in names
 
 
 def answers(function: structure.Function) -> bool:

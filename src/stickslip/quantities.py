@@ -5,6 +5,7 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 (checks, paths, tracing, forms, tables) reads that one declaration.
 """
 
+import contextlib
 import dataclasses
 import functools
 import importlib
@@ -16,6 +17,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
+from stickslip.units import is_pint, number_in
 
 __all__ = [
     "SCALES",
@@ -272,7 +274,8 @@ class Quantity:
         name : str
             Name of the parameter, for the error.
         value : object
-            What was given.
+            What was given: a number, a text with a unit such as ``"60 mm"``, or a quantity of the
+            package pint.
 
         Returns
         -------
@@ -287,12 +290,28 @@ class Quantity:
         if type(value) is float and self.allows(value):  # nearly always, and the rest is slow
             return value
         label = f"{owner}.{name} ({self.symbol})"
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        number: Any = self._with_unit(label, value) if _has_unit(value) else value
+        if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
-        number = float(value)
-        if not self.allows(number):
-            raise ParameterError(f"{label} must be {self.range}, got {number:g}.")
-        return number
+        found = float(number)
+        if not self.allows(found):
+            got = repr(str(value)) if _has_unit(value) else f"{found:g}"
+            raise ParameterError(f"{label} must be {self.range}, got {got}.")
+        return found
+
+    def _with_unit(self, label: str, value: object) -> float:
+        """Return a value with a unit as a number, in the unit of either kind of motion."""
+        try:
+            return number_in(value, self.unit)
+        except ParameterError as error:
+            if self.or_unit:
+                with contextlib.suppress(ParameterError):
+                    return number_in(value, self.or_unit)
+            raise ParameterError(f"{label} {error}; allowed is {self.range}.") from None
+
+
+def _has_unit(value: object) -> bool:
+    return isinstance(value, str) or is_pint(value)
 
 
 def _powers(text: str) -> dict[str, int]:

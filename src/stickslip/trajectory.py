@@ -120,6 +120,20 @@ class Certificate:
         return not self.problems
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """Gives the columns of one of several contacts, by the names that they have with one."""
+
+    evaluate: Callable[["NDArray[np.float64]"], Mapping[str, "NDArray[np.float64]"]]
+    """Gives all columns at an array of times."""
+    columns: Mapping[str, str]
+    """Names of the columns, by those that they have here."""
+
+    def __call__(self, t: "NDArray[np.float64]") -> Mapping[str, "NDArray[np.float64]"]:
+        found = self.evaluate(t)
+        return {name: found[column] for name, column in self.columns.items()}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory(InPanels):
     """A run: an array for each state, defined at any time between its start and its end.
@@ -289,18 +303,13 @@ class Trajectory(InPanels):
         own = {f"{kind}:{name}": kind for kind in ("friction", "normal_force", "mode")}
         kept = [column for column in self.names if ":" not in column or column in own]
         kept += [z for z in self.states if ":" in z]
-        evaluate = self.evaluate
-
-        def seen(t: "NDArray[np.float64]") -> Mapping[str, "NDArray[np.float64]"]:
-            columns = evaluate(t)
-            return {own.get(column, column): columns[column] for column in kept}
-
+        seen = {own.get(column, column): column for column in kept}
         return replace(
             self,
             names=tuple(own.get(column, column) for column in kept),
             units={own.get(column, column): unit for column, unit in self.units.items()},
             events=tuple(event for event in self.events if event.contact == name),
-            evaluate=seen,
+            evaluate=_Seen(self.evaluate, seen),
             only_contact=name,
         )
 

@@ -83,6 +83,7 @@ def test_a_gap_in_a_docstring_is_a_fault(old: str, new: str, fault: str) -> None
     [
         ("@app.command()", True),
         ('@data.command("show")', True),
+        ('@command(app, "show")', True),
         ("@app.callback()", False),
         ("@command", False),
         ("@final", False),

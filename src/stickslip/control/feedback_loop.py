@@ -21,6 +21,7 @@ from stickslip.trajectory import Status, Trajectory
 
 if TYPE_CHECKING:
     import numpy as np
+    import pandas as pd
     from numpy.typing import NDArray
 
 __all__ = ["ClosedLoop", "Controller", "closed_loop"]
@@ -88,6 +89,17 @@ class ClosedLoop(InPanels):
     def status(self) -> Status:
         """How the run ended."""
         return self.run.status
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return what was measured, requested and commanded as a pandas DataFrame, a row a sample.
+
+        `run` has the motion, with a ``to_dataframe`` of its own.
+        """
+        import pandas as pd
+
+        seen = {f"measured_{name}": values for name, values in self.measured.items()}
+        commands = {"requested": self.requested, "command": self.commands}
+        return pd.DataFrame({"t": self.t, **seen, **commands})
 
     @override
     def _summary(self) -> Summary:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, TypeAlias, cast, final
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,10 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.quantities import Converted, Numbers, Quantity
+from stickslip.units import is_pint, number_in, pint_magnitude
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "BY_JOINT",
@@ -242,7 +246,7 @@ class Measurement:
             self._set(name, None)
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
             if getattr(self, name) is not None:
-                self._set(name, _numbers(name, quantity, getattr(self, name)))
+                self._set(name, _numbers(name, quantity, getattr(self, name), self.turning))
         if self.trials:
             _check_trials(self)
             self._set("turning", any(trial.turning for trial in self.trials))
@@ -349,6 +353,35 @@ class Measurement:
         known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
 
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return what was measured as a pandas DataFrame, as `load_measurement` reads it.
+
+        Times and quantities have their units in brackets, values as measured, with the offsets of
+        sensors. Of several trials, a column ``trial`` has the names; travels are a row each.
+
+        Examples
+        --------
+        >>> list(Measurement(time=[0, 1], force=[2.0, 3.0], turning=True).to_dataframe())
+        ['time [s]', 'force [N m]']
+        """
+        import pandas as pd
+
+        parts = []
+        for place, record in enumerate(self.records(), 1):
+            columns: dict[str, Any] = {"trial": record.name or place} if self.trials else {}
+            columns |= {} if record.time is None else {"time [s]": record.time}
+            for name in record.quantities():
+                first, _, joint = name.partition(".")
+                held = getattr(record.joints[joint] if joint else record, first)
+                columns[f"{name} [{record.unit(name)}]"] = held
+            parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
+        return pd.concat(parts, ignore_index=True)
+
+    def _is_long(self) -> bool:
+        """Whether there is more than one number of a quantity."""
+        held = (getattr(self, name) for name in QUANTITIES)
+        return self.time is not None or any(isinstance(one, np.ndarray) for one in held)
+
     def values(self, quantity: str) -> Array | float:
         """Return a quantity with its sensor offset subtracted.
 
@@ -433,9 +466,11 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
     return dict(record.joints)
 
 
-def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
+def _numbers(name: str, quantity: Quantity, value: Any, turning: bool) -> Array | float:
     """Return a float, or a read-only copy of an array (n,), all finite."""
     label = f"Measurement.{name} ({quantity.symbol}) [{quantity.unit}]"
+    if isinstance(value, str) or is_pint(value):
+        value = _without_unit(name, quantity, value, turning)
     if isinstance(value, numbers.Real):
         return quantity.check("Measurement", name, value)
     try:
@@ -458,6 +493,17 @@ def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
         )
     array.setflags(write=False)
     return array
+
+
+def _without_unit(name: str, quantity: Quantity, value: Any, turning: bool) -> Any:
+    """Return what has a unit as a number, or as numbers, for this kind of motion."""
+    unit = quantity.or_unit if turning and quantity.or_unit else quantity.unit
+    try:
+        return number_in(value, unit) if isinstance(value, str) else pint_magnitude(value, unit)
+    except ParameterError as error:
+        cure = "; measurements about an axis have turning=True" if quantity.or_unit else ""
+        label = f"Measurement.{name} ({quantity.symbol}) [{unit}]"
+        raise ParameterError(f"{label} {error}{cure * (not turning)}.") from None
 
 
 def _short(value: object) -> str:

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
 from stickslip.formulation import Model
 from stickslip.kernels.driver import events_are_full, log_is_full
 from stickslip.kernels.enums import FULL
 from stickslip.kernels.header import Sizes
 from stickslip.kernels.state_layout import ADDRESS, BOOKS, SEVERAL, SIZE, STATUS
-from stickslip.solver.compile.modules import load, load_compiled
+from stickslip.solver.compile.modules import is_loaded, load, load_compiled
 
 __all__ = ["Runner", "runner_of"]
 
@@ -34,6 +35,13 @@ class Runner:
     """How much of everything the model has."""
     places: tuple[int, ...]
     """Place of each parameter in the vector of a run."""
+    model: Model
+    """The equations."""
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the equations: code is a process's own, and both tiers give the same bits."""
+        return _again, (self.model, self.compiled)
 
     @functools.cached_property
     def header(self) -> tuple[int, ...]:
@@ -207,4 +215,11 @@ def runner_of(model: Model, *, compiled: bool) -> Runner:
         What calls the kernels.
     """
     tier = load_compiled(model) if compiled else load(model)
-    return Runner(tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places)
+    return Runner(
+        tier.kernels, tier.equations, tier.contacts, compiled, model.sizes, model.places, model
+    )
+
+
+def _again(model: Model, compiled: bool) -> Runner:
+    """Return the runner of a pickle; machine code only where this process has it already."""
+    return runner_of(model, compiled=compiled and is_loaded(model))

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.formulation import Model
 from stickslip.kernels.state_layout import ROW_COLUMNS
@@ -61,6 +62,11 @@ class Playback:
         return cls(
             model, runner, inputs, log, np.asarray(log, dtype=np.float64).reshape(count, width)
         )
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the rows; the log is made of them, as the tier takes it."""
+        return _restored, (self.model, self.runner, self.inputs, self.rows)
 
     def span(self) -> tuple[float, float]:
         """Return the first and the last time."""
@@ -122,3 +128,8 @@ class Playback:
                 columns[mode] = columns[mode].astype(np.int8)
             return columns
         return columns | {"mode": self.rows[rows, 3].astype(np.int8)}
+
+
+def _restored(model: Model, runner: Runner, inputs: Inputs, rows: Array) -> Playback:
+    """Return the playback of a pickle."""
+    return Playback(model, runner, inputs, runner.flat(rows), rows)

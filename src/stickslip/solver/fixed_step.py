@@ -174,6 +174,24 @@ def _advanced(
     return diagram.led(t + dt, new)
 
 
+@dataclass(frozen=True)
+class _Lines:
+    """Gives columns between samples, joined by straight lines; the mode stays."""
+
+    names: tuple[str, ...]
+    """Names of the columns."""
+    rows: NDArray[np.float64]
+    """Time, columns and mode (n, 2 + columns)."""
+
+    def __call__(self, t: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
+        rows = self.rows
+        columns = {
+            name: np.interp(t, rows[:, 0], rows[:, i]) for i, name in enumerate(self.names, start=1)
+        }
+        latest = np.searchsorted(rows[:, 0], t, side="right") - 1
+        return {**columns, "mode": rows[latest, -1]}
+
+
 def _trajectory(
     mechanism: Mechanism, diagram: Diagram, rows: NDArray[np.float64], status: Status
 ) -> Trajectory:
@@ -185,14 +203,6 @@ def _trajectory(
         "friction",
         "normal_force",
     )
-
-    def evaluate(t: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
-        columns = {
-            name: np.interp(t, rows[:, 0], rows[:, i]) for i, name in enumerate(names, start=1)
-        }
-        latest = np.searchsorted(rows[:, 0], t, side="right") - 1
-        return {**columns, "mode": rows[latest, -1]}
-
     return Trajectory(
         t=rows[:, 0],
         names=(*names, "mode"),
@@ -201,7 +211,7 @@ def _trajectory(
         status=status,
         certificate=_certificate(diagram, rows),
         span=(0.0, float(rows[-1, 0])),
-        evaluate=evaluate,
+        evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
     )
 

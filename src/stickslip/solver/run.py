@@ -6,15 +6,18 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
+from typing_extensions import override
 
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.enums import STEP_LIMIT
 from stickslip.kernels.state_layout import (
+    ADDRESS,
     EVENT_COLUMNS,
     N_DRIVES,
     REJECTED,
     ROW_COLUMNS,
+    SEVERAL,
     STATUS,
     STEPS,
     Y,
@@ -106,6 +109,20 @@ class Record:
     """The vector of the run at its end."""
     whole: list[int]
     """(WHOLES,): the whole numbers of the run at its end."""
+
+    @override
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle numbers only: the vector of a run has addresses in it, or functions."""
+        numbers = list(self.w)
+        numbers[ADDRESS] = numbers[SEVERAL] = 0.0
+        taken = self.whole[STEPS] * self.runner.header[ROW_COLUMNS]
+        log, events = (np.array(rows, dtype=np.float64) for rows in (self.log, self.events))
+        return _restored, (self.runner, log[:taken], events, np.array(numbers), self.whole)
+
+
+def _restored(runner: Runner, log: Any, events: Any, w: Any, whole: list[int]) -> Record:
+    """Return the record of a pickle, as its tier takes it."""
+    return Record(runner, runner.flat(log), runner.flat(events), runner.taken_over(w), whole)
 
 
 def execute(

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias, TypeVar, final
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, 
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
 from stickslip.trajectory import completed
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Band", "Spread", "band_of"]
 
@@ -101,6 +104,18 @@ class Band(OnAxes):
         places = np.searchsorted(self.t, np.asarray(t, dtype=np.float64))
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
+        import pandas as pd
+
+        ends = ("low", "median", "high")
+        columns = {
+            f"{name}_{end}": row
+            for name, rows in self.states.items()
+            for end, row in zip(ends, rows, strict=True)
+        }
+        return pd.DataFrame({"t": self.t, **columns})
 
     @override
     def _summary(self) -> Summary:

@@ -3,7 +3,7 @@
 import html
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from typing_extensions import override
@@ -25,6 +25,9 @@ from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.rig import check_record
 from stickslip.formatting import quantity, unbroken
 from stickslip.mechanisms import Mechanism
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Checks", "Finding", "check", "faults"]
 
@@ -88,6 +91,14 @@ class Checks:
             "worst": self.worst,
             "findings": [finding.to_dict() for finding in self.findings],
         }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the findings as a pandas DataFrame, a row each."""
+        import pandas as pd
+
+        columns = ["kind", "severity", "record", "sentence"]
+        rows = [(one.kind, one.severity, one.record, str(one)) for one in self.findings]
+        return pd.DataFrame(rows, columns=columns)
 
     @override
     def __str__(self) -> str:

@@ -12,10 +12,10 @@ from stickslip.experiments.differentiation import acceleration_of
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.experiments.slicing import between_gaps
 from stickslip.formatting import number, percent
-from stickslip.mechanisms import MatrixMechanism, Mechanism, stops_of
+from stickslip.mechanisms import Axis, MatrixMechanism, Mechanism, stops_of
 from stickslip.quantities import turned, vary
 
-__all__ = ["energy", "missing", "proportion"]
+__all__ = ["energy", "inertia_of", "missing", "proportion"]
 
 DRIVES: Final = ("force", "reference")
 """What drives a record in time."""
@@ -266,6 +266,38 @@ def _pull(mechanism: Mechanism, x: Array) -> Array:
         for side in (1.0, -1.0)
     )
     return np.asarray(own - (ahead - back) / (2.0 * h) + 0.0 * x)
+
+
+def inertia_of(record: Measurement) -> float | None:
+    """Return the inertia of an axis that moves as it did under the forces of a record.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record in time.
+
+    Returns
+    -------
+    float or None
+        Mass [kg] or moment of inertia [kg m^2], for a first guess; None if the record does not
+        tell one.
+
+    Examples
+    --------
+    >>> t = np.arange(500) / 100
+    >>> force = 10.0 * np.cos(4.0 * t) + np.sign(np.sin(4.0 * t))
+    >>> record = Measurement(time=t, velocity=1.25 * np.sin(4.0 * t), force=force)
+    >>> round(inertia_of(record), 2)
+    2.0
+    """
+    known = record.quantities()
+    if "force" not in known or record.time is None or not {"position", "velocity"} & {*known}:
+        return None
+    moving = motion_of(record)
+    if moving is None or moving.fastest <= CLEAR * moving.noise:
+        return None
+    factor, share = _factor(Axis(inertia=1.0), record, moving)
+    return factor if share >= EXPLAINED and factor > 0.0 else None
 
 
 def proportion(record: Measurement, mechanism: Mechanism | None) -> Iterator[Finding]:

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary as with_values
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "InverseDynamics",
@@ -82,6 +85,13 @@ class InverseDynamics:
     """Columns of the regression (n, p)."""
     weights: Array
     """Weights of the rows (n,), 1 where regression is not robust."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return time, velocity, friction and residual as a pandas DataFrame, a row a sample."""
+        import pandas as pd
+
+        names = ("time", "velocity", "friction", "residual")
+        return pd.DataFrame({name: getattr(self, name) for name in names})
 
     def __getitem__(self, name: str) -> float:
         """Return an estimate by name."""

@@ -18,6 +18,7 @@ from stickslip.solver.compile.messages import notice
 __all__ = [
     "Tier",
     "cache_directory",
+    "is_loaded",
     "load",
     "load_compiled",
     "plain_equations",
@@ -106,6 +107,11 @@ def load_compiled(model: Model) -> Tier:
 @functools.cache
 def _entries() -> Any:
     return KERNELS.functions()
+
+
+def is_loaded(model: Model) -> bool:
+    """Whether this process has the compiled tier of a model already: nothing has to be loaded."""
+    return KERNELS.is_ready() and code_of(model).is_ready()
 
 
 def waiting() -> None:

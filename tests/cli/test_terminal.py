@@ -1,0 +1,235 @@
+"""Help, completion, quiet, the first steps from a data file, and progress without a terminal."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import typer.main
+
+from stickslip import load_rig
+from stickslip.cli import main
+from stickslip.cli.app import app
+from stickslip.cli.help import PANELS
+from stickslip.cli.progress import Searching
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capfd):
+    """Run a command in an empty folder; return exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def called(*arguments):
+        with pytest.raises(SystemExit) as left:
+            main([str(one) for one in arguments])
+        out, err = capfd.readouterr()
+        return left.value.code or 0, out, err
+
+    return called
+
+
+def leaves(group, above=()):
+    for name, command in group.commands.items():
+        if hasattr(command, "commands"):
+            yield from leaves(command, (*above, name))
+        else:
+            yield (*above, name)
+
+
+COMMANDS = list(leaves(typer.main.get_command(app)))
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_each_command_has_short_help_with_an_example_and_can_be_quiet(run, command):
+    code, out, _ = run(*command, "-h")
+    assert code == 0
+    assert run(*command, "--help")[1] == out
+    assert re.search(rf"^  Examples?:\n    \$ stickslip {' '.join(command)}", out, re.MULTILINE)
+    assert "-q, --quiet" in out
+
+
+def test_commands_are_listed_by_panels_and_none_is_left_out(run):
+    code, out, _ = run("-h")
+    assert code == 0
+    heads = [f"\n{title}:" for title in PANELS]
+    assert [out.index(head) for head in heads] == sorted(out.index(head) for head in heads)
+    listed = [name for names in PANELS.values() for name in names]
+    assert sorted(listed) == sorted({command[0] for command in COMMANDS})
+    assert all(f"\n  {name} " in out for name in listed)
+
+
+NEEDING = ("select", "fit", "simulate", "animate", "sweep", "plan")
+
+
+@pytest.mark.parametrize("command", NEEDING)
+def test_without_a_rig_a_command_says_what_it_needs(run, tmp_path, command):
+    code, out, err = run(command)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"stickslip: stickslip {command} needs a rig file (TOML)")
+    assert f"stickslip {command} demo" in err
+    assert "stickslip init" in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["run.csv", "RUN.TXT", "log.mf4", "a.parquet", "a.mat"])
+def test_a_data_file_in_place_of_a_rig_is_offered_init_in_one_line(run, name):
+    code, _, err = run("select", name)
+    assert code == 2
+    assert f"`stickslip init {name}` writes one" in err
+    assert f"stickslip select {Path(name).with_suffix('.toml')}" in err
+    assert err.count("\n") == 1
+
+
+def test_demo_selects_for_the_bundled_rig(run, tmp_path):
+    code, out, _ = run("demo", "--laws", "coulomb", "--json")
+    assert code == 0
+    assert "with mu_k = 0.255" in json.loads(out)["verdict"]  # k x0^2 / (2 m g s)
+    (tmp_path / "stickslip-report").mkdir()
+    assert "already exists" in run("demo")[2]  # without --force
+
+
+def test_quiet_leaves_the_result_and_nothing_else(run):
+    loud = run("fit", "demo", "--law", "coulomb")
+    quiet = run("fit", "demo", "--law", "coulomb", "-q")
+    assert loud[2] != ""
+    assert quiet == (0, loud[1], "")
+    assert run("fit", "nowhere.toml", "-q")[2].startswith("stickslip: nowhere.toml")
+    assert run("fit", "demo", "--law", "coulomb")[2] != ""  # not for ever
+
+
+def test_a_value_is_set_by_its_last_name_where_it_is_the_only_one(run):
+    code, out, _ = run("simulate", "demo", "--law", "coulomb", "--set", "mass=2 kg", "--json")
+    same = run("simulate", "demo", "--law", "coulomb", "--set", "mechanism.mass=2 kg", "--json")
+    assert (code, json.loads(out)["final"]) == (0, json.loads(same[1])["final"])
+    # a key that the file does not have
+    _, out, _ = run("simulate", "demo", "--law", "coulomb", "--set", "t_end=0.1 s", "--json")
+    assert json.loads(out)["status"] == "END_TIME"
+
+
+def test_a_last_name_that_several_have_lists_them(run):
+    code, _, err = run("simulate", "demo", "--set", "viscous_coefficient=0.2")
+    assert code == 2
+    found = re.search(r"several paths end so, (.*): give one of them", " ".join(err.split()))
+    assert found
+    paths = found[1].split(", ")
+    assert len(paths) > 1
+    assert all(path.endswith(".viscous_coefficient") for path in paths)
+    assert load_rig(overrides={paths[0]: 0.2}).laws
+
+
+N = 1500
+T = np.arange(N) / 250
+
+
+@pytest.fixture
+def measured(tmp_path):
+    """Write a German record of an axis; return its true mass and friction."""
+    from stickslip import Axis, CoulombViscous, simulate
+    from stickslip.drives import PiecewiseLinear
+
+    force = 40 * np.sin(2 * np.pi * T) + 15 * np.sin(2.3 * T)
+    axis = Axis(inertia=5.0, drive=PiecewiseLinear(times=T, values=force))
+    law = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
+    x = simulate(axis, law, t_end=float(T[-1])).at(T)["x"]
+    x = 1e3 * x + np.random.default_rng(1).normal(0.0, 0.005, N)
+    rows = "".join(f"{a:.4f};{b:.4f};{c:.4f}\n" for a, b, c in zip(T, x, force, strict=True))
+    text = "Prüfstand Süd\nZeit;Weg;Kraft\ns;mm;N\n" + rows.replace(".", ",")
+    (tmp_path / "messung.csv").write_text(text, encoding="cp1252")
+    return 5.0, 10.0, 30.0
+
+
+def test_two_commands_lead_from_a_german_file_to_a_report(run, tmp_path, measured):
+    code, out, err = run("init", "messung.csv")
+    assert (code, err) == (0, "")
+    assert "column 'Weg' in mm, by its name; " not in out
+    assert "decimal comma" in out
+    assert run("check", "messung.toml")[0] == 0
+    # least squares on differences of positions with 5 um of noise: enough for a start
+    assert load_rig("messung.toml").mechanism.inertia == pytest.approx(5.0, rel=0.3)
+    code, out, _ = run(
+        "select", "messung.toml", "--laws", "coulomb,coulomb-viscous", "--route",
+        "inverse-dynamics", "--json",
+    )  # fmt: skip
+    verdict = json.loads(out)
+    assert (code, verdict["best"]) == (0, "coulomb-viscous")
+    (best,) = [one for one in verdict["candidates"] if one["law"] == "coulomb-viscous"]
+    found = {one["parameter"]: one["value"] for one in best["fit"]["estimates"]}
+    mass, level, slope = measured
+    # velocities are differences of positions with 5 um of noise
+    assert found["mechanism.inertia"] == pytest.approx(mass, rel=0.02)
+    assert found["friction.kinetic_coefficient"] == pytest.approx(level, rel=0.03)
+    assert found["friction.viscous_coefficient"] == pytest.approx(slope, rel=0.03)
+
+
+def test_the_inertia_of_a_small_motor_is_small_enough_to_be_checked(run, tmp_path):
+    # an inertia of 1 kg m^2 would be refused as impossible
+    turned = 8.0 * np.sin(2 * T)
+    torque = 0.002 * -32.0 * np.sin(2 * T) + 0.1 * np.sign(np.cos(2 * T))
+    rows = "".join(f"{a:.4f};{b:.6f};{c:.6f}\n" for a, b, c in zip(T, turned, torque, strict=True))
+    (tmp_path / "a.csv").write_text("Zeit;Winkel;Moment\ns;rad;Nm\n" + rows.replace(".", ","))
+    assert run("init", "a.csv", "-q")[0] == 0
+    assert load_rig("a.toml").mechanism.inertia == pytest.approx(0.002, rel=0.05)
+    assert run("check", "a.toml")[0] == 0
+
+
+def test_init_overwrites_nothing_and_takes_what_is_known(run, tmp_path, measured):
+    assert measured
+    (tmp_path / "messung.toml").write_text("mine")
+    code, _, err = run("init", "messung.csv")
+    assert code == 2
+    assert "--force" in err
+    assert (tmp_path / "messung.toml").read_text() == "mine"
+    code, out, _ = run("init", "messung.csv", "-o", "new/own.toml", "--unit", "force=kN", "--json")
+    assert code == 0
+    assert json.loads(out)["schema"] == "stickslip/init/1"
+    assert json.loads(out)["units"]["force"] == "kN"
+    assert 'file = "../messung.csv"' in (tmp_path / "new" / "own.toml").read_text()
+    assert "takes a .toml file" in run("init", "messung.csv", "-o", "own.json")[2]
+    code, _, err = run("init", "nowhere.csv")
+    assert (code, "does not exist" in err) == (2, True)
+
+
+def test_completion_is_offered_by_the_shell():
+    environment = {**os.environ, "_STICKSLIP_COMPLETE": "complete_bash"}
+    line = {"COMP_WORDS": "stickslip select --jo", "COMP_CWORD": "2"}
+    done = subprocess.run(
+        [sys.executable, "-c", "from stickslip.cli import main; main()"],
+        env={**environment, **line}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.stdout.split() == ["--jobs"]
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+class Interrupts:
+    stopped = False
+    promise = ""
+
+
+def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    names = ["coulomb", "viscous", "lugre", "dahl"]
+    with Searching(names, lambda error: f"{error:g}", Interrupts()) as watch:
+        for second in range(120):
+            clock.now = float(second)
+            watch(names[second // 30], 1.0)
+    lines = capsys.readouterr().err.splitlines()
+    # four steps, and in each at most one line after 20 s
+    assert 4 < len(lines) <= 8
+    assert lines[0] == "Fitting coulomb ..."
+    assert lines[2] == "Fitting viscous ... (1 of 4 done, 30 s, about 1 min 30 s left)"
