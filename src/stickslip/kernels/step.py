@@ -28,6 +28,7 @@ from stickslip.kernels.state_layout import (
     POLYNOMIAL,
     REJECTED,
     RHYTHM,
+    SAMPLED,
     SERIES,
     STATUS,
     STEP,
@@ -156,21 +157,33 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     return good if t + good / 8.0 > t else 0.0
 
 
-def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
-    """Return the length with which a step should be taken again, 0 if it stands.
+def shorter_start(h: float, stop: float, w: Vector) -> float:
+    """Return the length with which a step is taken again that falls at its start, 0 if it stands.
 
     Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
 
-    Reads: TIME, FRACTION, Y, MODES.
+    Reads: TIME.
+    """
+    return h / 8.0 if w[TIME] + h / 64.0 > w[TIME] and h > TINIEST * stop else 0.0
+
+
+def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a step should be taken again, 0 if it stands.
+
+    Reads: TIME, FRACTION, Y, SAMPLED, MODES.
     """
     t = w[TIME]
     fraction = w[FRACTION]
     if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
         return 0.0  # it is at its stop
     if guard != NO_GUARD and fraction == 0.0 and not reverses(guard, whole):
-        return h / 8.0 if t + h / 64.0 > t and h > TINIEST * stop else 0.0
-    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
-        return BEYOND * fraction * h
+        return shorter_start(h, stop, w)
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
+        if t + 0.25 * fraction * h > t:
+            return BEYOND * fraction * h
+        # what is at rest begins with the errors that others leave in the dense output
+        if w[whole[SAMPLED] + guard] == 0.0:
+            return shorter_start(h, stop, w)
     return 0.0
 
 

@@ -14,7 +14,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, ask_law, refresh
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
 from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.state_layout import (
@@ -63,7 +63,7 @@ TOLERATED = 1e-12
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
     """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
 
-    Reads: MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
     """
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -72,6 +72,7 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
         # rounding of the forces of others is no push where the level is 0, say
         own = tolerance * w[whole[MASS] + i * whole[N_COORDINATES] + i]
+        own = max(own, blur(i, w, whole))
         return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
     return sign * w[whole[ACCELERATION] + i] < -tolerance

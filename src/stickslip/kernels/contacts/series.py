@@ -379,9 +379,9 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
-    w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
     w[POLYNOMIAL + 1] = 1.0
     if mode == HELD_FAST:
+        w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
         row, count = whole[NEEDED_SERIES] + n + i, int(w[whole[BOUNDS]]) - 1
         x = search(value, w[whole[DRIFT] + i], slack, row, n, side_sign(guard), count, w)
     else:
