@@ -450,7 +450,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
 
-    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
 
     Parameters
@@ -548,7 +548,7 @@ def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
 def note_sizes(w: Vector, whole: Wholes) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones.
 
-    Reads: SAMPLED, REACHED, LOWEST.
+    Reads: SAMPLED, REACHED, LOWEST, FORCE, MASS, ACCELERATION, MODES.
     Writes: REACHED, LOWEST.
 
     Parameters

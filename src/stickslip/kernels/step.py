@@ -143,7 +143,8 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     Nothing else keeps steps short where a body is held and only its load or the force on it change.
     The next step is no longer than these guards allow.
 
-    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
+    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS,
+    MODES.
     Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
     """
     t = w[TIME]
@@ -223,8 +224,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, MODE, FLAGS,
-    REJECTED, STEPPER, SLOW, MODES.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, FORCE, MASS,
+    ACCELERATION, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
     CHANGED.

@@ -301,9 +301,9 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
 
     Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
-    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, ROOTS,
-    BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS,
-    MODES, LAW_FLAGS, OPEN, STRUCK.
+    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
+    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS,
+    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
     Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
     NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
     LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT,
@@ -398,7 +398,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
     What bristles alone carry only turns, and by its own guard: at rest its speed says nothing. Nor
     does that of what has just begun to slip.
 
-    Reads: TIME, FRACTION, LENGTH, VALUES, REACHED, ROOTS, MODES.
+    Reads: TIME, FRACTION, LENGTH, Y, SCALE, VALUES, REACHED, ROOTS, MODES.
     """
     if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
         return False
@@ -420,7 +420,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
     """Stop a coordinate that slips, or let one go that is held.
 
-    Reads: NEEDED, LEVELS, LOAD, REACHED, MODES, OPEN.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, MODES, OPEN.
     Writes: Y, MODES, OPEN, FORCED.
     """
     i = guard // 2
@@ -441,7 +441,7 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
     Its level falls to zero with the loads, though nothing pushes: it is not broken away from. A
     guard that fell at once tells of no fall: the load of a contact that has just closed is 0 too.
 
-    Reads: FRACTION, NEEDED, LEVELS, LOAD, REACHED, OPEN.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, OPEN.
     Writes: OPEN.
     """
     i, least = guard // 2, REACHED_ZERO * w[whole[REACHED] + guard]
