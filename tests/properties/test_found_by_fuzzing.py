@@ -11,10 +11,16 @@ from tests.properties.fuzzing.rigs import Chain, PendulumCart, ShakenBlock
 
 from stickslip import (
     Axis,
+    BlockChain,
+    ClutchTrain,
     Coulomb,
     Dahl,
+    DirectionDependent,
+    DiscBrake,
     EventDriven,
     LuGre,
+    PowerViscous,
+    QuadraticDrag,
     SpringBlock,
     Stribeck,
     TowedBlock,
@@ -22,6 +28,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sampled, Sine
+from stickslip.mechanisms import Lining, Rotor
 from stickslip.results import Status
 
 FREE = Coulomb(kinetic_coefficient=0.0)
@@ -241,3 +248,67 @@ def test_a_step_taken_again_up_to_a_stop_is_not_stretched_back_to_the_piece_for_
     drive = Sampled(times=(0.0, stop / share, 1.0), values=(0.0, 0.0, 0.0))
     run = simulate(Axis(inertia=1.0, drive=drive), law, t_end=1.0, y0={"v": 0.01})
     assert run.events[0].t == pytest.approx(stop, rel=1e-9)
+
+
+def test_a_load_that_falls_to_zero_opens_what_nothing_pushes():
+    pad = Lining(radius=1.0, load=1.0, press=Ramp(rate=-1.0))
+    law = DirectionDependent(forward_kinetic_coefficient=0.3, backward_kinetic_coefficient=0.5)
+    run = simulate(DiscBrake(inertia=1.0, pads=(pad,)), law, t_end=2.0)
+    assert [(event.reason, event.t) for event in run.events] == [("opens", pytest.approx(1.0))]
+
+
+@pytest.mark.parametrize("press", [None, Sine(amplitude=0.5, frequency=1.0)])
+@pytest.mark.parametrize("torque", [0.7, -0.7])
+def test_torques_that_cancel_but_for_rounding_break_nothing_away(torque, press):
+    drive = Pulse(level=torque, duration=10.0)
+    lining = Lining(radius=0.1, load=1.0, press=press)  # where it changes, steps replace the series
+    inertias, drives = (1.3, 1.2e-6, 3e-7, 34.0), (drive, None, None, None)
+    train = ClutchTrain(
+        rotors=tuple(Rotor(inertia=J, torque=T) for J, T in zip(inertias, drives, strict=True)),
+        clutches=(lining,) * 3,
+    )
+    laws = {
+        "clutch-1": None,
+        "clutch-2": PowerViscous(kinetic_coefficient=0.0, viscous_coefficient=10.0, exponent=2.0),
+        "clutch-3": Coulomb(kinetic_coefficient=0.1),
+    }
+    run = simulate(train, laws, t_end=1.0, throw=False)
+    assert run.status is Status.END_TIME
+    assert not run.events
+    assert math.isclose(run["phi"][-1], 0.5 * torque / 1.3, rel_tol=1e-9)
+
+
+def test_what_creeps_beside_large_forces_is_not_stopped_with_others():
+    V, late = 1.0, 2e-4
+    chain = BlockChain(blocks=2, mass=1e6, coupling=0.0, stiffness=1e6, speed=V, load=1e6)
+    laws = {
+        "block-1": QuadraticDrag(
+            kinetic_coefficient=1.0, viscous_coefficient=0.0, quadratic_coefficient=1e-9
+        ),
+        "block-2": Coulomb(kinetic_coefficient=1e-9),
+    }
+    # block 1 breaks away at 1 s; block 2, (v + V) cos t - V, turns when block 1 has 2e-8 m/s
+    v = V / math.cos(1.0 + late) - V
+    run = simulate(chain, laws, t_end=1.01, y0={"v2": v})
+    assert [event.reason for event in run.events if event.contact == "block-1"] == ["break-away"]
+    assert [event.reason for event in run.events if event.contact == "block-2"] == ["reversal"]
+    assert math.isclose(run["v1"][-1], V * (math.cos(0.01) - 1.0), rel_tol=1e-9)
+
+
+def test_a_disc_that_its_damper_stops_at_once_has_its_energy_accounted_for():
+    pads = (Lining(radius=0.04, load=95.0, press=Sine(amplitude=1.0, frequency=0.1)),)
+    disc = DiscBrake(inertia=1e-7, damping=4e4, pads=pads)
+    law = Coulomb(kinetic_coefficient=0.4)
+    run = simulate(disc, law, t_end=1.0, y0={"omega": 18.0})
+    assert run.certificate.energy_error < 1e-12
+    assert math.isclose(run["phi"][-1], 18.0 * 1e-7 / 4e4, rel_tol=1e-3)
+
+
+@pytest.mark.parametrize("beyond", [-1e-15, 0.0, 1e-15])
+def test_a_spring_that_is_met_within_rounding_of_the_start_is_met_once(beyond):
+    rig = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    law = Coulomb(kinetic_coefficient=0.1)
+    run = simulate(rig, law, t_end=1.0, y0={"x": 0.1 + beyond, "v": -1.0}, throw=False)
+    assert run.status is Status.END_TIME
+    met = [] if beyond < 0.0 else ["spring touches"]
+    assert [event.reason for event in run.events] == [*met, "reversal", "block leaves the spring"]

@@ -1,6 +1,8 @@
 """What a run that reaches its step limit says of the cause."""
 
 import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, final
 
 import pytest
 from tests.contact_cases import coulomb
@@ -8,6 +10,7 @@ from tests.contact_cases import coulomb
 from stickslip import (
     Axis,
     BlockChain,
+    Coulomb,
     EventDriven,
     LuGre,
     Stribeck,
@@ -18,7 +21,11 @@ from stickslip import (
 )
 from stickslip.drives import Sine
 from stickslip.errors import SimulationError
+from stickslip.formatting import quantity
 from stickslip.formulation import formulate
+from stickslip.maths import where
+from stickslip.mechanisms import Contact, Mechanism
+from stickslip.quantities import Quantity
 from stickslip.results import Status
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.initial_states import within_stops
@@ -34,6 +41,40 @@ BRISTLES = LuGre(
     bristle_stiffness=1e15,
     bristle_damping=0.0,
 )
+
+
+FEW_OF_A_RIDGE = EventDriven(max_steps=2000, tier="python")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Ridge(Mechanism):
+    """A body that is driven back to where place and speed add up to zero."""
+
+    name: ClassVar[str] = "ridge"
+    coordinates: ClassVar[tuple[str, ...]] = ("x",)
+    rates: ClassVar[tuple[str, ...]] = ("v",)
+    units: ClassVar[tuple[str, ...]] = ("m",)
+
+    push: Annotated[float, Quantity("F", "N", low=0)]
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * q_dot["x"] * q_dot["x"]
+
+    def potential_energy(self, t, q):
+        return 0.0
+
+    def forces(self, t, q, q_dot, drives):
+        right = q["x"] + q_dot["x"] > 0
+        return {
+            "x": where(right, -self.push, self.push, ("right of the ridge", "left of the ridge"))
+        }
+
+    def contacts(self):
+        return (Contact(slip="x", load=1.0),)
+
+    def drives(self):
+        return {}
 
 
 def fastest_of(mechanism, law, y0):
@@ -90,3 +131,21 @@ def test_a_drive_that_is_faster_than_all_motion_is_named_instead():
 def test_a_run_that_gets_to_its_end_has_no_cause():
     run = simulate(Axis(inertia=1.0), LAYER, t_end=1.0, y0={"v": 0.1})
     assert (run.cause, run.ending) == ("", run.status.value)
+
+
+def test_a_run_whose_switches_lead_back_to_each_other_names_them():
+    ridge = Ridge(push=1.0)
+    weak = Coulomb(kinetic_coefficient=0.01)
+    run = simulate(ridge, weak, t_end=2.0, y0={"x": 1.0}, solver=FEW_OF_A_RIDGE, throw=False)
+    assert run.status is Status.ZENO
+    assert "right of the ridge and left of the ridge" in run.cause or (
+        "left of the ridge and right of the ridge" in run.cause
+    )
+    assert f"At {quantity(run.span[1], 's', 4)} " in run.cause
+
+
+def test_a_run_without_a_step_short_enough_says_where():
+    axis = Axis(inertia=1e-300, stiffness=1e300)
+    run = simulate(axis, LAYER, t_end=1.0, y0={"v": 1.0}, solver=FEW, throw=False)
+    assert run.status is Status.STEP_TOO_SMALL
+    assert "That was at 0 s. Rates of states there are no finite numbers" in run.ending

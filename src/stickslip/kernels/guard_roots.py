@@ -14,12 +14,16 @@ from stickslip.kernels.enums import (
 from stickslip.kernels.itp import itp_limit, itp_point
 from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
+    ACCELERATION,
     CAN_LIFT,
+    DIAGONAL,
     FIRST_LIMIT,
     FIRST_WALL,
+    FORCE,
     FRACTION,
     HAS_BRISTLES,
     LOWEST,
+    MASS,
     MODE,
     MODES,
     N_CONTACTS,
@@ -37,17 +41,23 @@ from stickslip.kernels.state_layout import (
 
 __all__ = [
     "NO_GUARD",
+    "UNWATCHED",
     "coarseness",
     "first_violation",
+    "guard_size",
     "guard_values",
     "is_held",
+    "is_speed",
     "note_least",
     "note_sizes",
     "reverses",
     "rises",
+    "size_of_forces",
 ]
 
 NO_GUARD = -1
+UNWATCHED = 1.0
+"""Value of a guard of several contacts that nothing watches."""
 QUIET = 1e-12
 """Share of the largest speed so far below which a reversal of a bristle law is left unnoticed.
 
@@ -339,12 +349,101 @@ def opposite(guard: int, whole: Wholes) -> int:
     """Return the guard of the other direction, where both are of one level; else itself.
 
     Their sum is twice the level, which tells how large the rounding of either is.
+
+    Reads: MODES.
     """
     if whole[N_CONTACTS] > 0:
-        return guard + 1 - 2 * (guard % 2) if guard < 2 * whole[N_COORDINATES] else guard
+        pair = guard < 2 * whole[N_COORDINATES] and not is_speed(guard, whole)
+        return guard + 1 - 2 * (guard % 2) if pair else guard
     if guard in (BREAK_FORWARD, BREAK_BACKWARD):
         return BREAK_FORWARD + BREAK_BACKWARD - guard
     return guard
+
+
+def is_speed(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is one of a coordinate of several that moves: its speed, not a force.
+
+    Reads: MODES.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES]:
+        return False
+    return whole[whole[MODES] + guard // 2] != HELD_FAST
+
+
+def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return how large a guard has been in the run: a speed as a speed, a force as a force.
+
+    Reads: SCALE, REACHED, MODES.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Size, in the unit that the guard has in the mode at hand.
+    """
+    if is_speed(guard, whole):
+        return w[whole[SCALE] + whole[N_COORDINATES] + guard // 2]
+    return w[whole[REACHED] + guard]
+
+
+def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are of which a held coordinate's needed friction is the rest.
+
+    Inertia forces of others may leave little of them but their rounding.
+
+    Reads: FORCE, MASS, ACCELERATION.
+
+    Parameters
+    ----------
+    i : int
+        Index of the coordinate.
+    w : array (SIZE,)
+        Vector of the run; everything is worked out at a state.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        A sum of absolute values; 0 where no inertia couples coordinates.
+    """
+    if whole[DIAGONAL]:
+        return 0.0
+    n = whole[N_COORDINATES]
+    total = abs(w[whole[FORCE] + i])
+    for j in range(n):
+        total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
+    return total
+
+
+def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are that a guard compares, at a state at hand; 0 if it does not.
+
+    Reads: FORCE, MASS, ACCELERATION, MODES.
+    """
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES] or is_speed(guard, whole):
+        return 0.0
+    return size_of_forces(guard // 2, w, whole)
 
 
 def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
@@ -353,7 +452,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
 
-    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
 
     Parameters
@@ -380,7 +479,8 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         at = sampled + guard
         a, b, c = w[at], w[at + 2 * n_guards], w[at + 4 * n_guards]
         d, e = w[at + 6 * n_guards], w[at + 8 * n_guards]
-        known = max(w[whole[REACHED] + guard], abs(w[sampled + opposite(guard, whole)]))
+        known = max(guard_size(guard, w, whole), abs(w[sampled + opposite(guard, whole)]))
+        known = max(known, size_of_balance(guard, w, whole))
         size = max(abs(a), abs(b), abs(c), abs(d), abs(e), NEGLIGIBLE * known)
         through = 35.0 * a + 140.0 * b - 70.0 * c + 28.0 * d - 5.0 * e
         difference = abs(through - 128.0 * w[at + n_guards])
@@ -450,7 +550,7 @@ def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
 def note_sizes(w: Vector, whole: Wholes) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones.
 
-    Reads: SAMPLED, REACHED, LOWEST.
+    Reads: SAMPLED, REACHED, LOWEST, FORCE, MASS, ACCELERATION, MODES.
     Writes: REACHED, LOWEST.
 
     Parameters
@@ -464,10 +564,14 @@ def note_sizes(w: Vector, whole: Wholes) -> None:
     sampled = whole[SAMPLED]
     reached = whole[REACHED]
     for guard in range(n_guards):
-        largest = w[reached + guard]
-        least = w[sampled + guard]
+        if is_speed(guard, whole):
+            continue  # the largest speeds stand at SCALE
+        largest = max(w[reached + guard], size_of_balance(guard, w, whole))
+        least = math.inf
         for s in range(SAMPLES + 1):
             value = w[sampled + s * n_guards + guard]
+            if value == UNWATCHED and whole[N_CONTACTS] > 0:
+                continue
             largest = max(largest, abs(value))
             least = min(least, value)
         w[reached + guard] = largest

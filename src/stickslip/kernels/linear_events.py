@@ -2,13 +2,15 @@
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, first_fall
-from stickslip.kernels.enums import STOP
+from stickslip.kernels.enums import STOP, SWITCH
 from stickslip.kernels.equations import FIELD, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD, note_least
+from stickslip.kernels.mode_transitions import UNMOVED
 from stickslip.kernels.model_interface import guard_slopes, guards
 from stickslip.kernels.state_layout import (
     DENSE,
     DRIFT,
+    FIRST_LIMIT,
     FLAGS,
     FRACTION,
     MATRIX,
@@ -121,6 +123,9 @@ def first_crossing(t: float, h: float, w: Vector, whole: Wholes) -> int:
     w[FRACTION] = 1.0
     for guard in range(n_guards):
         degree = guard_polynomial(guard, h, w, whole)
+        switches = SWITCH <= guard < whole[FIRST_LIMIT]
+        if switches and -UNMOVED * w[whole[REACHED] + guard] <= w[POLYNOMIAL] < 0.0:
+            w[POLYNOMIAL] = 0.0  # it has just been turned, within rounding of its threshold
         if degree == 0 and w[POLYNOMIAL] >= 0.0:
             continue
         if guard == STOP and whole[MODE] != 0 and w[y + slip] == 0.0:

@@ -40,6 +40,7 @@ from stickslip.kernels.state_layout import (
 
 __all__ = [
     "STALL_LIMIT",
+    "UNMOVED",
     "count_event",
     "handle_event",
     "initial_mode",

@@ -28,6 +28,7 @@ from stickslip.kernels.state_layout import (
     POLYNOMIAL,
     REJECTED,
     RHYTHM,
+    SAMPLED,
     SERIES,
     STATUS,
     STEP,
@@ -142,7 +143,8 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     Nothing else keeps steps short where a body is held and only its load or the force on it change.
     The next step is no longer than these guards allow.
 
-    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
+    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS,
+    MODES.
     Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
     """
     t = w[TIME]
@@ -156,21 +158,33 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     return good if t + good / 8.0 > t else 0.0
 
 
-def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
-    """Return the length with which a step should be taken again, 0 if it stands.
+def shorter_start(h: float, stop: float, w: Vector) -> float:
+    """Return the length with which a step is taken again that falls at its start, 0 if it stands.
 
     Time 0 has no rounding: what falls at once is believed where a step is a tiny part of the piece.
 
-    Reads: TIME, FRACTION, Y, MODES.
+    Reads: TIME.
+    """
+    return h / 8.0 if w[TIME] + h / 64.0 > w[TIME] and h > TINIEST * stop else 0.0
+
+
+def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
+    """Return the length with which a step should be taken again, 0 if it stands.
+
+    Reads: TIME, FRACTION, Y, SAMPLED, MODES.
     """
     t = w[TIME]
     fraction = w[FRACTION]
     if guard >= whole[FIRST_WALL] and fraction == 0.0 and approach(guard, w, whole) > 0.0:
         return 0.0  # it is at its stop
     if guard != NO_GUARD and fraction == 0.0 and not reverses(guard, whole):
-        return h / 8.0 if t + h / 64.0 > t and h > TINIEST * stop else 0.0
-    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT and t + 0.25 * fraction * h > t:
-        return BEYOND * fraction * h
+        return shorter_start(h, stop, w)
+    if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
+        if t + 0.25 * fraction * h > t:
+            return BEYOND * fraction * h
+        # what is at rest begins with the errors that others leave in the dense output
+        if w[whole[SAMPLED] + guard] == 0.0:
+            return shorter_start(h, stop, w)
     return 0.0
 
 
@@ -210,8 +224,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, MODE, FLAGS,
-    REJECTED, STEPPER, SLOW, MODES.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, FORCE, MASS,
+    ACCELERATION, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
     CHANGED.

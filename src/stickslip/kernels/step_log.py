@@ -4,7 +4,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import STOP
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
-from stickslip.kernels.guard_roots import NO_GUARD, guard_values, reverses
+from stickslip.kernels.guard_roots import NO_GUARD, guard_size, guard_values
 from stickslip.kernels.model_interface import power
 from stickslip.kernels.questions import BOOK, MOTION, ask_here
 from stickslip.kernels.state_layout import (
@@ -23,7 +23,6 @@ from stickslip.kernels.state_layout import (
     OPEN,
     PIECE,
     POINT,
-    REACHED,
     RESIDUAL,
     ROUNDING,
     ROW_COLUMNS,
@@ -127,13 +126,6 @@ def note_modes(end: int, log: Vector, whole: Wholes) -> None:
         log[at + n + contacts + c] = whole[whole[OPEN] + c]
 
 
-def speed_of(guard: int, whole: Wholes) -> int:
-    """Return the index of the rate that a guard of speed is the size of."""
-    if whole[N_CONTACTS] == 0:
-        return whole[SLIP]
-    return whole[N_COORDINATES] + guard // 2
-
-
 def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
@@ -142,15 +134,13 @@ def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """
     values = whole[VALUES]
     n_guards = whole[N_GUARDS]
-    reached = whole[REACHED]
-    scale = whole[SCALE]
     guard_values(w[TIME], w, whole, whole[Y], values)
     for i in range(n_guards):
         value = w[values + i]
         if value < 0.0:
-            size = w[reached + i]
-            if reverses(i, whole) or (i == STOP and whole[N_CONTACTS] == 0):
-                size = max(size, w[scale + speed_of(i, whole)])
+            size = guard_size(i, w, whole)
+            if i == STOP and whole[N_CONTACTS] == 0:
+                size = max(size, w[whole[SCALE] + whole[SLIP]])
             at = RESIDUAL if i == guard else VIOLATION
             if size > 0.0:
                 w[at] = max(w[at], -value / size)

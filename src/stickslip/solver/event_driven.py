@@ -24,7 +24,11 @@ from stickslip.solver.initial_states import within_stops
 from stickslip.solver.reducers import reasons
 from stickslip.solver.run import Record, Tier, execute
 from stickslip.solver.sensitivities import Sensing
-from stickslip.solver.step_limits import cause_of_step_limit
+from stickslip.solver.step_limits import (
+    cause_of_small_steps,
+    cause_of_step_limit,
+    cause_of_zeno,
+)
 from stickslip.trajectory import Event, Status, Trajectory
 
 __all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
@@ -273,11 +277,16 @@ def trajectory_of(
     status, cause = status_of(whole[STATUS], model), ""
     if status is Status.STEP_LIMIT:
         cause = cause_of_step_limit(mechanism, law, model, inputs, record, t_end)
+    elif status is Status.STEP_TOO_SMALL:
+        cause = cause_of_small_steps(mechanism, law, model, inputs, record)
+    events = _events(mechanism, model, record)
+    if status is Status.ZENO:
+        cause = cause_of_zeno(events)
     return Trajectory(
         t=playback.times(),
         names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),
         units=column_units(mechanism, _others(mechanism, model)),
-        events=_events(mechanism, model, record),
+        events=events,
         status=status,
         cause=cause,
         certificate=certify(playback, record.w, whole, tolerance),

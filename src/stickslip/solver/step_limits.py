@@ -1,4 +1,4 @@
-"""Why a run took more steps than it may: its fastest motion, its drives, or its events."""
+"""Why a run could not go on: its fastest motion, its drives, or its events."""
 
 import math
 from collections.abc import Sequence
@@ -31,8 +31,15 @@ from stickslip.quantities import parameters
 from stickslip.solver.backend import runner_of
 from stickslip.solver.drive_schedule import Inputs
 from stickslip.solver.run import Record
+from stickslip.trajectory import Event
 
-__all__ = ["FastestMotion", "cause_of_step_limit", "fastest_motion"]
+__all__ = [
+    "FastestMotion",
+    "cause_of_small_steps",
+    "cause_of_step_limit",
+    "cause_of_zeno",
+    "fastest_motion",
+]
 
 STATE_STEP = 1e-6
 """Change of a state over its size, for differences: between rounding and what is not linear."""
@@ -242,6 +249,73 @@ def cause_of_step_limit(
         f"{text}, set by {_listed(_values(mechanism, law), named)}. Check these values, or leave"
         " that motion out: replace a stiff spring by a rigid joint, leave out a small mass, or"
         f" choose a law without bristles. {advice}"
+    )
+
+
+def cause_of_small_steps(
+    mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, inputs: Inputs, record: Record
+) -> str:
+    """Say what the equations are like where no step is short enough.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
+    model : Model
+        Their equations.
+    inputs : Inputs
+        Parameters of the run.
+    record : Record
+        What the kernels wrote down of the run.
+
+    Returns
+    -------
+    str
+        Sentences for users.
+    """
+    where = f"That was at {quantity(float(record.w[TIME]), 's', 4)}."
+    fastest = fastest_motion(model, inputs, record)
+    if fastest is None:
+        return f"{where} Rates of states there are no finite numbers: check large and small values."
+    scale = quantity(fastest.time_scale, "s", 2)
+    named = [path for path, _ in fastest.influences[:MOST_NAMED]]
+    by = f", set by {_listed(_values(mechanism, law), named)}" if named else ""
+    return (
+        f"{where} The fastest motion of the equations has a time scale of {scale}{by}, and times"
+        f" are told apart to {quantity(math.ulp(float(record.w[TIME])), 's', 2)} there."
+    )
+
+
+def cause_of_zeno(events: Sequence[Event]) -> str:
+    """Say which events follow one another without time going on.
+
+    Parameters
+    ----------
+    events : sequence of Event
+        Events of the run.
+
+    Returns
+    -------
+    str
+        A sentence for users, empty if no event has a name.
+    """
+    if not events:
+        return ""
+    last = events[-1].t
+    names: list[str] = []
+    for event in reversed(events):
+        name = f"{event.reason} at {event.contact}" if event.contact else event.reason
+        if event.t != last or len(names) == MOST_NAMED + 1:
+            break
+        if name not in names:
+            names.append(name)
+    listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return (
+        f"At {quantity(last, 's', 4)} these follow one another without end: {listed}. On each side"
+        " of such a threshold the forces lead back to it: let them change over a short way instead"
+        " of at once."
     )
 
 

@@ -50,18 +50,21 @@ class Outcome:
 
 @contextlib.contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
-    """Interrupt what takes longer; compiled code is interrupted only when it returns."""
+    """Interrupt what takes more processor time, so that what else the machine does is nothing.
+
+    Compiled code is interrupted only when it returns.
+    """
 
     def interrupt(number: int, frame: object) -> None:
         raise HangError(f"longer than {seconds:g} s")
 
-    previous = signal.signal(signal.SIGALRM, interrupt)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    previous = signal.signal(signal.SIGPROF, interrupt)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, previous)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, previous)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +76,7 @@ class Campaign:
     """Number of different sets of equations; 0 draws one for each case."""
     solver: EventDriven
     seconds: float = 10.0
-    """Longest time for one case."""
+    """Most processor time for one case."""
     compare: int = 10
     """Every which case is run again with coarser steps; 0 for none."""
     several: bool = False

@@ -32,6 +32,19 @@ LOCATED = 1e-6
 """What it allows of a guard where its event was located, also relative to its size."""
 LEAST = 1e-280
 """Where squares are below the least number that has all its digits, nothing can be compared."""
+PLAYED = 1e-12
+"""The same of energies, where all that was moved in the run has gone again: states are played back
+to the rounding of what they once were."""
+CLOCK = 4
+"""Roundings of the time within which an event may be located."""
+UNNOTICED = 2e-12
+"""Share of its least size that counts, at which what bristles carry need not have turned."""
+LEAST_SHARES = (1e-3, 1e-6)
+"""That size over the speed of all kinetic energy, and over what the largest force gives in all."""
+BESIDE = 1e-8
+"""Size, over that of what moves most in the same unit, of what a coarse run does not resolve."""
+FEW_STEPS = 300
+"""Steps that are compared between the tiers."""
 SENSITIVE = (PendulumCart, stickslip.mechanisms.PendulumCart, TwoLinkArm)
 """Mechanisms whose errors may grow beyond all bounds."""
 Found = Iterator[str]
@@ -143,6 +156,35 @@ class Evidence:
         return max(float(np.abs(self.slip).max()), 1e-9 * fastest)
 
     @cached_property
+    def unnoticed(self) -> float:
+        """Speed at which a reversal on bristles is not noticed."""
+        if not isinstance(self.law, BristleLaw):
+            return 0.0
+        mechanism = self.case.mechanism
+        rest = dict.fromkeys((*self.seen_coordinates, *self.held), 0.0)
+        places = {name: float(self.seen[name][0]) for name in self.seen_coordinates}
+        norm = sum(factor**2 for factor in self.slips.values())
+        along = {name: factor / norm for name, factor in self.slips.items()}
+        mass = 2.0 * float(mechanism.kinetic_energy(rest | places, rest | along))
+        kinetic = max(_energy(self.case, self.seen, i)[1] for i in range(len(self.times)))
+        by_energy, by_force = LEAST_SHARES
+        pull = max(one.force for one in (self.whole or self).each) / mass
+        sizes = (by_energy * math.sqrt(2.0 * kinetic / mass), by_force * pull * self.case.t_end)
+        return UNNOTICED * max(sizes)
+
+    @property
+    def seen_coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(self.case.mechanism.coordinates)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of what does not move."""
+        mechanism = self.case.mechanism
+        normals = [name for contact in mechanism.contacts() for name in contact.normals]
+        return (*normals, *mechanism.held())
+
+    @cached_property
     def before_lift_off(self) -> np.ndarray:
         """Where the body is on the ground; a drive that jumps may have taken it off at the end."""
         ended = self.run.status in (Status.LIFT_OFF, Status.PAINLEVE)
@@ -230,7 +272,9 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
 def holds_no_more_than_break_away(e: Evidence) -> Found:
     """While stuck, friction stays within the level."""
     excess = np.abs(e.seen["friction"]) - e.level
-    wrong = (e.mode == 0) & (excess > ROUNDED * e.force) & e.before_lift_off
+    others = max(one.force for one in (e.whole or e).each)
+    allowed = ROUNDED * e.force + PLAYED * others
+    wrong = (e.mode == 0) & (excess > allowed) & e.before_lift_off
     if wrong.any():
         yield f"held beyond its level by {excess[wrong].max() / e.force:.1e}, {e.first(wrong)}"
 
@@ -249,7 +293,7 @@ def moves_as_its_mode_says(e: Evidence) -> Found:
     """Mode and velocity have one sign, where the rigid equations have one solution at all."""
     if e.case.may_jam:
         return
-    wrong = (e.mode * e.slip < -LOCATED * e.speed) & e.slides
+    wrong = (e.mode * e.slip < -LOCATED * e.speed - e.unnoticed) & e.slides
     if wrong.any():
         yield f"moves against its mode, {e.first(wrong)}"
 
@@ -280,6 +324,10 @@ def presses_on_the_ground(e: Evidence) -> Found:
     load = e.seen["normal_force"]
     size = np.abs(load).max()
     wrong = (load < -ROUNDED * size) & e.before_lift_off & (e.mode != UNLOADED)
+    for i in np.flatnonzero(wrong):  # a load that falls within the rounding of the time
+        sides = e.times[i] + CLOCK * np.spacing(e.times[i]) * np.array([-1.0, 1.0])
+        about = e.run.at(np.clip(sides, *e.run.span))["normal_force"]
+        wrong[i] = load[i] < -ROUNDED * size - np.abs(about - load[i]).max()
     if wrong.any():
         yield f"pulls at the ground, {e.first(wrong)}"
     lifts_off = any(x.reason == "lift-off" for x in e.run.events) and not e.case.may_jam
@@ -290,14 +338,17 @@ def presses_on_the_ground(e: Evidence) -> Found:
 def keeps_its_books(e: Evidence) -> Found:
     """Energies are those of the mechanism; the balance is within its limit or a problem."""
     trust = e.run.certificate
+    works = (trust.energy_end, trust.energy_start, trust.work_supplied, trust.work_friction)
+    moved = max(abs(work) for work in works)
     for t, noted in ((0.0, trust.energy_start), (e.run.span[1], trust.energy_end)):
         expected, size = _energy(e.case, e.run.at(t))
-        if abs(noted - expected) > ROUNDED * size and size > LEAST:
+        if abs(noted - expected) > ROUNDED * size + PLAYED * moved and size > LEAST:
             yield f"energy {noted!r} at {t!r}, by the mechanism {expected!r}"
     mismatch = trust.energy_end - trust.energy_start - trust.work_supplied + trust.work_friction
-    works = (trust.energy_end, trust.energy_start, trust.work_supplied, trust.work_friction)
-    size = max(abs(work) for work in works)
-    if trust.certified and not abs(mismatch) <= 1.1e-5 * (size + _to_and_fro(e)):
+    if not trust.certified:
+        return
+    size = moved
+    if not abs(mismatch) <= 1.1e-5 * (size + _to_and_fro(e)):
         yield f"certified with a mismatch of {mismatch!r} J of {size!r} J"
     taken = trust.work_friction
     if not e.case.has_bristles and not taken >= -ROUNDED * size:
@@ -387,24 +438,27 @@ def agrees_with_a_coarser_run(e: Evidence) -> Found:
         return
     times = np.linspace(*e.run.span, 41)
     a, b = e.run.at(times), other.at(times)
-    for name in e.case.mechanism.coordinates:
-        size = np.abs(a[name]).max() + np.abs(b[name]).max()
+    units = e.case.mechanism.units
+    sizes = [np.abs(a[n]).max() + np.abs(b[n]).max() for n in e.case.mechanism.coordinates]
+    for name, size, unit in zip(e.case.mechanism.coordinates, sizes, units, strict=True):
+        largest = max(s for s, u in zip(sizes, units, strict=True) if u == unit)
         error = np.abs(a[name] - b[name]).max()
-        if error > 1e-2 * size:
+        if error > 1e-2 * size + BESIDE * largest:
             yield f"{name} differs by {error / size:.1e} of its size from a coarser run"
 
 
 def is_the_same_in_the_other_tier(e: Evidence) -> Found:
-    """Compiled and plain runs are equal to the last bit."""
-    tier = "python" if e.solver.tier == "compiled" else "compiled"
-    other = run_case(e.case, replace(e.solver, tier=tier))
-    if (other.status, other.events) != (e.run.status, e.run.events):
-        yield f"{e.run.status.name} and {len(e.run.events)} events, in the other tier"
-        yield f"{other.status.name} and {len(other.events)} events"
+    """Compiled and plain runs are equal to the last bit; plain steps take long."""
+    solver = replace(e.solver, max_steps=min(FEW_STEPS, e.solver.max_steps))
+    runs = [run_case(e.case, replace(solver, tier=tier)) for tier in ("compiled", "python")]
+    run, other = runs
+    if (other.status, other.events) != (run.status, run.events):
+        yield f"{run.status.name} and {len(run.events)} events compiled,"
+        yield f"{other.status.name} and {len(other.events)} events in plain Python"
         return
-    times = np.linspace(*e.run.span, 41)
-    a, b = e.run.at(times), other.at(times)
-    for name in e.run.names:
+    times = np.linspace(*run.span, 41)
+    a, b = run.at(times), other.at(times)
+    for name in run.names:
         if not np.array_equal(a[name], b[name], equal_nan=True):
             yield f"{name} differs by up to {np.nanmax(np.abs(a[name] - b[name])):.1e}"
 

@@ -23,6 +23,7 @@ from stickslip.kernels.equations import (
     WALLS_OF,
     evaluate,
 )
+from stickslip.kernels.guard_roots import size_of_forces
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BRISTLE_COUNTS,
@@ -84,6 +85,7 @@ __all__ = [
     "assemble",
     "balance",
     "bends",
+    "blur",
     "equal_part",
     "note_surplus",
     "prepare",
@@ -367,6 +369,28 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             for j in range(n):
                 total -= w[mass + i * n + j] * w[found + j]
             w[needed + i] = total
+
+
+def blur(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how much of the needed friction of a held coordinate may be rounding.
+
+    Reads: FORCE, MASS, ACCELERATION.
+
+    Parameters
+    ----------
+    i : int
+        Index of the coordinate.
+    w : array (SIZE,)
+        Vector of the run; everything is worked out at a state.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        A force; 0 where no inertia couples coordinates.
+    """
+    return WITHIN * size_of_forces(i, w, whole)
 
 
 def share(w: Vector, whole: Wholes, at: int) -> None:

@@ -14,7 +14,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 """
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, ask_law, refresh
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
 from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.state_layout import (
@@ -63,7 +63,7 @@ TOLERATED = 1e-12
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
     """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
 
-    Reads: MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
     """
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -72,6 +72,7 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
         # rounding of the forces of others is no push where the level is 0, say
         own = tolerance * w[whole[MASS] + i * whole[N_COORDINATES] + i]
+        own = max(own, blur(i, w, whole))
         return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
     return sign * w[whole[ACCELERATION] + i] < -tolerance
@@ -124,9 +125,9 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES, LAW_FLAGS,
-    OPEN, CANDIDATES.
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES.
     Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
@@ -167,9 +168,9 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES, LAW_FLAGS,
-    OPEN, CANDIDATES.
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES.
     Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES, CANDIDATES.

@@ -10,10 +10,18 @@ the distances from hard stops.
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
-from stickslip.kernels.contacts.assembly import WITHIN, ask_law, assemble, put_motion, side_of
+from stickslip.kernels.contacts.assembly import (
+    WITHIN,
+    ask_law,
+    assemble,
+    blur,
+    put_motion,
+    side_of,
+)
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
+from stickslip.kernels.guard_roots import UNWATCHED
 from stickslip.kernels.state_layout import (
     AFFINE,
     BRISTLES,
@@ -53,8 +61,6 @@ __all__ = [
     "law_flags",
 ]
 
-ALWAYS = 1.0
-"""Value of a guard that nothing watches."""
 LEAST_PIVOT = 1e-6
 """Determinant of the reactions at which a run ends, 1 being that without friction."""
 
@@ -95,16 +101,17 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
     assemble(t, w, whole, at)
     for i in range(n):
         mode = whole[modes + i]
-        w[to + 2 * i] = ALWAYS
-        w[to + 2 * i + 1] = ALWAYS
+        w[to + 2 * i] = UNWATCHED
+        w[to + 2 * i + 1] = UNWATCHED
         if mode in (FORWARD, BACKWARD):
             w[to + 2 * i] = mode * w[at + n + i]
         elif mode == HELD_FAST:
             needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
+            spare = blur(i, w, whole)
             if w[levels] < math.inf:
-                w[to + 2 * i] = w[levels] * (1.0 + WITHIN) - needed
+                w[to + 2 * i] = w[levels] * (1.0 + WITHIN) + spare - needed
             if w[levels + 1] < math.inf:
-                w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + needed
+                w[to + 2 * i + 1] = w[levels + 1] * (1.0 + WITHIN) + spare + needed
     for c in range(whole[N_CONTACTS]):
         own_guards(c, t, w, whole, at, to + 2 * n + c * (whole[LAW_SWITCHES] + 1))
     if whole[N_SWITCHES] > 0:
@@ -116,7 +123,7 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
             w[place + j] = margin if whole[FLAGS] & (1 << j) else -margin
     if whole[N_LIMITS] > 0:
         limits_at(t, w, whole, at, to + whole[FIRST_LIMIT])
-    stop_guards(w, whole, at, to, ALWAYS)
+    stop_guards(w, whole, at, to, UNWATCHED)
 
 
 def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
@@ -173,14 +180,14 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
     """
     switches = whole[LAW_SWITCHES]
     for j in range(switches + 1):
-        w[to + j] = ALWAYS
+        w[to + j] = UNWATCHED
     if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + contact]:
         load = w[whole[LOAD] + contact]
         w[to + switches] = -load if whole[whole[OPEN] + contact] else load
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
     if switches > 0 and mode in (FORWARD, BACKWARD):
         flags = whole[whole[LAW_FLAGS] + contact]
-        law_margins(contact, flags, t, w, whole, at, ALWAYS)
+        law_margins(contact, flags, t, w, whole, at, UNWATCHED)
         for j in range(switches):
             margin = w[whole[LAW_VALUES] + j]
             w[to + j] = margin if flags & (1 << j) else -margin
@@ -242,7 +249,7 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if whole[whole[MODES] + whole[whole[SLIPS] + c]] not in (FORWARD, BACKWARD):
             continue
         for _ in range(switches):
-            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at, ALWAYS)
+            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at, UNWATCHED)
             flags = 0
             for j in range(switches):
                 if w[whole[LAW_VALUES] + j] > 0.0:

@@ -66,6 +66,8 @@ MODEST = 1e-3
 """Least speed that counts, over that which the largest kinetic energy would give a coordinate."""
 BEGINNING_SHARE = 1e-6
 """Least speed that counts at the start, over what the forces at hand give in a run."""
+FAINT = 1e-9
+"""Least part of that speed where a motion is at hand whose own speeds are smaller."""
 SHORT_SERIES = 6
 """A series that ends so early is that of a very short step, over which few nodes do."""
 
@@ -242,7 +244,8 @@ def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
 def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes at the start; what is at rest has those that the forces at hand give.
 
-    Where there are none yet, the forces at the end of the run count, as the drives go on now.
+    Where there are none yet, the forces at the end of the run count, as the drives go on now. Where
+    something moves, forces may be those that stop it at once: what it moves with counts then.
 
     Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
     LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
@@ -267,15 +270,19 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     for i in range(states):
         w[scale + i] = abs(w[y + i])
     span = t_end - w[TIME]
-    speed = BEGINNING_SHARE * largest * span
-    for i in range(n):
-        w[scale + n + i] = max(w[scale + n + i], speed)
-        w[scale + i] = max(w[scale + i], BEGINNING_SHARE * w[scale + n + i] * span)
-    for i in range(2 * n, states):  # bristles, which bend far less than bodies move
-        bent = BEGINNING_SHARE * BEGINNING_SHARE * speed * span
-        w[scale + i] = max(w[scale + i], bent)
+    speed, fastest = BEGINNING_SHARE * largest * span, 0.0
     w[LIVELIEST] = 0.0
     note_motion(w, whole)
+    for i in range(n):
+        own = speed
+        if w[LIVELIEST] > 0.0:
+            own = max(FAINT * speed, min(speed, w[scale + n + i]))
+        fastest = max(fastest, own)
+        w[scale + n + i] = max(w[scale + n + i], own)
+        w[scale + i] = max(w[scale + i], BEGINNING_SHARE * w[scale + n + i] * span)
+    for i in range(2 * n, states):  # bristles, which bend far less than bodies move
+        bent = BEGINNING_SHARE * BEGINNING_SHARE * fastest * span
+        w[scale + i] = max(w[scale + i], bent)
 
 
 def note_motion(w: Vector, whole: Wholes) -> None:

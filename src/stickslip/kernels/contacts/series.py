@@ -9,7 +9,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
-from stickslip.kernels.contacts.assembly import assemble
+from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
@@ -333,12 +333,17 @@ def first_stop(best: int, slack: float, w: Vector, whole: Wholes) -> int:
 def value_of(guard: int, w: Vector, whole: Wholes) -> float:
     """Return a guard at the start of the step; infinity for one that nothing watches.
 
-    Reads: Y, LEVELS, NEEDED_SERIES, MODES.
+    What is held within rounding of its level has the allowance of decisions: they held it.
+
+    Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
     n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
-        return w[whole[LEVELS] + guard] + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
+        level = w[whole[LEVELS] + guard]
+        value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
+        spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
+        return value + spare if value < spare else value
     if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
         return mode * w[whole[Y] + n + i]
     return math.inf
@@ -352,7 +357,7 @@ def side_sign(guard: int) -> float:
 def nearest_guard(w: Vector, whole: Wholes) -> int:
     """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`.
 
-    Reads: Y, DENSE, LEVELS, NEEDED_SERIES, MODES.
+    Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     best, least = NO_GUARD, 1.0
@@ -379,9 +384,9 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
-    w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
     w[POLYNOMIAL + 1] = 1.0
     if mode == HELD_FAST:
+        w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
         row, count = whole[NEEDED_SERIES] + n + i, int(w[whole[BOUNDS]]) - 1
         x = search(value, w[whole[DRIFT] + i], slack, row, n, side_sign(guard), count, w)
     else:

@@ -26,7 +26,7 @@ from stickslip.kernels.enums import (
     RUNNING,
 )
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
-from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.guard_roots import NO_GUARD, guard_size
 from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.state_layout import (
     ACCELERATION,
@@ -301,9 +301,9 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
 
     Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
-    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, ROOTS,
-    BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS,
-    MODES, LAW_FLAGS, OPEN, STRUCK.
+    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
+    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS,
+    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
     Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
     NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
     LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT,
@@ -330,7 +330,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     if not exact:
         contact_guards(w[TIME], w, whole, whole[Y], whole[VALUES])
     for other in range(first_contact_guard(whole)):
-        if other == guard or fires_too(other, exact, w, whole):
+        if other == guard or (other // 2 != guard // 2 and fires_too(other, exact, w, whole)):
             stop_or_break(other, w, whole)
     lifted = -1
     if guard >= whole[FIRST_WALL]:
@@ -395,28 +395,37 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
     """Whether a guard of a coordinate falls in the instant at hand, too.
 
-    What bristles alone carry only turns, and by its own guard: at rest its speed says nothing.
+    What bristles alone carry only turns, and by its own guard: at rest its speed says nothing. Nor
+    does that of what has just begun to slip.
 
-    Reads: TIME, FRACTION, LENGTH, VALUES, REACHED, ROOTS, MODES.
+    Reads: TIME, FRACTION, LENGTH, Y, SCALE, VALUES, REACHED, ROOTS, MODES.
     """
     if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
         return False
+    values = whole[ROOTS] if exact else whole[VALUES]
+    # of a level that has vanished both sides are near: nothing breaks away in both directions
+    if whole[whole[MODES] + guard // 2] == HELD_FAST:
+        opposite = guard + 1 - 2 * (guard % 2)
+        if not w[values + guard] < w[values + opposite]:
+            return False
+    elif w[whole[Y] + whole[N_COORDINATES] + guard // 2] == 0.0:
+        return False
     if exact:
         h = w[LENGTH]
-        return w[whole[ROOTS] + guard] <= w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
-    size = w[whole[REACHED] + guard]
-    return size > 0.0 and w[whole[VALUES] + guard] <= REACHED_ZERO * size
+        return w[values + guard] <= w[FRACTION] + TOGETHER * max(abs(w[TIME]), h) / h
+    size = guard_size(guard, w, whole)
+    return size > 0.0 and w[values + guard] <= REACHED_ZERO * size
 
 
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
     """Stop a coordinate that slips, or let one go that is held.
 
-    Reads: MODES.
-    Writes: Y, MODES, FORCED.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, MODES, OPEN.
+    Writes: Y, MODES, OPEN, FORCED.
     """
     i = guard // 2
     mode = whole[whole[MODES] + i]
-    if mode == HELD_FAST:
+    if mode == HELD_FAST and not opens_instead(guard, w, whole):
         whole[whole[FORCED] + i] = FORWARD if guard % 2 == 0 else BACKWARD
     elif mode in (FORWARD, BACKWARD) and guard % 2 == 0:
         if whole[whole[RIGID] + i]:
@@ -426,10 +435,34 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
             whole[whole[MODES] + i] = -mode
 
 
+def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Open the contacts whose loads have vanished, if that alone let a coordinate go.
+
+    Its level falls to zero with the loads, though nothing pushes: it is not broken away from. A
+    guard that fell at once tells of no fall: the load of a contact that has just closed is 0 too.
+
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, OPEN.
+    Writes: OPEN.
+    """
+    i, least = guard // 2, REACHED_ZERO * w[whole[REACHED] + guard]
+    if whole[CONSTANT_LOADS] or w[FRACTION] == 0.0:
+        return False
+    if max(abs(w[whole[NEEDED] + i]), w[whole[LEVELS] + guard]) > least:
+        return False
+    found = False
+    for c in range(whole[N_CONTACTS]):
+        if whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c]:
+            light = w[whole[LOAD] + c] <= REACHED_ZERO * w[whole[REACHED] + lift_guard(c, whole)]
+            if light and not whole[whole[REACTS] + c]:
+                whole[whole[OPEN] + c] = 1
+                found = True
+    return found
+
+
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
     """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
 
-    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS, OPEN.
+    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS, CLOSED.
     Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
     """
     wide = whole[LAW_SWITCHES] + 1
@@ -440,7 +473,7 @@ def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
         return -1
     if whole[whole[REACTS] + contact]:
         return contact
-    whole[whole[OPEN] + contact] = 1 - whole[whole[OPEN] + contact]
+    whole[whole[OPEN] + contact] = whole[whole[CLOSED] + contact]  # whatever fell with its load
     return -1
 
 
