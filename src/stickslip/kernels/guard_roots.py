@@ -1,5 +1,7 @@
 """Where inside a step a guard is first violated."""
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import (
