@@ -83,9 +83,5 @@ class Target(ABC):
     """What it is, in running text."""
 
     @abstractmethod
-    def files(self, subject: Subject) -> Mapping[str, str]:
-        """Return the texts of the files by name; the same for the same law, whenever it is made."""
-
-    def remarks(self, subject: Subject) -> tuple[str, ...]:  # noqa: ARG002  # most carry all over
-        """Return what does not carry over, in sentences."""
-        return ()
+    def export(self, subject: Subject) -> Export:
+        """Return the files of a law; the same for the same law, whenever they are made."""

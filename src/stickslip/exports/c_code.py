@@ -1,11 +1,11 @@
 """C99: a header and a source without memory, state or libraries but ``math.h``."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.exports.base import Target
+from stickslip.exports.base import Export, Target
 from stickslip.exports.languages import C, contains
 from stickslip.exports.program import Function
 from stickslip.exports.programs import Source, commented
@@ -31,12 +31,13 @@ class CCode(Target):
     title: ClassVar[str] = "C99"
 
     @override
-    def files(self, subject: Subject) -> Mapping[str, str]:
+    def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=C, safe=_safe)
-        return {
+        files = {
             f"{subject.name}.h": "\n".join(_header(source)) + "\n",
             f"{subject.name}.c": "\n".join(_source(source)) + "\n",
         }
+        return Export(target=self.name, files=files)
 
 
 def _header(source: Source) -> Iterator[str]:

@@ -28,7 +28,7 @@ LOCAL: Final = (
     "factor", "normal", "displacement", "friction", "sticks", "steady", "level",
     "velocity_end", "speed_end", "speed_mid", "share", "used", "rest", "sense",
     "pivot", "ahead", "back", "result", "rates", "break_away", "step", "slide", "departure",
-    "compensation", "x", "v", "mode", "force_v", "first_v", "second_v",
+    "compensation", "slip", "x", "v", "along", "v_start", "force_v", "first_v", "second_v",
 )  # fmt: skip
 """Names that programs use themselves."""
 OF_BRISTLES: Final = (

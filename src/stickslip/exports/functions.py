@@ -12,7 +12,7 @@ if break-away allows, or slips on in the other sense.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import symengine as se
 
@@ -48,7 +48,11 @@ MEANINGS: Final = {
     "force": ("N", "friction force, with the sign of the velocity"),
     "speed": ("m/s", "slip speed in the direction"),
 }
-Body = tuple[Statement, ...]
+WITH_BRISTLES: Final = "Friction force at a velocity and a bristle state."
+WITHOUT: Final = (
+    "Friction force at a velocity; 0 at rest, where it may be any force up to break-away."
+)
+Body: TypeAlias = tuple[Statement, ...]
 
 
 def functions_of(law: Equations, *, turning: bool = False) -> tuple[Function, ...]:
@@ -143,9 +147,7 @@ class _Writer:
         )
         return Function(
             name="friction",
-            summary="Friction force at a velocity"
-            + (" and a bristle state." if self.states else "; 0 at rest, where it may be any force up to"
-               " break-away."),
+            summary=WITH_BRISTLES if self.states else WITHOUT,
             inputs=(_variable("velocity"), *self.bristles, _variable("load")),
             outputs=(_variable("force"),),
             body=_loaded(_by_velocity(("force",), forces)),
@@ -299,7 +301,7 @@ class _Writer:
         """Write the sense in which a body at rest begins to slip."""
         return Function(
             name="departure",
-            summary="Direction in which slip begins from rest: 1 forward, -1 backward, 0 if it sticks.",
+            summary="Direction in which slip begins from rest, 0 if the body sticks.",
             inputs=(_variable("applied"), *self.bristles, _variable("load")),
             outputs=(self._direction("1 forward, -1 backward, 0 at rest"),),
             body=self._held() if self.law.holds else self._let_go(),

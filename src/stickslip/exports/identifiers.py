@@ -13,21 +13,22 @@ TEMPORARY: Final = re.compile(r"[csx]\d+")
 """Names of temporaries and of switches, which no symbol may have."""
 RESERVED: Final = frozenset(
     """
-    algorithm alignas alignof and annotation asm assert auto block bool boolean break case catch char
-    class classdef complex connect connector const constant constexpr constrainedby continue decltype
-    default delete der discrete do double each else elseif elsewhen encapsulated end enum equation
-    eval expandable explicit export extends extern external false final float flow for friend function
-    global goto if import imaginary impure in initial inline inner input int integer loop long model
-    mutable namespace new noexcept not nullptr operator or otherwise outer output package parallel
-    parfor partial persistent pre private protected public pure real record redeclare reinit register
-    replaceable restrict return sample short signed sizeof spmd static string struct stream switch
-    template terminal terminate then this throw time true try type typedef typeid typename typeof
-    union unsigned unwind_protect using virtual void volatile when while within xor
-    abs acos asin atan ceil cos cosh erf exp fabs floor fmax fmin gamma hypot isnan isinf j0 j1 jn
-    lgamma log log10 max min mod pi pow rem round sign sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
-    ans eps i inf j nan nargin nargout NaN Inf NAN INFINITY HUGE_VAL NULL EOF I errno linux unix
-    Boolean Integer Real String
-    """.split()
+    algorithm alignas alignof and annotation asm assert auto block bool boolean break case catch
+    char class classdef complex connect connector const constant constexpr constrainedby
+    continue decltype default delete der discrete do double each else elseif elsewhen
+    encapsulated end enum equation eval expandable explicit export extends extern external false
+    final float flow for friend function global goto if import imaginary impure in initial
+    inline inner input int integer loop long model mutable namespace new noexcept not nullptr
+    operator or otherwise outer output package parallel parfor partial persistent pre private
+    protected public pure real record redeclare reinit register replaceable restrict return
+    sample short signed sizeof spmd static string struct stream switch template terminal
+    terminate then this throw time true try type typedef typeid typename typeof union unsigned
+    unwind_protect using virtual void volatile when while within xor abs acos asin atan ceil cos
+    cosh erf exp fabs floor fmax fmin gamma hypot isnan isinf j0 j1 jn lgamma log log10 max min
+    mod pi pow rem round sign sin sinh sqrt tan tanh tgamma trunc y0 y1 yn ans eps i inf j nan
+    nargin nargout NaN Inf NAN INFINITY HUGE_VAL NULL EOF I errno linux unix Boolean Integer
+    Real String
+    """.split()  # noqa: SIM905  # a list of texts would have a page of quotes
 )
 """Words of C, C++, MATLAB and Modelica, and functions and constants that every file of them has."""
 

@@ -9,7 +9,7 @@ from typing import Final, final
 from stickslip.exports.program import Assign, Branch, Call, Constant, Function, Statement, assigned
 from stickslip.formulation import Block, Syntax
 
-__all__ = ["C", "MATLAB", "MODELICA", "Language", "Written", "contains", "written"]
+__all__ = ["MATLAB", "MODELICA", "C", "Language", "Written", "contains", "written"]
 
 WIDTH: Final = 96
 SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}

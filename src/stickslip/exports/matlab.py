@@ -1,11 +1,11 @@
 """MATLAB and Octave: a file for each function, and the text of a MATLAB Function block."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import ClassVar, Final, final
 
 from typing_extensions import override
 
-from stickslip.exports.base import Target
+from stickslip.exports.base import Export, Target
 from stickslip.exports.languages import MATLAB
 from stickslip.exports.program import Function
 from stickslip.exports.programs import Source, commented
@@ -24,7 +24,7 @@ class Matlab(Target):
     title: ClassVar[str] = "MATLAB, Simulink and GNU Octave"
 
     @override
-    def files(self, subject: Subject) -> Mapping[str, str]:
+    def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=MATLAB, safe=str)
         texts = {source.called(one): list(_function(source, one)) for one in source.functions}
         block = f"{subject.name}_{BLOCK}"
@@ -32,7 +32,8 @@ class Matlab(Target):
         header = list(commented(source.header(), "% "))
         files = {name: [text[0], *header, *text[1:]] for name, text in texts.items()}
         files[block] = [whole[0], *header, *whole[1:]]
-        return {f"{name}.m": "\n".join(lines) + "\n" for name, lines in files.items()}
+        written = {f"{name}.m": "\n".join(lines) + "\n" for name, lines in files.items()}
+        return Export(target=self.name, files=written)
 
 
 def _function(source: Source, function: Function) -> Iterator[str]:
@@ -52,7 +53,9 @@ def _function(source: Source, function: Function) -> Iterator[str]:
 def _about(name: str, function: Function) -> Iterator[str]:
     lines = [f"{name.upper()}  {function.summary}"]
     lines += [f"  {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.inputs]
-    lines += [f"  returns {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.outputs]
+    lines += [
+        f"  returns {one.name}: {one.meaning} [{one.unit or '1'}]" for one in function.outputs
+    ]
     yield from commented(lines, "%")
     yield "%#codegen"
 
@@ -73,9 +76,9 @@ def _block(source: Source, name: str) -> Iterator[str]:
     others = [one.name for one in step.outputs[len(states) :]]
     yield f"function [{', '.join((*states, *others))}] = {name}({inputs})"
     about = [
-        f"{name.upper()}  Body with friction, one period at a call: text of a MATLAB Function block.",
-        "  Copy this file into the block and give the block the sample time `period`. It begins at"
-        " rest.",
+        f"{name.upper()}  Body with friction, one period at a call.",
+        "  Text of a MATLAB Function block: copy this file into it and give it the sample time"
+        " `period`. The body begins at rest.",
     ]
     yield from commented(about, "%")
     yield "%#codegen"

@@ -1,12 +1,13 @@
 """Modelica: a package with the functions of a law, and a model of a body that sticks and slips."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.exports.base import Target
+from stickslip.exports.base import Export, Target
+from stickslip.exports.identifiers import identifier
 from stickslip.exports.languages import MODELICA
 from stickslip.exports.program import Function, Variable
 from stickslip.exports.programs import Source, commented
@@ -41,13 +42,20 @@ class Modelica(Target):
     title: ClassVar[str] = "Modelica"
 
     @override
-    def files(self, subject: Subject) -> Mapping[str, str]:
+    def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=MODELICA, safe=_safe)
-        return {f"{subject.name}.mo": "\n".join(_package(source)) + "\n"}
+        text = "\n".join(_package(source)) + "\n"
+        return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
+
+
+def _package_name(source: Source) -> str:
+    """Return the name of the package, which begins with a capital in Modelica."""
+    words = source.subject.name.split("_")
+    return identifier("".join(f"{word[:1].upper()}{word[1:]}" for word in words))
 
 
 def _package(source: Source) -> Iterator[str]:
-    name = source.subject.name
+    name = _package_name(source)
     yield f'package {name} "Friction law of the package stickslip"'
     yield from commented([*source.subject.header()], "  // ")
     for one in source.functions:
@@ -86,62 +94,77 @@ def _declared(one: Variable) -> str:
 
 def _model(source: Source) -> Iterator[str]:
     """Yield a body with one coordinate, whose friction is the law."""
-    turning, law = source.subject.turning, source.subject.equations
-
-    def of(name: str, unit: str, meaning: str, start: str = "") -> str:
-        given = f", start={start}, fixed=true" if start else ""
-        return f'{name}(unit="{modelica_unit(turned(unit, turning))}"{given}) "{meaning}";'
-
-    yield '    model Body "Body under an applied force and friction, which sticks and slips"'
-    yield f"        parameter Real {of('mass', 'kg', 'mass or moment of inertia')[:-1]} = 1.0;"[
-        :0
-    ] + f'        parameter Real mass(unit="{modelica_unit(turned("kg", turning))}") = 1.0 "inertia";'
-    yield f'        parameter Real v_start(unit="{modelica_unit(turned("m/s", turning))}") = 0.0 "velocity at the start";'
-    yield f"        input Real {of('applied', 'N', 'force on the body without friction')}"
-    yield '        input Real load(unit="N") "normal force";'
-    yield f"        Real {of('x', 'm', 'displacement', '0.0')}"
-    yield f"        Real {of('v', 'm/s', 'slip velocity', 'v_start')}"
-    for z in law.bristles:
-        yield f"        Real {of(z, 'm', 'bristle state', '0.0')}"
-    yield f"        Real {of('force', 'N', 'friction force')}"
-    yield from _held(law.bristles) if law.holds else _free(law.bristles)
-    yield "    end Body;"
+    law = source.subject.equations
+    units = {
+        name: modelica_unit(turned(unit, source.subject.turning))
+        for name, unit in (("mass", "kg"), ("v", "m/s"), ("x", "m"), ("force", "N"))
+    }
+    yield from (
+        '    model Body "Body under an applied force and friction, which sticks and slips"',
+        f'        parameter Real mass(unit="{units["mass"]}") = 1.0 "mass or moment of inertia";',
+        f'        parameter Real v_start(unit="{units["v"]}") = 0.0 "velocity at the start";',
+        f'        input Real applied(unit="{units["force"]}") "force on the body but friction";',
+        '        input Real load(unit="N") "normal force";',
+        f'        Real x(unit="{units["x"]}", start=0.0, fixed=true) "displacement";',
+        f'        Real v(unit="{units["v"]}", start=v_start, fixed=true) "slip velocity";',
+        *(
+            f'        Real {z}(unit="{units["x"]}", start=0.0, fixed=true) "bristle state";'
+            for z in law.bristles
+        ),
+        f'        Real force(unit="{units["force"]}") "friction force";',
+        *(_held(law.bristles) if law.holds else _free(law.bristles)),
+        "    end Body;",
+    )
 
 
 def _free(bristles: tuple[str, ...]) -> Iterator[str]:
-    states = "".join(f"{z}, " for z in bristles)
-    rates = ", ".join(f"der({z})" for z in bristles)
-    yield "    equation"
-    yield "        der(x) = v;"
-    yield "        mass*der(v) = applied - force;"
-    yield f"        force = friction(v, {states}load);"
-    left = rates if len(bristles) == 1 else f"({rates})"
-    yield f"        {left} = rates(v, {states}load);"
+    """Yield the equations of a body that bristles alone hold."""
+    arguments = ", ".join(("v", *bristles, "load"))
+    yield from (
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = applied - force;",
+        f"        force = friction({arguments});",
+        f"        {_results(f'der({z})' for z in bristles)} = rates({arguments});",
+    )
 
 
 def _held(bristles: tuple[str, ...]) -> Iterator[str]:
-    turned_states = "".join(f"direction*{z}, " for z in bristles)
-    yield '        Real along "friction force along the direction of slip";'
-    yield from (f'        Real {z}_rate "rate along the direction of slip";' for z in bristles)
-    yield '        Integer direction(start=if v_start > 0.0 then 1 else if v_start < 0.0 then -1 else 0, fixed=true) "1 forward, -1 backward, 0 at rest";'
-    yield "    equation"
-    yield "        der(x) = v;"
-    yield "        mass*der(v) = if direction == 0 then 0.0 else applied - force;"
-    yield "        force = if direction == 0 then applied else direction*along;"
-    results = ", ".join(("along", *(f"{z}_rate" for z in bristles)))
-    left = f"({results})" if bristles else results
-    yield f"        {left} = slip(direction*v, {turned_states}if direction < 0 then -1.0 else 1.0, load);"
+    """Yield the equations of a body that rests exactly, and the events between rest and slip."""
+    rates = [f"{z}_rate" for z in bristles]
+    arguments = ", ".join(("direction*v", *(f"direction*{z}" for z in bristles), "sense", "load"))
     yield from (
-        f"        der({z}) = if direction == 0 then 0.0 else direction*{z}_rate;" for z in bristles
+        '        Real along "friction force along the direction of slip";',
+        *(f'        Real {rate} "rate along the direction of slip";' for rate in rates),
+        '        Real sense "1 or -1: the direction of slip, the last one at rest";',
+        "        Integer direction(start=if v_start > 0.0 then 1 else if v_start < 0.0 then -1 else"
+        " 0,",
+        '            fixed=true) "1 forward, -1 backward, 0 at rest";',
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = if direction == 0 then 0.0 else applied - force;",
+        "        force = if direction == 0 then applied else direction*along;",
+        "        sense = if direction < 0 then -1.0 else 1.0;",
+        f"        {_results(('along', *rates))} = slip({arguments});",
+        *(
+            f"        der({z}) = if direction == 0 then 0.0 else direction*{z}_rate;"
+            for z in bristles
+        ),
+        "        when pre(direction) == 0 and applied > break_away(1.0, load) then",
+        "            direction = 1;",
+        "        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, load) then",
+        "            direction = -1;",
+        "        elsewhen pre(direction) == 1 and v < 0.0 then",
+        "            direction = if -applied > break_away(-1.0, load) then -1 else 0;",
+        "            reinit(v, 0.0);",
+        "        elsewhen pre(direction) == -1 and v > 0.0 then",
+        "            direction = if applied > break_away(1.0, load) then 1 else 0;",
+        "            reinit(v, 0.0);",
+        "        end when;",
     )
-    yield "        when pre(direction) == 0 and applied > break_away(1.0, load) then"
-    yield "            direction = 1;"
-    yield "        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, load) then"
-    yield "            direction = -1;"
-    yield "        elsewhen pre(direction) == 1 and v < 0.0 then"
-    yield "            direction = if -applied > break_away(-1.0, load) then -1 else 0;"
-    yield "            reinit(v, 0.0);"
-    yield "        elsewhen pre(direction) == -1 and v > 0.0 then"
-    yield "            direction = if applied > break_away(1.0, load) then 1 else 0;"
-    yield "            reinit(v, 0.0);"
-    yield "        end when;"
+
+
+def _results(names: Iterable[str]) -> str:
+    """Return the left side of an equation with the results of a function."""
+    found = tuple(names)
+    return found[0] if len(found) == 1 else f"({', '.join(found)})"

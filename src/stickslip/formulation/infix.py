@@ -92,10 +92,10 @@ class Block:
         shared, reduced = se.cse(flat)
         names: dict[str, str] = {}
         for symbol, value in shared:
-            text = self.text(value, names)
+            text = self._text(value, names)
             names[str(symbol)] = self.fresh()
             self.assign(names[str(symbol)], text)
-        return [self.text(e, names) for e in reduced]
+        return [self._text(e, names) for e in reduced]
 
     def _branch(self, name: str, piecewise: se.Piecewise) -> None:
         yes, condition, no, _ = piecewise.args
@@ -117,14 +117,14 @@ class Block:
         (left, right) = self.scope([low, high])
         return f"{left} < {right}"
 
-    def text(self, e: se.Expr, names: Mapping[str, str]) -> str:
+    def _text(self, e: se.Expr, names: Mapping[str, str]) -> str:
         """Return the text of an expression; a temporary is written first where one is needed."""
         if e.is_Symbol:
             return names.get(str(e), str(e))
         if e.is_Number:
             return _constant(e)
         if e.is_Add:
-            terms = [self.text(term, names) for term in e.args]
+            terms = [self._text(term, names) for term in e.args]
             return terms[0] + "".join(
                 f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:]
             )
@@ -135,10 +135,10 @@ class Block:
         return self._call(type(e).__name__.lower(), e.args[0], names)
 
     def _call(self, function: str, argument: se.Expr, names: Mapping[str, str]) -> str:
-        return f"{self.syntax.functions[function]}({self.text(argument, names)})"
+        return f"{self.syntax.functions[function]}({self._text(argument, names)})"
 
     def _factor(self, e: se.Expr, names: Mapping[str, str]) -> str:
-        text = self.text(e, names)
+        text = self._text(e, names)
         return f"({text})" if e.is_Add or text.startswith("-") else text
 
     def _product(self, e: se.Expr, names: Mapping[str, str]) -> str:
@@ -164,14 +164,14 @@ class Block:
         if base == se.E:
             return self._call("exp", exponent, names)
         if _negative(exponent):
-            return f"1.0/({self.text(base**-exponent, names)})"
+            return f"1.0/({self._text(base**-exponent, names)})"
         if exponent == se.Rational(1, 2):
             return self._call("sqrt", base, names)
         if not exponent.is_Integer:
             return self.syntax.power.format(
-                base=self.text(base, names), exponent=self.text(exponent, names)
+                base=self._text(base, names), exponent=self._text(exponent, names)
             )
-        text = self.text(base, names)
+        text = self._text(base, names)
         if not base.is_Symbol:
             name = self.fresh()
             self.assign(name, text)
