@@ -72,7 +72,7 @@ class Settings:
     t_end: float | None
     """Last time [s]; that of the rig if None."""
     samples: int
-    """Number of evenly spaced rows of the export."""
+    """Number of evenly spaced rows of the run's file."""
     fixed_step: float | None
     """Step of a fixed-step integrator [s]; events are located exactly if None."""
     method: str
@@ -114,7 +114,7 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Simulate, export, show; then draw the page.
+    """Simulate, write the run, show; then draw the page.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def run(
     settings : Settings
         Law, end time, integrator and ensemble.
     output : Path or None
-        CSV or Parquet file of the export; none is written if None.
+        CSV or Parquet file of the run; none is written if None.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
     force : bool
@@ -161,7 +161,7 @@ def run(
     if not as_json:
         _show(ran, settings)
         if output is not None:
-            stdout().print(f"\nExported: {output}", markup=False)
+            stdout().print(f"\nWritten: {output}", markup=False)
     page_code = 0
     if settings.report is not None:
         kept = "The result of the run is not affected."

@@ -3,9 +3,9 @@
 The step holds the applied force constant, as a controller does between two samples. While the body
 slips, velocity and bristles go on by a method of Rosenbrock and Wanner of second order (ROS2 of
 Verwer et al., SIAM J. Sci. Comput. 20, 1999) with gamma = 1 - 1/sqrt(2), which is L-stable and has
-order 2 whatever matrix stands in for the Jacobian. So of the Jacobian only what damps is kept: then
-its linear systems have a pivot of at least 1 and cannot fail, and stiff bristles need no smaller
-period. Where the velocity passes 0, the period is divided: the body rests for what is left of it
+order 2 whatever matrix stands in for the Jacobian. So what would not damp is left out of the
+Jacobian: then the pivots of its linear systems are at least 1, no step can fail, and stiff bristles
+need no smaller period. Where the velocity passes 0, the period is divided: the body rests for what is left of it
 if break-away allows, or slips on in the other sense.
 """
 
@@ -258,7 +258,7 @@ class _Writer:
         )
 
     def _slopes(self) -> Body:
-        """Assign the force, the rates, and those slopes of them that damp."""
+        """Assign the force, the rates, and the slopes of all; rates of bristles negative."""
         names = ["force_v"]
         for z in self.law.bristles:
             names += [f"force_{z}", f"rate_v_{z}", f"rate_{z}"]
@@ -268,8 +268,7 @@ class _Writer:
             for z, rate in zip(self.states, rates, strict=True):
                 slopes += [force.diff(z), rate.diff(SPEED), -rate.diff(z)]
             sides.append(Assign((*self.slips, *names), (force, *rates, *map(collapsed, slopes))))
-        floors = (Branch(se.Symbol(name), ZERO, (Assign((name,), (ZERO,)),)) for name in names)
-        return (*_either(*sides), *floors)
+        return _either(*sides)
 
     def _matrix(self) -> Body:
         """Assign the entries of the linear system, whose matrix has the shape of an arrow."""
@@ -279,12 +278,14 @@ class _Writer:
         for z in self.law.bristles:
             weight, pull, follow = (se.Symbol(f"{one}_{z}") for one in ("weight", "pull", "follow"))
             body += [
+                Branch(se.Symbol(f"rate_{z}"), ZERO, (Assign((f"rate_{z}",), (ZERO,)),)),
                 Assign((str(weight),), (1 + r * se.Symbol(f"rate_{z}"),)),
                 Assign((str(pull),), (r * se.Symbol(f"force_{z}") / MASS,)),
                 Assign((str(follow),), (r * se.Symbol(f"rate_v_{z}") / weight,)),
             ]
             pivot = pivot + pull * follow
-        return (*body, Assign(("pivot",), (pivot,)))
+        least = Branch(se.Symbol("pivot"), ONE, (Assign(("pivot",), (ONE,)),))
+        return (*body, Assign(("pivot",), (pivot,)), least)
 
     def _solved(self, right: list[se.Expr], names: list[str]) -> Body:
         """Assign the solution of the linear system for a right side."""

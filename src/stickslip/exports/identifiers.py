@@ -87,7 +87,7 @@ def _spelt(character: str) -> str:
         return character
     words = unicodedata.name(character, "").split()
     if words[:1] == ["GREEK"] and "LETTER" in words:
-        name = words[words.index("LETTER") + 1].lower()
+        name = words[words.index("LETTER") + 1].lower().replace("lamda", "lambda")
         return name if "SMALL" in words else name.capitalize()
     plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
     return plain or "_"

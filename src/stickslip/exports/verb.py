@@ -1,6 +1,7 @@
 """Exports a law to another program."""
 
 import dataclasses
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -95,7 +96,7 @@ def export(
     used = dataclasses.replace(
         found,
         name=identifier(name if name is not None else found.law.name),
-        load=_load(found, load),
+        load=_load(found, law_load if load is None and rig is None else load),
         largest_speed=_speed(found, largest_speed),
     )
     if name is not None and not any(character.isalnum() for character in name):
@@ -163,7 +164,7 @@ def _as_rig(fitted: object, fit: Fit[Any]) -> Rig:
 def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | None) -> Subject:
     onto = source.mechanism if rig is None else rig.mechanism
     found: CarriedLaw = carried(source, onto, law=law, load=law_load)
-    origin = source.path
+    origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"
     return Subject(
