@@ -1,6 +1,5 @@
 """C99: compiled with every warning as an error, and compared with the law and with the engine."""
 
-import ctypes
 import math
 import random
 
@@ -122,17 +121,19 @@ def test_the_discrete_step_is_exact_for_a_constant_level_and_a_held_force(compil
     assert 0 < sticks.sum() < sticks.size
 
 
-@each_law
+@pytest.mark.parametrize(
+    "name", [n for n in LAWS_EXPORTED if n not in ("coulomb", "power_viscous")]
+)
 def test_the_discrete_step_converges_with_order_two_and_sticks_when_the_engine_does(compiled, name):
-    if name in ("coulomb", "power_viscous"):
-        pytest.skip("exact for a constant level; n = 1/2 is steep near rest, see its own test")
     true, resting = engine(name)
     runs = [stepped(compiled, name, parts) for parts in (8, 16, 32)]
     scale = np.abs(true["x"]).max()
     errors = [np.abs(x - true["x"]).max() for _, x, _ in runs]
     assert errors[-1] < 2e-5 * scale
     order = math.log2(errors[0] / errors[-1]) / 2.0
-    assert 1.7 < order < 3.0, errors
+    # of bristles, the step in which the velocity passes 0 is not divided there, where |v| has a kink
+    least = 1.7 if equations_of(LAWS_EXPORTED[name]).holds else 1.3
+    assert least < order < 3.5, errors
     if equations_of(LAWS_EXPORTED[name]).holds:
         np.testing.assert_array_equal(runs[-1][2], resting)
 
@@ -236,10 +237,10 @@ def test_stiff_bristles_do_not_limit_the_period(tmp_path):
     period = 0.02  # 6 times the period of the bristles
     v = z = 0.0
     for _ in range(100):
-        found = step(1.2, v, z, 1.0, 1.0, period)
+        found = step(0.9, v, z, 1.0, 1.0, period)
         v, z = found["velocity_end"], found["z_end"]
     assert abs(v) < 1e-9
-    assert math.isclose(1e5 * z, 1.2, rel_tol=1e-6)  # below break-away the bristles carry it
+    assert math.isclose(1e5 * z, 0.9, rel_tol=1e-6)  # the bristles carry what is below the level
     for _ in range(1000):
         found = step(2.4, v, z, 1.0, 1.0, period)
         v, z = found["velocity_end"], found["z_end"]
@@ -272,8 +273,20 @@ def test_laws_without_any_friction_are_compiled(tmp_path):
         assert step(3.0, 0.0, LOAD, 2.0, 0.1)["velocity_end"] == pytest.approx(0.15, rel=1e-15)
 
 
-def test_the_header_can_be_included_from_cpp_and_twice(tmp_path):
-    text = export(Coulomb(kinetic_coefficient=0.2), "c", name="axis").files["axis.h"]
-    assert text.count('extern "C"') == 1
-    assert "#ifndef AXIS_H" in text
-    assert ctypes.sizeof(ctypes.c_double) == 8
+def test_an_elastic_contact_that_hardly_damps_stays_bounded_at_any_period(tmp_path):
+    law = LuGre(
+        kinetic_coefficient=0.32, static_coefficient=0.34, stribeck_velocity=1.8e-4,
+        bristle_stiffness=2.6e5, bristle_damping=817.0, viscous_coefficient=1.2, static_switch=True,
+    )  # fmt: skip
+    compiled = library(tmp_path, export(law, "c", name="hard").files)
+    step = numbers(
+        compiled, "hard_step", ["velocity_end", "z_end", "displacement", "friction", "sticks"]
+    )
+    reach = law.static_coefficient / law.bristle_stiffness
+    for period in (1e-3, 1e-2, 0.1):
+        v = z = 0.0
+        for push in PUSH:
+            found = step(5.0 * push, v, z, 90.0, 2.7, period)
+            v, z = found["velocity_end"], found["z_end"]
+            assert abs(z) < 1.5 * reach  # implicit stages overshoot a little, and never grow
+            assert abs(v) < 50.0

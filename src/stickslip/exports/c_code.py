@@ -78,7 +78,7 @@ def _body(source: Source, function: Function) -> Iterator[str]:
     several = len(function.outputs) > 1
     invalid = [f"isnan({one.name})" for one in function.inputs if not one.positive]
     invalid += [f"!({one.name} > 0.0)" for one in function.inputs if one.positive]
-    result = f"{source.called(function)}_result"
+    result = f"{source.name_of(function)}_result"
     if not function.inner:
         yield f"    if ({' || '.join(invalid)}) {{"
         nothing = ", ".join("NAN" for _ in function.outputs)
@@ -100,7 +100,7 @@ def _body(source: Source, function: Function) -> Iterator[str]:
 
 
 def _signature(source: Source, function: Function) -> str:
-    name = source.called(function)
+    name = source.name_of(function)
     kind = f"{name}_result" if len(function.outputs) > 1 else "double"
     return f"{kind} {name}({', '.join(f'double {one.name}' for one in function.inputs)})"
 
@@ -109,7 +109,7 @@ def _struct(source: Source, function: Function) -> Iterator[str]:
     yield "typedef struct {"
     for one in function.outputs:
         yield f"    double {one.name}; /* {_words(one.meaning, one.unit)} */"
-    yield f"}} {source.called(function)}_result;"
+    yield f"}} {source.name_of(function)}_result;"
 
 
 def _about(function: Function) -> Iterator[str]:

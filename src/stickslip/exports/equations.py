@@ -25,16 +25,14 @@ Values: TypeAlias = tuple[se.Expr, ...]
 
 LOCAL: Final = (
     "velocity", "load", "force", "applied", "mass", "period", "direction", "speed", "width",
-    "factor", "normal", "displacement", "friction", "sticks", "steady", "level",
-    "velocity_end", "speed_end", "speed_mid", "share", "used", "rest", "sense",
-    "pivot", "ahead", "back", "result", "rates", "break_away", "step", "slide", "departure",
-    "compensation", "slip", "x", "v", "along", "v_start", "force_v", "first_v", "second_v",
+    "factor", "normal", "displacement", "friction", "sticks", "steady", "level", "velocity_end",
+    "speed_end", "share", "used", "rest", "sense", "pivot", "ahead", "back", "rates",
+    "break_away", "step", "slide", "departure", "compensation", "slip", "x", "v", "along",
+    "v_start", "force_v", "speed_mid", "first_v", "second_v", "rate", "drop", "low", "miss",
+    "miss_low", "tried", "miss_tried", "scale", "shift", "turn", "settle", "implicit",
 )  # fmt: skip
 """Names that programs use themselves."""
-OF_BRISTLES: Final = (
-    "{}_end", "{}_mid", "{}_rate", "first_{}", "second_{}", "weight_{}", "pull_{}", "follow_{}",
-    "force_{}", "rate_{}", "rate_v_{}",
-)  # fmt: skip
+OF_BRISTLES: Final = ("{}_end", "{}_rate")
 """Names that they make of each bristle state."""
 
 

@@ -1,12 +1,17 @@
 """The functions that a law becomes: its forces, one step in discrete time, its compensation.
 
-The step holds the applied force constant, as a controller does between two samples. While the body
-slips, velocity and bristles go on by a method of Rosenbrock and Wanner of second order (ROS2 of
-Verwer et al., SIAM J. Sci. Comput. 20, 1999) with gamma = 1 - 1/sqrt(2), which is L-stable and has
-order 2 whatever matrix stands in for the Jacobian. So what would not damp is left out of the
-Jacobian: then the pivots of its linear systems are at least 1, no step can fail, and stiff bristles
-need no smaller period. Where the velocity passes 0, the period is divided: the body rests for what is left of it
-if break-away allows, or slips on in the other sense.
+The step holds the applied force constant, as a controller does between two samples. Both methods
+have order 2 and damp what is stiff, so that no period is too long to be stable.
+
+Without bristles, slip goes on by ROS2 (Verwer et al., SIAM J. Sci. Comput. 20, 1999), which has
+order 2 whatever stands in for the slope of friction: where friction falls with speed, 0 does. Where
+the velocity passes 0, the period is divided: the body rests for what is left of it if break-away
+allows, or slips on in the other sense.
+
+With bristles, it is the diagonally implicit method of two stages with gamma = 1 - 1/sqrt(2)
+(Alexander, SIAM J. Numer. Anal. 14, 1977). In a stage the deflection follows from the velocity in
+closed form, or by a root in a bracket where its rate is not linear in it; the velocity is then the
+only unknown, and is found in a bracket too.
 """
 
 import math
@@ -22,6 +27,8 @@ from stickslip.exports.program import (
     Branch,
     Call,
     Function,
+    Leave,
+    Repeat,
     Statement,
     Variable,
     floored,
@@ -33,6 +40,10 @@ from stickslip.quantities import turned
 __all__ = ["functions_of"]
 
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
+EXPANSIONS, ROOTS = 40, 60
+"""Most times that a bracket is widened, and that it is divided; a few are the rule."""
+CLOSE: Final = 1e-13
+"""Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
 APPLIED, MASS, PERIOD = map(se.Symbol, ("applied", "mass", "period"))
@@ -131,8 +142,14 @@ class _Writer:
             yield self._steady(self.law.steady)
         yield self._break_away()
         yield self._slip()
-        yield self._slide()
-        yield self._departure()
+        if self.law.bristles:
+            yield self._settle()
+            yield self._implicit()
+            yield self._two_stages()
+        else:
+            yield self._slide()
+        if self.law.holds:
+            yield self._departure()
         yield self._step()
         yield self._compensation()
 
@@ -211,129 +228,163 @@ class _Writer:
         )
 
     def _slide(self) -> Function:
-        """Write one step of slip, all quantities as seen along the direction of slip."""
-        force, *rates = map(se.Symbol, self.slips)
-        state = [SPEED, *self.states]
-        mid = [se.Symbol(f"{one}_mid") for one in state]
-        names, later = (
-            [f"{stage}_{one}" for one in ("v", *self.law.bristles)] for stage in ("first", "second")
-        )
-        first, second = list(map(se.Symbol, names)), list(map(se.Symbol, later))
-        slope = [(APPLIED - force) / MASS, *rates]
-        inside = [one + PERIOD * other for one, other in zip(state, first, strict=True)]
-        ends = [
-            one + PERIOD * (1.5 * a + 0.5 * b)
-            for one, a, b in zip(state, first, second, strict=True)
-        ]
+        """Write one step of slip without bristles, as seen along the direction of slip."""
+        (ahead,), (back,) = self.ahead, self.back
+        force, slope, pivot = map(se.Symbol, ("force", "force_v", "pivot"))
+        first, second = map(se.Symbol, ("first_v", "second_v"))
+        names = ("force", "force_v")
         return Function(
             name="slide",
-            summary="Speed and bristle states after slip in one direction, along which all count.",
+            summary="Speed after slip in one direction, along which all are counted.",
             inputs=(
                 _variable("speed"),
-                *self.bristles,
-                _variable("applied"),
-                _variable("load"),
-                self._mass(),
-                _variable("period"),
+                *self._moved_by(),
                 self._direction("1 forward, -1 backward"),
             ),
-            outputs=(
-                _variable("speed_end", "slip speed at the end", of="speed"),
-                *self.new_bristles,
-            ),
+            outputs=(_variable("speed_end", "slip speed at the end", of="speed"),),
             body=(
-                *_loaded(self._slopes()),
-                *self._matrix(),
-                *self._solved(slope, names),
-                *floored(str(mid[0]), inside[0]),
-                *(
-                    Assign((str(one),), (value,))
-                    for one, value in list(zip(mid, inside, strict=True))[1:]
+                *_loaded(
+                    _either(
+                        Assign(names, (ahead, collapsed(ahead.diff(SPEED)))),
+                        Assign(names, (back, collapsed(back.diff(SPEED)))),
+                    )
                 ),
-                Call(tuple(self.slips), "slip", (*mid, SENSE, LOAD)),
-                *self._solved([a - 2 * b for a, b in zip(slope, first, strict=True)], later),
-                Assign(("speed_end", *self.ends), tuple(ends)),
+                *floored("pivot", slope),
+                Assign(("pivot",), (1 + GAMMA * PERIOD * pivot / MASS,)),
+                Assign(("first_v",), ((APPLIED - force) / (MASS * pivot),)),
+                *floored("speed_mid", SPEED + PERIOD * first),
+                Call(("force",), "slip", (se.Symbol("speed_mid"), SENSE, LOAD)),
+                Assign(("second_v",), (((APPLIED - force) / MASS - 2 * first) / pivot,)),
+                Assign(("speed_end",), (SPEED + PERIOD * (1.5 * first + 0.5 * second),)),
             ),
             inner=True,
         )
 
-    def _slopes(self) -> Body:
-        """Assign the force, the rates, and the slopes of all; rates of bristles negative."""
-        names = ["force_v"]
-        for z in self.law.bristles:
-            names += [f"force_{z}", f"rate_v_{z}", f"rate_{z}"]
-        sides = []
-        for force, *rates in (self.ahead, self.back):
-            slopes = [force.diff(SPEED)]
-            for z, rate in zip(self.states, rates, strict=True):
-                slopes += [force.diff(z), rate.diff(SPEED), -rate.diff(z)]
-            sides.append(Assign((*self.slips, *names), (force, *rates, *map(collapsed, slopes))))
-        return _either(*sides)
+    def _moved_by(self) -> tuple[Variable, ...]:
+        return (_variable("applied"), _variable("load"), self._mass(), _variable("period"))
 
-    def _matrix(self) -> Body:
-        """Assign the entries of the linear system, whose matrix has the shape of an arrow."""
-        r = GAMMA * PERIOD
-        pivot = 1 + r * se.Symbol("force_v") / MASS
-        body: list[Statement] = []
-        for z in self.law.bristles:
-            weight, pull, follow = (se.Symbol(f"{one}_{z}") for one in ("weight", "pull", "follow"))
-            body += [
-                Branch(se.Symbol(f"rate_{z}"), ZERO, (Assign((f"rate_{z}",), (ZERO,)),)),
-                Assign((str(weight),), (1 + r * se.Symbol(f"rate_{z}"),)),
-                Assign((str(pull),), (r * se.Symbol(f"force_{z}") / MASS,)),
-                Assign((str(follow),), (r * se.Symbol(f"rate_v_{z}") / weight,)),
-            ]
-            pivot = pivot + pull * follow
-        least = Branch(se.Symbol("pivot"), ONE, (Assign(("pivot",), (ONE,)),))
-        return (*body, Assign(("pivot",), (pivot,)), least)
+    def _settle(self) -> Function:
+        """Write the deflections that an implicit step ends with at a velocity."""
+        return Function(
+            name="settle",
+            summary="Bristle states at the end of an implicit step with a velocity.",
+            inputs=(_variable("velocity"), *self.bristles, _variable("load"), _variable("period")),
+            outputs=self.new_bristles,
+            body=tuple(part for place in range(len(self.states)) for part in self._settled(place)),
+            inner=True,
+        )
 
-    def _solved(self, right: list[se.Expr], names: list[str]) -> Body:
-        """Assign the solution of the linear system for a right side."""
-        speed, *bristles = names
-        top, *others = right
-        after: list[Statement] = []
-        for name, z, one in zip(bristles, self.law.bristles, others, strict=True):
-            weight, pull, follow = (se.Symbol(f"{one}_{z}") for one in ("weight", "pull", "follow"))
-            top = top - pull * one / weight
-            after.append(Assign((name,), (one / weight + follow * se.Symbol(speed),)))
-        return (Assign((speed,), (top / se.Symbol("pivot"),)), *after)
+    def _settled(self, place: int) -> Body:
+        """Write the deflection of one bristle, whose rate falls with it."""
+        z, end = self.states[place], se.Symbol(self.ends[place])
+        slip = self.law.slip
+        rates = [side[1 + place].subs({LOAD: NORMAL}) for side in (slip.ahead, slip.back)]
+        slopes = [collapsed(-one.diff(z)) for one in rates]
+        if not any(z in one.free_symbols for one in slopes):
+            names = ("rate", "drop")
+            pairs = zip(rates, slopes, strict=True)
+            ahead, back = (Assign(names, (rate, slope)) for rate, slope in pairs)
+            rest = Assign(names, (slip.rest[1 + place].subs({LOAD: NORMAL}), ZERO))
+            step = PERIOD * se.Symbol("rate") / (1 + PERIOD * se.Symbol("drop"))
+            return (*_loaded((_senses(ahead, back, rest),)), Assign((str(end),), (z + step,)))
+        values = [one.subs({z: end}) for one in rates]
+        rest = slip.rest[1 + place].subs({LOAD: NORMAL, z: end})
+        ahead, back, still = (Assign(("rate",), (one,)) for one in (*values, rest))
+        evaluated = _loaded((_senses(ahead, back, still),))
+        miss = Assign(("miss",), (end - z - PERIOD * se.Symbol("rate"),))
+        return (
+            Assign((str(end),), (z,)),
+            *evaluated,
+            Assign(("low", "miss_low"), (z, -PERIOD * se.Symbol("rate"))),
+            Assign((str(end),), (z + PERIOD * se.Symbol("rate"),)),
+            *_root(str(end), (*evaluated, miss)),
+        )
+
+    def _implicit(self) -> Function:
+        """Write one stage, an implicit Euler step."""
+        velocity_end = se.Symbol("velocity_end")
+        ends = tuple(map(se.Symbol, self.ends))
+        change = PERIOD / MASS * (APPLIED - se.Symbol("force"))
+        evaluated: Body = (
+            Call(tuple(self.ends), "settle", (velocity_end, *self.states, LOAD, PERIOD)),
+            Call(("force",), "friction", (velocity_end, *ends, LOAD)),
+            Assign(("miss",), (velocity_end - VELOCITY - change,)),
+        )
+        shift = se.Symbol("shift")
+        widened: Body = (
+            Branch(
+                ZERO,
+                se.Symbol("miss") * se.Symbol("miss_low"),
+                (
+                    Assign(("low", "miss_low"), (velocity_end, se.Symbol("miss"))),
+                    Assign(("shift",), (2 * shift,)),
+                    Assign(("velocity_end",), (velocity_end + shift,)),
+                ),
+                (Leave(),),
+            ),
+        )
+        return Function(
+            name="implicit",
+            summary="Velocity and bristle states after an implicit Euler step.",
+            inputs=(_variable("velocity"), *self.bristles, *self._moved_by()),
+            outputs=self._slid(),
+            body=(
+                Assign(("velocity_end",), (VELOCITY,)),
+                *evaluated,
+                Assign(("low", "miss_low"), (VELOCITY, se.Symbol("miss"))),
+                Assign(("shift",), (-se.Symbol("miss"),)),
+                Assign(("velocity_end",), (VELOCITY + shift,)),
+                Repeat(EXPANSIONS, (*evaluated, *widened)),
+                *_root("velocity_end", evaluated),
+            ),
+            inner=True,
+        )
+
+    def _slid(self) -> tuple[Variable, ...]:
+        return (
+            _variable("velocity_end", "slip velocity at the end", of="velocity"),
+            *self.new_bristles,
+        )
+
+    def _two_stages(self) -> Function:
+        """Write one step with bristles, of two implicit stages."""
+        outputs = ("velocity_end", *self.ends)
+        given = (APPLIED, LOAD, MASS, GAMMA * PERIOD)
+        ratio = (1.0 - GAMMA) / GAMMA
+        states = (VELOCITY, *self.states)
+        return Function(
+            name="slide",
+            summary="Velocity and bristle states after a period.",
+            inputs=(_variable("velocity"), *self.bristles, *self._moved_by()),
+            outputs=self._slid(),
+            body=(
+                Call(outputs, "implicit", (*states, *given)),
+                *(
+                    Assign((end,), (one + ratio * (se.Symbol(end) - one),))
+                    for end, one in zip(outputs, states, strict=True)
+                ),
+                Call(outputs, "implicit", (*map(se.Symbol, outputs), *given)),
+            ),
+            inner=True,
+        )
 
     def _departure(self) -> Function:
         """Write the sense in which a body at rest begins to slip."""
+        out = ("direction",)
+        backward = Branch(
+            se.Symbol("back"), -APPLIED, (Assign(out, (-ONE,)),), (Assign(out, (ZERO,)),)
+        )
         return Function(
             name="departure",
             summary="Direction in which slip begins from rest, 0 if the body sticks.",
-            inputs=(_variable("applied"), *self.bristles, _variable("load")),
+            inputs=(_variable("applied"), _variable("load")),
             outputs=(self._direction("1 forward, -1 backward, 0 at rest"),),
-            body=self._held() if self.law.holds else self._let_go(),
-            inner=True,
-        )
-
-    def _held(self) -> Body:
-        out = ("direction",)
-        return (
-            Call(("ahead",), "break_away", (ONE, LOAD)),
-            Call(("back",), "break_away", (-ONE, LOAD)),
-            Branch(
-                se.Symbol("ahead"),
-                APPLIED,
-                (Assign(out, (ONE,)),),
-                (
-                    Branch(
-                        se.Symbol("back"),
-                        -APPLIED,
-                        (Assign(out, (-ONE,)),),
-                        (Assign(out, (ZERO,)),),
-                    ),
-                ),
+            body=(
+                Call(("ahead",), "break_away", (ONE, LOAD)),
+                Call(("back",), "break_away", (-ONE, LOAD)),
+                Branch(se.Symbol("ahead"), APPLIED, (Assign(out, (ONE,)),), (backward,)),
             ),
-        )
-
-    def _let_go(self) -> Body:
-        out = ("direction",)
-        return (
-            Call(("force",), "friction", (ZERO, *self.states, LOAD)),
-            Branch(APPLIED, se.Symbol("force"), (Assign(out, (-ONE,)),), (Assign(out, (ONE,)),)),
+            inner=True,
         )
 
     def _step(self) -> Function:
@@ -367,79 +418,72 @@ class _Writer:
 
     def _stepped(self) -> Body:
         velocity_end, sense = se.Symbol("velocity_end"), se.Symbol("sense")
-        at_rest = Call(("sense",), "departure", (APPLIED, *self.states, LOAD))
+        closing = Assign(("friction",), (APPLIED - MASS * (velocity_end - VELOCITY) / PERIOD,))
+        if not self.law.holds:
+            moved = (
+                *self._sliding(VELOCITY, tuple(self.states), PERIOD),
+                Assign(("displacement",), ((VELOCITY + velocity_end) * PERIOD / 2,)),
+            )
+            return (*moved, Assign(("sticks",), (ZERO,)), closing)
+        at_rest = Call(("sense",), "departure", (APPLIED, LOAD))
         stays = (
             Assign(("velocity_end", "displacement"), (ZERO, ZERO)),
             *(Assign((end,), (z,)) for end, z in zip(self.ends, self.states, strict=True)),
         )
         return (
-            Branch(
-                ZERO,
-                VELOCITY,
-                (Assign(("sense",), (ONE,)),),
-                (Branch(VELOCITY, ZERO, (Assign(("sense",), (-ONE,)),), (at_rest,)),),
+            _senses(
+                *(Assign(("sense",), (one,)) for one in (ONE, -ONE)),
+                at_rest,
             ),
-            *((Branch(ZERO, sense * sense, self._moves(), stays),) if self.law.holds
-              else self._moves()),
+            Branch(ZERO, sense * sense, self._moves(), stays),
             Assign(("sticks",), (ZERO,)),
-            *((Branch(sense * sense, ONE, (Assign(("sticks",), (ONE,)),)),)
-              if self.law.holds else ()),
-            Assign(("friction",), (APPLIED - MASS * (velocity_end - VELOCITY) / PERIOD,)),
-        )  # fmt: skip
+            Branch(sense * sense, ONE, (Assign(("sticks",), (ONE,)),)),
+            closing,
+        )
+
+    def _sliding(self, velocity: se.Expr, states: tuple[se.Expr, ...], period: se.Expr) -> Body:
+        """Assign velocity and bristle states after slip, in the sense where that matters."""
+        sense = se.Symbol("sense")
+        if self.states:
+            given = (velocity, *states, APPLIED, LOAD, MASS, period)
+            return (Call(("velocity_end", *self.ends), "slide", given),)
+        return (
+            Call(
+                ("velocity_end",),
+                "slide",
+                (sense * velocity, sense * APPLIED, LOAD, MASS, period, sense),
+            ),
+            Assign(("velocity_end",), (sense * se.Symbol("velocity_end"),)),
+        )
 
     def _moves(self) -> Body:
         """Slip in the sense of the velocity, and divide the period where it ends."""
-        sense, speed_end = se.Symbol("sense"), se.Symbol("speed_end")
-        start = sense * VELOCITY
-        z_ends = list(map(se.Symbol, self.ends))
-        share = se.Symbol("share")
-        slide = Call(
-            ("speed_end", *self.ends),
-            "slide",
-            (start, *(sense * z for z in self.states), sense * APPLIED, LOAD, MASS, PERIOD, sense),
+        sense, end = se.Symbol("sense"), se.Symbol("velocity_end")
+        share, used, rest = map(se.Symbol, ("share", "used", "rest"))
+        z_ends = tuple(map(se.Symbol, self.ends))
+        through = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
+        backwards = Branch(sense * end, ZERO, (Assign(("velocity_end",), (ZERO,)),))
+        on: Body = (
+            *self._sliding(ZERO, z_ends, rest),
+            *((backwards,) if not self.states else ()),
+            Assign(("displacement",), (se.Symbol("displacement") + end * rest / 2,)),
         )
-        back = tuple(
-            Assign((str(end),), (sense * end,)) for end in z_ends
-        )  # from the direction of slip to that of the velocity
         passed = (
             Assign(("share",), (ZERO,)),
-            Branch(ZERO, start, (Assign(("share",), (start / (start - speed_end),)),)),
+            Branch(ZERO, sense * VELOCITY, (Assign(("share",), (VELOCITY / (VELOCITY - end),)),)),
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),
-            Assign(("displacement",), (VELOCITY * se.Symbol("used") / 2,)),
+            Assign(("displacement",), (VELOCITY * used / 2,)),
             *(
-                Assign((str(end),), (z + (end - z) * share,))
-                for end, z in zip(z_ends, self.states, strict=True)
+                Assign((str(one),), (z + (one - z) * share,))
+                for one, z in zip(z_ends, self.states, strict=True)
             ),
-            Call(("sense",), "departure", (APPLIED, *z_ends, LOAD)),
-            *self._goes_on(z_ends, back),
+            Call(("sense",), "departure", (APPLIED, LOAD)),
+            Branch(ZERO, sense * sense, on, (Assign(("velocity_end",), (ZERO,)),)),
         )
-        through = (
-            Assign(
-                ("velocity_end", "displacement"),
-                (sense * speed_end, (VELOCITY + sense * speed_end) * PERIOD / 2),
-            ),
+        return (
+            *self._sliding(VELOCITY, tuple(self.states), PERIOD),
+            Branch(ZERO, sense * end, through, passed),
         )
-        return (slide, *back, Branch(ZERO, speed_end, through, passed))
-
-    def _goes_on(self, z_ends: list[se.Expr], back: Body) -> Body:
-        """Slip from rest for what is left of the period, unless the body is held."""
-        sense, rest = se.Symbol("sense"), se.Symbol("rest")
-        speed_end, displacement = se.Symbol("speed_end"), se.Symbol("displacement")
-        floor = (Branch(speed_end, ZERO, (Assign(("speed_end",), (ZERO,)),)),)
-        on: Body = (
-            Call(
-                ("speed_end", *self.ends),
-                "slide",
-                (ZERO, *(sense * z for z in z_ends), sense * APPLIED, LOAD, MASS, rest, sense),
-            ),
-            *back,
-            *(floor if not self.states else ()),
-            Assign(("velocity_end",), (sense * speed_end,)),
-            Assign(("displacement",), (displacement + sense * speed_end * rest / 2,)),
-        )
-        if not self.law.holds:
-            return on
-        return (Branch(ZERO, sense * sense, on, (Assign(("velocity_end",), (ZERO,)),)),)
 
     def _compensation(self) -> Function:
         width, share = se.Symbol("width"), se.Symbol("share")
@@ -485,7 +529,12 @@ def _by_velocity(names: tuple[str, ...], values: BySense) -> Body:
     still = tuple(one.subs({VELOCITY: ZERO}) for one in ahead.values)
     if ahead == back and still == rest.values:
         return (ahead,)
-    return (Branch(ZERO, VELOCITY, (ahead,), (Branch(VELOCITY, ZERO, (back,), (rest,)),)),)
+    return (_senses(ahead, back, rest),)
+
+
+def _senses(ahead: Statement, back: Statement, rest: Statement) -> Branch:
+    """Do one thing at a velocity above 0, another below, and a third at rest."""
+    return Branch(ZERO, VELOCITY, (ahead,), (Branch(VELOCITY, ZERO, (back,), (rest,)),))
 
 
 def _either(ahead: Assign, back: Assign) -> Body:
@@ -494,3 +543,42 @@ def _either(ahead: Assign, back: Assign) -> Body:
     if all(a == b or se.expand(a - b) == 0 for a, b in pairs):
         return (ahead,)
     return (Branch(ZERO, SENSE, (ahead,), (back,)),)
+
+
+def _root(name: str, evaluated: Body) -> Body:
+    """Move a name to where its miss is 0, from there to ``low`` with ``miss_low`` (Illinois).
+
+    The bracket may be given by an estimate of the name alone; without a change of sign it stays.
+    """
+    at, low, miss, miss_low = map(se.Symbol, (name, "low", "miss", "miss_low"))
+    tried, miss_at = se.Symbol("tried"), se.Symbol("miss_tried")
+    scale = CLOSE * CLOSE * (at - low) * (at - low)
+    return (
+        *evaluated,
+        Assign(("scale",), (scale,)),
+        Assign(("tried", "miss_tried"), (at, miss)),
+        Repeat(
+            ROOTS,
+            (
+                Branch(
+                    miss_at * miss_low,
+                    ZERO,
+                    (
+                        Assign(
+                            (name,), ((low * miss_at - tried * miss_low) / (miss_at - miss_low),)
+                        ),
+                        *evaluated,
+                        Branch(
+                            miss * miss_at,
+                            ZERO,
+                            (Assign(("low", "miss_low"), (tried, miss_at)),),
+                            (Assign(("miss_low",), (miss_low / 2,)),),
+                        ),
+                        Assign(("tried", "miss_tried"), (at, miss)),
+                        Branch(miss * miss, se.Symbol("scale"), (Leave(),)),
+                    ),
+                    (Leave(),),
+                ),
+            ),
+        ),
+    )

@@ -6,7 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
-from stickslip.exports.program import Assign, Branch, Call, Constant, Function, Statement, assigned
+from stickslip.exports.program import (
+    Assign,
+    Branch,
+    Call,
+    Constant,
+    Function,
+    Leave,
+    Repeat,
+    Statement,
+    assigned,
+)
 from stickslip.formulation import Block, Syntax
 
 __all__ = ["MATLAB", "MODELICA", "C", "Language", "Written", "contains", "written"]
@@ -31,6 +41,10 @@ class Language:
     several: tuple[str, ...]
     """Lines of a call with several results, which are ``{names}``; a line with ``{name}`` stands
     for each of them."""
+    repeat: tuple[str, str]
+    """Head and end of what is repeated so many ``{times}``."""
+    leave: str
+    """What ends it before."""
     constant: str
     """Definition of a constant: ``{name}``, ``{value}``, ``{unit}``, ``{text}``."""
     declaration: str
@@ -57,6 +71,8 @@ C: Final = Language(
         "    {name} = result.{output};",
         "}}",
     ),
+    repeat=("for (int turn = 0; turn < {times}; turn++) {{", "}"),
+    leave="break;",
     constant="const double {name} = {value}; /* [{unit}] {text} */",
     declaration="double {names};",
     many=True,
@@ -74,6 +90,8 @@ MATLAB: Final = Language(
     joined="{program}_{function}",
     single="{name} = {function}({arguments});",
     several=("[{names}] = {function}({arguments});",),
+    repeat=("for turn = 1:{times}", "end"),
+    leave="break",
     constant="{name} = {value}; % [{unit}] {text}",
     declaration="",
 )
@@ -90,6 +108,8 @@ MODELICA: Final = Language(
     joined="{function}",
     single="{name} := {function}({arguments});",
     several=("({names}) := {function}({arguments});",),
+    repeat=("for turn in 1:{times} loop", "end for;"),
+    leave="break;",
     constant='constant Real {name}(unit="{unit}") = {value} "{text}";',
     declaration="Real {names};",
 )
@@ -209,8 +229,18 @@ class _Writer:
                     self.block.assign(name, text)
             elif isinstance(one, Branch):
                 self._branch(one)
+            elif isinstance(one, Repeat):
+                self._repeat(one)
+            elif isinstance(one, Leave):
+                self.block.line(self.language.leave)
             else:
                 self._call(one)
+
+    def _repeat(self, one: Repeat) -> None:
+        head, end = self.language.repeat
+        self.block.line(head.format(times=one.times))
+        self._indented(one.body)
+        self.block.line(end)
 
     def _branch(self, one: Branch, *, chained: bool = False) -> None:
         """Write a branch; one that alone stands elsewhere in another goes on as its chain."""

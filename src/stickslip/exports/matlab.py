@@ -26,7 +26,7 @@ class Matlab(Target):
     @override
     def export(self, subject: Subject) -> Export:
         source = Source(subject=subject, language=MATLAB, safe=str)
-        texts = {source.called(one): list(_function(source, one)) for one in source.functions}
+        texts = {source.name_of(one): list(_function(source, one)) for one in source.functions}
         block = f"{subject.name}_{BLOCK}"
         whole = [*_block(source, block), *(line for text in texts.values() for line in ["", *text])]
         header = list(commented(source.header(), "% "))
@@ -37,7 +37,7 @@ class Matlab(Target):
 
 
 def _function(source: Source, function: Function) -> Iterator[str]:
-    name = source.called(function)
+    name = source.name_of(function)
     results = ", ".join(one.name for one in function.outputs)
     head = f"[{results}]" if len(function.outputs) > 1 else results
     yield f"function {head} = {name}({', '.join(one.name for one in function.inputs)})"
@@ -90,6 +90,6 @@ def _block(source: Source, name: str) -> Iterator[str]:
     arguments = ", ".join(
         f"kept_{one.name}" if one.name in states else one.name for one in step.inputs
     )
-    yield f"    [{', '.join((*kept, *others))}] = {source.called(step)}({arguments});"
+    yield f"    [{', '.join((*kept, *others))}] = {source.name_of(step)}({arguments});"
     yield from (f"    {one} = kept_{one};" for one in states)
     yield "end"

@@ -43,7 +43,7 @@ class Modelica(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
-        source = Source(subject=subject, language=MODELICA, safe=_safe)
+        source = Source(subject=subject, language=MODELICA, safe=_safe, needed=("slip",))
         text = "\n".join(_package(source)) + "\n"
         return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
 

@@ -12,9 +12,12 @@ __all__ = [
     "Call",
     "Constant",
     "Function",
+    "Leave",
+    "Repeat",
     "Statement",
     "Variable",
     "assigned",
+    "called",
     "floored",
     "used",
 ]
@@ -89,7 +92,24 @@ class Branch:
     """Elsewhere."""
 
 
-Statement: TypeAlias = Assign | Branch | Call
+@final
+@dataclass(frozen=True)
+class Repeat:
+    """Statements that are repeated so many times, or until `Leave`."""
+
+    times: int
+    """Most repetitions."""
+    body: tuple["Statement", ...]
+    """The statements."""
+
+
+@final
+@dataclass(frozen=True)
+class Leave:
+    """Ends the innermost `Repeat`."""
+
+
+Statement: TypeAlias = Assign | Branch | Call | Repeat | Leave
 
 
 @final
@@ -131,23 +151,40 @@ def floored(name: str, value: se.Expr) -> tuple[Statement, ...]:
     return Assign((name,), (value,)), below
 
 
+def _inside(one: Statement) -> tuple[Statement, ...]:
+    """Return the statements that a statement holds."""
+    if isinstance(one, Branch):
+        return (*one.yes, *one.no)
+    return one.body if isinstance(one, Repeat) else ()
+
+
 def assigned(body: tuple[Statement, ...]) -> Iterator[str]:
     """Yield the names that statements assign, in order; one may come twice."""
     for one in body:
-        if isinstance(one, Branch):
-            yield from assigned((*one.yes, *one.no))
-        else:
+        yield from assigned(_inside(one))
+        if isinstance(one, Assign | Call):
             yield from one.names
+
+
+def called(body: tuple[Statement, ...]) -> Iterator[str]:
+    """Yield the names of the functions that statements call."""
+    for one in body:
+        yield from called(_inside(one))
+        if isinstance(one, Call):
+            yield one.function
 
 
 def used(body: tuple[Statement, ...]) -> set[str]:
     """Return the names that occur in the values, conditions and arguments of statements."""
     names: set[str] = set()
     for one in body:
-        if isinstance(one, Branch):
-            names |= used((*one.yes, *one.no))
-            values: tuple[se.Expr, ...] = (one.left, one.right)
-        else:
-            values = one.values if isinstance(one, Assign) else one.arguments
+        names |= used(_inside(one))
+        values: tuple[se.Expr, ...] = ()
+        if isinstance(one, Assign):
+            values = one.values
+        elif isinstance(one, Branch):
+            values = (one.left, one.right)
+        elif isinstance(one, Call):
+            values = one.arguments
         names |= {str(symbol) for value in values for symbol in value.free_symbols}
     return names

@@ -8,7 +8,7 @@ from typing import final
 
 from stickslip.exports.functions import functions_of
 from stickslip.exports.languages import Language, Written, written
-from stickslip.exports.program import Constant, Function
+from stickslip.exports.program import Constant, Function, called
 from stickslip.exports.subject import Subject
 
 __all__ = ["Source", "commented"]
@@ -28,10 +28,15 @@ class Source:
     safe: Callable[[str], str]
     """Makes a text one that a comment of the language can hold."""
 
+    needed: tuple[str, ...] = ()
+    """Inner functions that what stands beside the functions calls."""
+
     @cached_property
     def functions(self) -> tuple[Function, ...]:
-        """All functions, each after those that it calls."""
-        return functions_of(self.subject.equations, turning=self.subject.turning)
+        """All functions that are called or may be, each after those that it calls."""
+        every = functions_of(self.subject.equations, turning=self.subject.turning)
+        asked = {*self.needed, *(name for one in every for name in called(one.body))}
+        return tuple(one for one in every if not one.inner or one.name in asked)
 
     @cached_property
     def constants(self) -> tuple[Constant, ...]:
@@ -68,7 +73,7 @@ class Source:
             depth=depth,
         )
 
-    def called(self, function: Function) -> str:
+    def name_of(self, function: Function) -> str:
         """Return the name of a function with that of the program."""
         return self.language.joined.format(program=self.subject.name, function=function.name)
 
