@@ -1,7 +1,7 @@
 """Modelica: a package with the functions of a law, and a model of a body that sticks and slips."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, final
 
 from typing_extensions import override
@@ -120,12 +120,15 @@ def _model(source: Source) -> Iterator[str]:
 def _free(bristles: tuple[str, ...]) -> Iterator[str]:
     """Yield the equations of a body that bristles alone hold."""
     arguments = ", ".join(("v", *bristles, "load"))
+    rates = [f"{z}_rate" for z in bristles]
     yield from (
+        *(f'        Real {rate} "time derivative of a bristle state";' for rate in rates),
         "    equation",
         "        der(x) = v;",
         "        mass*der(v) = applied - force;",
         f"        force = friction({arguments});",
-        f"        {_results(f'der({z})' for z in bristles)} = rates({arguments});",
+        f"        {_results(rates)} = rates({arguments});",
+        *(f"        der({z}) = {rate};" for z, rate in zip(bristles, rates, strict=True)),
     )
 
 
@@ -164,7 +167,6 @@ def _held(bristles: tuple[str, ...]) -> Iterator[str]:
     )
 
 
-def _results(names: Iterable[str]) -> str:
+def _results(names: Sequence[str]) -> str:
     """Return the left side of an equation with the results of a function."""
-    found = tuple(names)
-    return found[0] if len(found) == 1 else f"({', '.join(found)})"
+    return names[0] if len(names) == 1 else f"({', '.join(names)})"
