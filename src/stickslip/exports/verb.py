@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried
+from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried, levels_at
 from stickslip.exports.base import Export
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.registry import TARGETS
@@ -144,6 +144,7 @@ def _taken(
         name="",
         rig=rig,
         mechanism=None if rig is None else rig.mechanism,
+        levels="per load" if rig is None else levels_at(rig.mechanism),
     )
 
 
@@ -167,11 +168,14 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
     origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"
+    known = found.estimates
+    levels = levels_at(onto) if known is None else known.levels
     return Subject(
         law=found.law,
         name="",
-        estimates=found.estimates,
+        estimates=known,
         mechanism=onto,
+        levels=levels if law_load is None else "per load",
         source=origin,
         rig=rig,
     )
@@ -202,7 +206,8 @@ def _of_contact(
     own = None
     if known is not None and not isinstance(known.law, str) and contact in known.law:
         own = _estimates_of(known, contact)
-    return Subject(law=laws[contact], name="", estimates=own, mechanism=mechanism)
+    levels = levels_at(mechanism) if own is None else own.levels
+    return Subject(law=laws[contact], name="", estimates=own, mechanism=mechanism, levels=levels)
 
 
 def _estimates_of(known: LawEstimates, contact: str) -> LawEstimates:
