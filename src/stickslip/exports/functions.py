@@ -426,15 +426,12 @@ class _Writer:
             )
             return (*moved, Assign(("sticks",), (ZERO,)), closing)
         at_rest = Call(("sense",), "departure", (APPLIED, LOAD))
-        stays = (
+        stays: Body = (
             Assign(("velocity_end", "displacement"), (ZERO, ZERO)),
             *(Assign((end,), (z,)) for end, z in zip(self.ends, self.states, strict=True)),
         )
         return (
-            _senses(
-                *(Assign(("sense",), (one,)) for one in (ONE, -ONE)),
-                at_rest,
-            ),
+            _senses(Assign(("sense",), (ONE,)), Assign(("sense",), (-ONE,)), at_rest),
             Branch(ZERO, sense * sense, self._moves(), stays),
             Assign(("sticks",), (ZERO,)),
             Branch(sense * sense, ONE, (Assign(("sticks",), (ONE,)),)),
@@ -461,14 +458,14 @@ class _Writer:
         sense, end = se.Symbol("sense"), se.Symbol("velocity_end")
         share, used, rest = map(se.Symbol, ("share", "used", "rest"))
         z_ends = tuple(map(se.Symbol, self.ends))
-        through = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
+        through: Body = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
         backwards = Branch(sense * end, ZERO, (Assign(("velocity_end",), (ZERO,)),))
         on: Body = (
             *self._sliding(ZERO, z_ends, rest),
             *((backwards,) if not self.states else ()),
             Assign(("displacement",), (se.Symbol("displacement") + end * rest / 2,)),
         )
-        passed = (
+        passed: Body = (
             Assign(("share",), (ZERO,)),
             Branch(ZERO, sense * VELOCITY, (Assign(("share",), (VELOCITY / (VELOCITY - end),)),)),
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),

@@ -17,6 +17,7 @@ from stickslip.quantities import turned
 __all__ = ["Modelica", "modelica_unit"]
 
 DEPTH = 2
+STOPPED = "            reinit(v, 0.0);"
 
 
 def modelica_unit(unit: str) -> str:
@@ -159,10 +160,10 @@ def _held(bristles: tuple[str, ...]) -> Iterator[str]:
         "            direction = -1;",
         "        elsewhen pre(direction) == 1 and v < 0.0 then",
         "            direction = if -applied > break_away(-1.0, load) then -1 else 0;",
-        "            reinit(v, 0.0);",
+        STOPPED,
         "        elsewhen pre(direction) == -1 and v > 0.0 then",
         "            direction = if applied > break_away(1.0, load) then 1 else 0;",
-        "            reinit(v, 0.0);",
+        STOPPED,
         "        end when;",
     )
 

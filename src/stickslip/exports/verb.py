@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried, levels_at
-from stickslip.exports.base import Export
+from stickslip.exports.base import Export, Target
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.subject import Subject
@@ -89,9 +89,9 @@ def export(
     >>> law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
     >>> found = export(law, "mjcf", name="slide", load=20.0, largest_speed=0.5)
     >>> found.remarks[0]
-    'Least squares over speeds up to 500 mm/s leave 0 N at most and 0 N rms.'
+    'Least squares over speeds up to 0.5 m/s leave 0 N at most and 0 N rms.'
     """
-    target = named(TARGETS, to, "target")
+    target: Target = named(TARGETS, to, "target")
     found = _taken(source, law, contact, rig, law_load)
     used = dataclasses.replace(
         found,
