@@ -1,14 +1,20 @@
 """The verb: what it takes, whose law it is, and files that are written whole or not at all."""
 
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar, final
+
 import numpy as np
 import pytest
 from tests.arm_cases import ARM
+from typing_extensions import override
 
 from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
     Measurement,
+    QuadraticDrag,
     Rig,
     SpringBlock,
     Stribeck,
@@ -22,7 +28,9 @@ from stickslip.experiments import KnownLaws, LawEstimates
 from stickslip.exports import TARGETS, Target
 from stickslip.exports.identifiers import identifier, identifiers
 from stickslip.exports.verb import _estimates_of
-from stickslip.friction import RateState
+from stickslip.friction import RateState, SetValuedLaw
+from stickslip.maths import Scalar
+from stickslip.quantities import Quantity
 
 LAW = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
 KNOWN = LawEstimates(
@@ -166,3 +174,55 @@ def test_a_fit_is_exported_as_it_stands():
     found = export(fit(Axis(inertia=1.0), law, table), "csv")
     assert "Fitted at speeds up to 1 m/s" in found.files["stribeck.csv"]
     assert found.files["stribeck.csv"].splitlines()[-1].startswith("1.0,")
+
+
+def test_a_verdict_that_names_no_law_says_so_and_what_to_export():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    verdict = select(block, [Coulomb], Measurement(travel=0.15, uncertainty=0.005))
+    with pytest.raises(InputError, match=r"names no law to export: .* verdict.candidates\[0\].fit"):
+        export(replace(verdict, best=None), "c")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Branching(SetValuedLaw):
+    """Equations that cannot be written down: an `if`, or a number without end."""
+
+    name: ClassVar[str] = "branching"
+    title: ClassVar[str] = "Branching"
+    formula: ClassVar[str] = "F"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ()
+
+    knee: float = 0.1
+    level: Annotated[float, Quantity("mu", low=0)] = 0.3
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        beyond = self.knee if math.isinf(self.knee) or speed > self.knee else 0.0
+        return self.level * load + beyond
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.level * load
+
+
+@pytest.mark.parametrize(
+    ("knee", "message"), [(0.1, "no truth value"), (math.inf, "no finite number")]
+)
+def test_equations_that_cannot_be_written_down_are_refused_with_the_reason(knee, message):
+    with pytest.raises(InputError, match=f"Branching cannot be exported: .*{message}"):
+        export(Branching(knee=knee), "c")
+
+
+@pytest.mark.parametrize("target", ["csv", "mjcf"])
+def test_forces_beyond_all_numbers_are_refused(target):
+    drag = QuadraticDrag(kinetic_coefficient=0.2, quadratic_coefficient=1.0)
+    with pytest.raises(InputError, match="is not finite up to 1e\\+200 m/s"):
+        export(drag, target, load=1.0, largest_speed=1e200)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_law_without_friction_is_exported_too(target):
+    none = Coulomb(kinetic_coefficient=0.0)
+    assert export(none, target, load=1.0, largest_speed=1.0).files

@@ -97,11 +97,25 @@ def steady_force(
     -------
     array (n,)
         Friction forces [N].
+
+    Raises
+    ------
+    InputError
+        If one of them is not finite.
     """
     law = subject.law
     assert subject.equations is not None  # refuses what is no law
     of = law.steady if isinstance(law, BristleLaw) else law.force  # type: ignore[attr-defined]  # all others have it
-    return np.asarray([float(of(float(v), load)) for v in velocity])
+    try:
+        force = np.asarray([float(of(float(v), load)) for v in velocity])
+    except OverflowError:
+        force = np.full(velocity.shape, np.inf)
+    if not np.all(np.isfinite(force)):
+        raise InputError(
+            f"{law.title} friction is not finite up to {np.abs(velocity).max():g} m/s at a load of"
+            f" {load:g} N: give a smaller load or largest speed."
+        )
+    return force
 
 
 def simplified(subject: Subject) -> Simplified:
