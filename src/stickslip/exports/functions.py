@@ -168,7 +168,7 @@ class _Writer:
             inputs=(_variable("velocity"), *self.bristles, _variable("load")),
             outputs=(_variable("force"),),
             body=_loaded(_by_velocity(("force",), forces)),
-        )  # fmt: skip
+        )
 
     def _rates(self) -> Function:
         names, slip = tuple(self.slips[1:]), self.law.slip
@@ -285,8 +285,13 @@ class _Writer:
             pairs = zip(rates, slopes, strict=True)
             ahead, back = (Assign(names, (rate, slope)) for rate, slope in pairs)
             rest = Assign(names, (slip.rest[1 + place].subs({LOAD: NORMAL}), ZERO))
-            step = PERIOD * se.Symbol("rate") / (1 + PERIOD * se.Symbol("drop"))
-            return (*_loaded((_senses(ahead, back, rest),)), Assign((str(end),), (z + step,)))
+            drop = se.Symbol("drop")
+            step = PERIOD * se.Symbol("rate") / (1 + PERIOD * drop)
+            return (
+                *_loaded((_senses(ahead, back, rest),)),
+                Branch(drop, ZERO, (Assign(("drop",), (ZERO,)),)),
+                Assign((str(end),), (z + step,)),
+            )
         values = [one.subs({z: end}) for one in rates]
         rest = slip.rest[1 + place].subs({LOAD: NORMAL, z: end})
         ahead, back, still = (Assign(("rate",), (one,)) for one in (*values, rest))

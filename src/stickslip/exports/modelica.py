@@ -44,7 +44,15 @@ class Modelica(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
-        source = Source(subject=subject, language=MODELICA, safe=_safe, needed=("slip",))
+        # tools integrate bristles themselves, and not all of them read the searches of `step`
+        held, bristles = subject.equations.holds, bool(subject.equations.bristles)
+        source = Source(
+            subject=subject,
+            language=MODELICA,
+            safe=_safe,
+            needed=("slip",) if held else (),
+            left_out=("step",) if bristles else (),
+        )
         text = "\n".join(_package(source)) + "\n"
         return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
 
