@@ -5,6 +5,7 @@ from stickslip.experiments import check as check
 from stickslip.experiments import guess_data as guess_data
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
+from stickslip.exports import export as export
 from stickslip.friction import Coulomb as Coulomb
 from stickslip.friction import CoulombViscous as CoulombViscous
 from stickslip.friction import CoulombViscousStatic as CoulombViscousStatic
@@ -89,6 +90,7 @@ __all__ = [
     "check",
     "compare_trials",
     "ensemble",
+    "export",
     "fit",
     "guess_data",
     "inverse_dynamics",

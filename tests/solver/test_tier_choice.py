@@ -92,6 +92,7 @@ def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypa
 
 def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
     steps(monkeypatch, 0.6 * run.LOADING)
     tiers.clear()
     held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)

@@ -16,6 +16,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Start here": ("demo", "init", "check", "select"),
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "profile"),
+    "Hand over": ("export",),
     "Look up": ("models", "cite", "schema", "data", "paper"),
     "Set up": ("warmup",),
 }
@@ -38,6 +39,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "sweep": ("stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",),
     "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
     "models": ("stickslip models", "stickslip models lugre"),
+    "export": (
+        "stickslip export law.toml --to c",
+        "stickslip export law.toml --to mjcf --rig rig.toml",
+    ),
     "paper": ("stickslip paper -o paper-report",),
     "warmup": ("stickslip warmup --rig rig.toml",),
     "schema": ("stickslip schema > rig-schema.json",),

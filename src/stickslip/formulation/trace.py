@@ -126,6 +126,8 @@ def expression(value: Any) -> se.Expr:
         raise TracingError(
             f"an equation contains {value!r}, which is neither a number nor a symbol"
         )
+    if not math.isfinite(value):
+        raise TracingError(f"an equation contains {value!r}, which is no finite number")
     top, bottom = float(value).as_integer_ratio()
     # 0.5 and its like stay exact, so that factors from energies cancel instead of piling up
     return (
@@ -242,7 +244,8 @@ class Traced:
             return self._new(b ** int(exponent))
         n = expression(exponent)
         if b.is_Number:
-            return self._new(se.exp(n * se.RealDouble(math.log(float(b)))))
+            positive = float(b) > 0.0
+            return self._new(se.exp(n * math.log(float(b))) if positive else se.Integer(0))
         return self._new(se.Piecewise((b**n, b > 0), (se.Integer(0), True)))
 
 
