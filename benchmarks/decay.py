@@ -27,8 +27,8 @@ T_END = 3.0
 ERROR = 1e-9
 WORK = "spring-block decay, 4 swings, error 1e-9"
 WHY = (
-    "18 steps, 5 of them retaken up to an event: the roots of guards are a third of the time, the"
-    " series and its values a third, the call from Python a tenth"
+    "18 steps, of which 4 are rejected: values of the series, most of them for the certificate, are"
+    " a fifth of the time, the series another, the roots of guards a quarter"
 )
 
 RIG = SpringBlock(mass=M, stiffness=K, compression=X_0, attached=True, gravity=G)
