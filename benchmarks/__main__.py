@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchmarks import tables
 from benchmarks.engines import Holding
-from benchmarks.measuring import BUDGET, REPEATS, Result, Section
+from benchmarks.measuring import BUDGET, MANY, REPEATS, Result, Section
 
 CASES = (
     "decay",
@@ -69,7 +69,8 @@ def page(results: list[object]) -> str:
             lines += ["## One block in other engines", "", *tables.in_engines(result)]
     lines.append(
         f"Medians of {REPEATS} runs after the first, or of as many as fit into {BUDGET:g} s, taken"
-        f" in turns in one process. {machine()}"
+        f" in turns in one process; at equal error the least processor time of {MANY} runs, which"
+        f" other work on the machine lengthens least. {machine()}"
     )
     return "\n".join(lines)
 

@@ -34,7 +34,8 @@ class Held:
     """Times of the runs after the first [s]."""
 
     @property
-    def median(self) -> float:
+    def time(self) -> float:
+        """The median [s]."""
         return statistics.median(self.times)
 
 

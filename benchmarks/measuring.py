@@ -2,7 +2,6 @@
 
 import functools
 import importlib.util
-import statistics
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,6 +15,8 @@ from stickslip.results import Trajectory
 TOLERANCES = tuple(10.0 ** (-half / 2) for half in range(8, 27))
 """Tried from the loosest on, until the error is small enough."""
 REPEATS = 7
+MANY = 60
+"""Runs of which the least time counts, so that some of them find the machine quiet."""
 BUDGET = 5.0
 """After this many seconds an entry is not run again, however few its runs were."""
 BATCH = 0.01
@@ -43,11 +44,12 @@ class Entry:
     run: Callable[[], object] = field(repr=False, compare=False)
     """Runs it again."""
     times: tuple[float, ...] = ()
-    """Times of the runs after the first [s]."""
+    """Processor times of the runs after the first [s]."""
 
     @property
-    def median(self) -> float:
-        return statistics.median(self.times)
+    def time(self) -> float:
+        """The least: other work on the machine lengthens it least [s]."""
+        return min(self.times)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,9 +140,9 @@ def with_times(
     for _ in range(repeats):
         for i, entry in enumerate(entries):
             if not isinstance(entry, Missing) and spent[i] < BUDGET:
-                start = time.perf_counter()
+                start = clock()
                 times[i].append(mean_time(entry.run, clock))
-                spent[i] += time.perf_counter() - start
+                spent[i] += clock() - start
     return tuple(
         entry if isinstance(entry, Missing) else replace(entry, times=tuple(found))
         for entry, found in zip(entries, times, strict=True)
@@ -190,7 +192,7 @@ def faster(
     work: str, least: float, entries: Sequence[object], peer: str, reason: str
 ) -> tuple[Target, ...]:
     """Return the target of being some times faster than a peer, or nothing without a kernel."""
-    times = {e.solver: e.median for e in entries if not isinstance(e, Missing)}
+    times = {e.solver: e.time for e in entries if not isinstance(e, Missing)}
     (other,) = (solver for solver in times if solver.startswith(peer))
     if KERNEL not in times:
         return ()
@@ -207,7 +209,7 @@ def within(
     work: str, most: float, entries: Sequence[object], unit: str, reason: str
 ) -> tuple[Target, ...]:
     """Return the target of a time of the kernel in "us" or "ms", or nothing without a kernel."""
-    times = {e.solver: e.median for e in entries if not isinstance(e, Missing)}
+    times = {e.solver: e.time for e in entries if not isinstance(e, Missing)}
     if KERNEL not in times:
         return ()
     value = times[KERNEL] * {"us": 1e6, "ms": 1e3}[unit]

@@ -7,7 +7,7 @@ from benchmarks.engines import Held, Holding
 from benchmarks.measuring import Entry, Missing, Result, Section, Target
 
 EQUAL = (
-    "case", "solver", "tolerance", "error", "first run, ms", "median, ms", "spread, ms",
+    "case", "solver", "tolerance", "error", "first run, ms", "least, ms", "spread, ms",
     "time over the kernel's",
 )  # fmt: skip
 TARGETS = ("work", "target", "measured", "met", "why not")
@@ -31,17 +31,17 @@ def ratio_of(times: float) -> str:
 def times(entry: Entry | Held, own: float) -> list[str]:
     """Return the four last cells of a row."""
     lowest, highest = min(entry.times), max(entry.times)
-    ratio = entry.median / own
+    ratio = entry.time / own
     return [
         milliseconds(entry.first),
-        milliseconds(entry.median),
+        milliseconds(entry.time),
         f"{milliseconds(lowest)} to {milliseconds(highest)}",
         ratio_of(ratio),
     ]
 
 
 def equal_rows(result: Result) -> list[list[str]]:
-    own = result.entries[0].median
+    own = result.entries[0].time
     rows = []
     for entry in result.entries:
         head = [result.title if entry is result.entries[0] else "", entry.solver]
@@ -54,7 +54,7 @@ def equal_rows(result: Result) -> list[list[str]]:
 
 
 def block_rows(holding: Holding) -> list[list[str]]:
-    own = holding.entries[0].median
+    own = holding.entries[0].time
     rows = []
     for entry in holding.entries:
         if isinstance(entry, Missing):

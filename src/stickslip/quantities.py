@@ -7,7 +7,6 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 
 import contextlib
 import dataclasses
-import functools
 import importlib
 import math
 import numbers
@@ -402,10 +401,15 @@ def _optional(cls: type, name: str) -> bool:
     return _OPTIONAL[cls, name]
 
 
-@functools.cache
+_NAMES: dict[type, tuple[str, ...]] = {}
+"""Names of fields by class; every run asks for them several times."""
+
+
 def _names(cls: type) -> tuple[str, ...]:
-    """Return the names of the fields of a class, which every run asks for several times."""
-    return tuple(field.name for field in dataclasses.fields(cls))
+    """Return the names of the fields of a class."""
+    if cls not in _NAMES:
+        _NAMES[cls] = tuple(field.name for field in dataclasses.fields(cls))
+    return _NAMES[cls]
 
 
 def fields_of(cls: type) -> Mapping[str, Quantity]:
