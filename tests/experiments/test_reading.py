@@ -286,6 +286,7 @@ NO_TABLES = {
     "names": ("1.5,2.5\n" * 10, "its first line holds numbers, not names"),
     "blanks": ("time position\n0 1\n1 2\n", "single column 'time position'.*separated by blanks"),
     "bars": ("time|position\n0|1\n1|2\n", "single column .*parted by '|'"),
+    "a cell of megabytes": ("time,position\n" + "1" * 5_000_000 + ",1\n", "column 'time'"),
     "web page": ("<!DOCTYPE html>\n<html><body>Not found</body></html>\n", "is not a table"),
 }
 

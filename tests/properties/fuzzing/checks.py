@@ -166,9 +166,13 @@ class Evidence:
         norm = sum(factor**2 for factor in self.slips.values())
         along = {name: factor / norm for name, factor in self.slips.items()}
         mass = 2.0 * float(mechanism.kinetic_energy(rest | places, rest | along))
+        units = [{name: 1.0} for name in self.seen_coordinates]
+        lightest = 2.0 * min(
+            float(mechanism.kinetic_energy(rest | places, rest | unit)) for unit in units
+        )
         kinetic = max(_energy(self.case, self.seen, i)[1] for i in range(len(self.times)))
         by_energy, by_force = LEAST_SHARES
-        pull = max(one.force for one in (self.whole or self).each) / mass
+        pull = max(one.force for one in (self.whole or self).each) / lightest
         sizes = (by_energy * math.sqrt(2.0 * kinetic / mass), by_force * pull * self.case.t_end)
         return UNNOTICED * max(sizes)
 
@@ -425,6 +429,13 @@ def says_how_it_ended(e: Evidence) -> Found:
         yield f"certified with {numbers}"
 
 
+def goes_on(e: Evidence) -> Found:
+    """Several contacts neither chatter at one instant nor leave no step short enough."""
+    stuck = (Status.ZENO, Status.STEP_TOO_SMALL, Status.NOT_FINITE)
+    if e.run.contacts and e.run.status in stuck and not e.case.may_jam:
+        yield f"{e.run.ending} {[event.reason for event in e.run.events][-4:]}"
+
+
 def agrees_with_a_coarser_run(e: Evidence) -> Found:
     """A certified run is met by one with coarser steps, coarsely, unless it may fall over."""
     if isinstance(e.case.mechanism, SENSITIVE):  # upside down: errors grow beyond all bounds
@@ -480,7 +491,9 @@ OF_CONTACTS = _by_name(
     rests_for_good,
 )
 """What each contact must do."""
-CHECKS = OF_CONTACTS | _by_name(is_finite, has_its_span, keeps_its_books, says_how_it_ended)
+CHECKS = OF_CONTACTS | _by_name(
+    is_finite, has_its_span, keeps_its_books, says_how_it_ended, goes_on
+)
 """The checks by what they ask for."""
 
 

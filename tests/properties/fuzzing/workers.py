@@ -10,7 +10,7 @@ __all__ = ["outcomes"]
 
 WAITS = 10.0
 """Time that a case may take over its limit, which is of processor time."""
-COMPILING = 600.0
+COMPILING = 3600.0
 """Seconds that compiling the equations of a case may take [s]."""
 
 

@@ -156,8 +156,8 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
         raise InputError(f"{file}: is not valid TOML: {error}.") from None
     except RecursionError:
         pass
-    except ValueError as error:
-        raise InputError(f"{file}: has a number that cannot be read: {error}.") from None
+    except ValueError:
+        raise InputError(f"{file}: has a number that cannot be read: it has too many digits.") from None
     if tables is None or _is_deep(tables):
         raise InputError(f"{file}: its tables are nested too deeply.")
     if not tables:
