@@ -5,9 +5,9 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from stickslip import Axis, check, guess_data, load_measurement, load_rig
+from stickslip import Axis, check, load_measurement, load_rig
 from stickslip.errors import InputError
-from stickslip.experiments import Layout, guessed_rig
+from stickslip.experiments import Layout, guess_data, guessed_rig
 
 N = 1200
 T = np.arange(N) / 100
