@@ -23,7 +23,6 @@ from stickslip import (
     compare_trials,
     ensemble,
     fit,
-    guess_data,
     inverse_dynamics,
     load_measurement,
     load_rig,
@@ -36,7 +35,7 @@ from stickslip import (
 from stickslip.characterize import presliding_loop
 from stickslip.control import closed_loop, limit_cycle
 from stickslip.drives import Sampled, Sine
-from stickslip.experiments.estimates import LawEstimates
+from stickslip.experiments import LawEstimates, guess_data
 from stickslip.friction import RateState
 from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.outputs import Final

@@ -26,7 +26,6 @@ HOMES = {
     "ensemble": "simulation",
     "export": "exports",
     "fit": "routes",
-    "guess_data": "experiments",
     "inverse_dynamics": "identification",
     "load_measurement": "experiments",
     "load_rig": "experiments",

@@ -2,7 +2,6 @@
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
-from stickslip.experiments import guess_data as guess_data
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
 from stickslip.exports import export as export
@@ -92,7 +91,6 @@ __all__ = [
     "ensemble",
     "export",
     "fit",
-    "guess_data",
     "inverse_dynamics",
     "load_measurement",
     "load_rig",

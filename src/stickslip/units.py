@@ -63,8 +63,6 @@ _JOINED: Final = re.compile(
     r"(?P<force>(?:[mckdMµμu]|da)?N|kp|kgf|kg|g|A|V)(?P<length>[mckdµμu]?m)?(?P<time>s)?"
 )
 """Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
-_TEMPERATURES: Final = ("°C", "°F", "degC", "degF")
-"""Units with a zero of their own, which are not converted."""
 _PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
 """What means revolutions per minute where a speed of rotation is wanted."""
 _ROTATION: Final = ("rad/s", "radian/second")
@@ -195,8 +193,6 @@ def pint_magnitude(value: Any, target: str) -> Any:
             base.magnitude,
             registry.Quantity(Decimal(1), registry.parse_units(str(base.units))),
         )
-    if not one._is_multiplicative:
-        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
     try:
         scale = _converted(one, target, unit)
     except ParameterError as error:
@@ -291,12 +287,14 @@ def exact_factor(unit: str, target: str | None) -> Decimal:
         unit = "rpm"
     one = _one(unit)
     if target is None:
+        _check_zero(one, unit)
         return Decimal(one.to_base_units().magnitude)
     return _converted(one, target, unit)
 
 
 def _converted(one: Any, target: str, unit: str) -> Decimal:
     """Return one of a unit in another one of its kind, or say that it is of another."""
+    _check_zero(one, unit)
     wanted = _one(target)
     # Radians have no dimension, but 1 rad/s is not 1 Hz and an angle is no coefficient.
     same_kind = one.dimensionality == wanted.dimensionality and _counted(one) == _counted(wanted)
@@ -304,6 +302,11 @@ def _converted(one: Any, target: str, unit: str) -> Decimal:
         kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
         raise ParameterError(f"must be {kind}, not in {unit}")
     return Decimal(one.to(wanted.units).magnitude)
+
+
+def _check_zero(one: Any, unit: str) -> None:
+    if not one._is_multiplicative:
+        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
 
 
 def _one(unit: str) -> Any:
@@ -319,8 +322,6 @@ def _one(unit: str) -> Any:
     except Exception:
         # Whatever the unit library says, it cannot say where in the file.
         raise ParameterError(f"has an unknown unit {shown(unit)}") from None
-    if not one._is_multiplicative:
-        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
     return one
 
 
@@ -376,7 +377,7 @@ def is_unit(text: str) -> bool:
     >>> is_unit("U/min"), is_unit("Weg"), is_unit("1")
     (True, False, False)
     """
-    if text in ("1", *_TEMPERATURES):
+    if text in ("1", "°C", "°F"):  # the degree of a temperature is no angle
         return text != "1"
     try:
         return _one(text) is not None

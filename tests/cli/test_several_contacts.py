@@ -123,7 +123,7 @@ def test_one_pad_at_a_radius_is_simulated_too(called):
     assert list(pd.read_csv("run.csv").columns[1:4]) == [
         "phi [rad]",
         "omega [rad/s]",
-        "friction [N m]",
+        "friction [N]",  # at the radius
     ]
 
 

@@ -232,4 +232,4 @@ def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch)
     # four steps, and in each at most one line after 20 s
     assert 4 < len(lines) <= 8
     assert lines[0] == "Fitting coulomb ..."
-    assert lines[2] == "Fitting viscous ... (1 of 4 done, 30 s, about 1 min 30 s left)"
+    assert lines[2] == "Fitting viscous (1 of 4 done, 30 s, about 1 min 30 s left) ..."

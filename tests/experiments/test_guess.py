@@ -5,9 +5,9 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from stickslip import Axis, check, guess_data, load_measurement, load_rig
+from stickslip import Axis, check, load_measurement, load_rig
 from stickslip.errors import InputError
-from stickslip.experiments import Layout, guessed_rig
+from stickslip.experiments import Layout, guess_data, guessed_rig
 
 N = 1200
 T = np.arange(N) / 100
@@ -220,6 +220,7 @@ def test_counts_ask_for_a_resolution(tmp_path):
         ("t;b\n" + rows((T, X)), "no column seems to hold a position or a velocity"),
         ("travel [mm],uncertainty [mm]\n72,1\n200,2\n", "is a table of travels"),
         ("1,2\n3,4\n5,6\n", "its first line holds numbers, not names"),
+        (rows((T, X, F)), "its first line holds numbers, not names"),
         ("only words\nand more\n", "is not a table"),
         ("", "is empty"),
     ],
@@ -261,3 +262,49 @@ def test_the_rig_file_of_any_names_is_valid(tmp_path):
     guess = guess_data(file)
     (tmp_path / "a.toml").write_text(guessed_rig(guess, "a b.csv"))
     np.testing.assert_allclose(load_rig(tmp_path / "a.toml").measurement.position, X, atol=6e-7)
+
+
+SHORT = slice(0, 30)
+ODD = {
+    "a preface of a program": (
+        "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nX_Value\tWeg\tKraft\n",
+        (T, X, F), "\t", {"time": "X_Value", "position": "Weg", "force": "Kraft"},
+    ),
+    "a track beside an angle": (
+        "time_ms;pos_um;torque_Nm;angle_deg\n",
+        (T, X, F, X), ";", {"time": "time_ms", "position": "angle_deg", "force": "torque_Nm"},
+    ),
+    "two of a kind": (
+        "Zeit;Position1;Position2;Kraft\ns;mm;mm;N\n",
+        (T, X, X, F), ";", {"time": "Zeit", "position": "Position1", "force": "Kraft"},
+    ),
+    "a slash in a unit": (
+        "t;I_A;F_N;v_m/s\n",
+        (T, F, F, X), ";", {"time": "t", "velocity": "v_m/s", "force": "F_N"},
+    ),
+    "capitals": (
+        "ZEIT;WEG;KRAFT\nS;MM;N\n",
+        (T, X, F), ";", {"time": "ZEIT", "position": "WEG", "force": "KRAFT"},
+    ),
+    "a counter": (
+        "Index;Zeit;Weg;Kraft\n;s;mm;N\n",
+        (100 * T, T, X, F), ";", {"time": "Zeit", "position": "Weg", "force": "Kraft"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("head", "columns", "mark", "found"), ODD.values(), ids=ODD)
+def test_odd_headers_are_understood(tmp_path, head, columns, mark, found):
+    file = tmp_path / "a.csv"
+    file.write_text(head + rows([one[SHORT] for one in columns], mark))
+    guess = guess_data(file)
+    assert guess.columns == found
+    assert guess.turning == ("deg" in head)
+    assert any("as well as 'Position1'" in one for one in guess.doubts) == ("Position2" in head)
+
+
+def test_a_word_among_the_numbers_is_named(tmp_path):
+    file = tmp_path / "a.csv"
+    file.write_text("Zeit;Weg;Kraft\ns;mm;N\n" + rows((T, X, F)) + "Ende der Messung;;\n")
+    with pytest.raises(InputError, match=rf"line {N + 3}: must be a finite.*'Ende der Messung'"):
+        guess_data(file)

@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Axis, Coulomb, guess_data, load_measurement, load_rig, simulate
+from stickslip import Axis, Coulomb, load_measurement, load_rig, simulate
 from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import guess_data
 
 T = np.arange(200) / 100
 X = 0.02 * np.sin(3.0 * T)

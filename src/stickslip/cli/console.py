@@ -28,6 +28,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import NO_VALUE, printable
 
 __all__ = [
+    "check_rig_file",
     "command_line",
     "document",
     "hush",
@@ -175,6 +176,18 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
             )
         found[path.strip()] = value.strip()
     return found
+
+
+def check_rig_file(output: Path) -> None:
+    """Refuse what is no rig file by its ending, before it is written.
+
+    Raises
+    ------
+    InputError
+        If the ending is not ``.toml``.
+    """
+    if output.suffix != ".toml":
+        raise InputError(f"--output takes a .toml file, got {output}.")
 
 
 def refuse_overwriting(

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from stickslip.cli.console import (
+    check_rig_file,
     document,
     note,
     overrides,
@@ -72,8 +73,7 @@ def run(
         If `output` is not a TOML file.
     """
     if output is not None:
-        if output.suffix != ".toml":
-            raise InputError(f"--output takes a .toml file, got {output}.")
+        check_rig_file(output)
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
     found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import (
+    check_rig_file,
     document,
     print_json,
     refuse_overwriting,
@@ -39,8 +40,7 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
         If `output` is not a TOML file, or the data file holds no record.
     """
     target = file.with_suffix(".toml") if output is None else output
-    if target.suffix != ".toml":
-        raise InputError(f"--output takes a .toml file, got {target}.")
+    check_rig_file(target)
     refuse_overwriting(target, target.parent, force=force)
     try:
         guess = guess_data(file, columns=reading.columns, units=reading.units)

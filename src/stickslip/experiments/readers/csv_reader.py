@@ -13,12 +13,18 @@ from typing import Final
 import pandas as pd
 
 from stickslip.errors import InputError
-from stickslip.experiments.readers.layout import Layout, cells_of, decoded, unit_in
+from stickslip.experiments.readers.layout import (
+    Layout,
+    cells_of,
+    decoded,
+    is_number,
+    unit_in,
+)
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
 from stickslip.units import shown
 
-__all__ = ["ambiguous", "culprit", "grouped", "read_text"]
+__all__ = ["ambiguous", "culprit", "grouped", "read_text", "refuse_numbers"]
 
 HEAD: Final = 65_536
 """Bytes that are enough to see that a file is no text."""
@@ -264,10 +270,7 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
     """Refuse what is no table before megabytes of it are parsed."""
     rows = [row for row in sample if row.strip()]
     if all(_NUMBER.fullmatch(name) for name in names):
-        raise InputError(
-            f"{path}: its first line holds numbers, not names. Add a first line with the column"
-            " names, such as time,position."
-        )
+        raise _no_names(path)
     if not rows:
         return
     if len(names) == 1:
@@ -279,6 +282,33 @@ def _check_table(path: Path, names: list[str], sample: list[str], separator: str
             f" begins with {shown(rows[0][:40])}. A table has a line of column names, followed by"
             " rows of numbers separated by commas, semicolons or tabs."
         )
+
+
+def refuse_numbers(path: Path, text: str) -> None:
+    """Refuse a text whose first line is a row of numbers, whatever parts them.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    text : str
+        Its contents.
+
+    Raises
+    ------
+    InputError
+        If there are no names above the numbers.
+    """
+    first = text.lstrip()[:LONGEST_LINE].partition("\n")[0].strip()
+    if any(all(map(is_number, cells_of(first, mark))) for mark in (*SEPARATORS, "|")):
+        raise _no_names(path)
+
+
+def _no_names(path: Path) -> InputError:
+    return InputError(
+        f"{path}: its first line holds numbers, not names. Add a first line with the column"
+        " names, such as time,position."
+    )
 
 
 def _check_single(path: Path, name: str, rows: list[str]) -> None:

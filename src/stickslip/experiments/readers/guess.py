@@ -1,8 +1,8 @@
 """What a file seems to hold: its layout, its columns, their units; and what speaks for it."""
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Literal, final
 
@@ -11,7 +11,8 @@ import pandas as pd
 from typing_extensions import override
 
 from stickslip.errors import InputError
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS
+from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array
+from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
@@ -164,6 +165,8 @@ class _Found:
     stated: bool
     """Whether the reader finds the unit in the header by itself."""
     why: str
+    others: tuple[str, ...] = ()
+    """Columns for which as much speaks."""
 
 
 def guess_data(
@@ -225,10 +228,11 @@ def guess_data(
     }
     counted = [q for q, one in found.items() if one.unit and is_of(one.unit, "count")]
     reasons |= {q: _column_text(one) for q, one in found.items()}
-    if "time" in found:
-        reasons["time"] += _rate_text(frame, found["time"])
+    times = _times(frame, found["time"]) if "time" in found else None
+    if times is not None:
+        reasons["time"] += _rate_text(times)
     reasons["motion"] = "about an axis" if turning else "along a line"
-    repair = _repairs(frame, found)
+    repair = _repairs(frame, found, times)
     if repair:
         why = {"gaps": "cells are empty", "sort": "times do not increase everywhere"}
         reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
@@ -259,6 +263,7 @@ def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
         read_frame(path, columns={}, units={})
+        refuse_numbers(path, text)
         return None, {}
     layout = found.layout
     marks = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars"}
@@ -290,19 +295,9 @@ def _assigned(
         taken[quantity] = _Found(
             score=9.0, name=str(names[0]), unit=unit, stated=unit == stated, why="as given"
         )
-    offers = [
-        (found.score, -place, quantity, found)
-        for place, name in enumerate(left)
-        for quantity in NAMES
-        for found in _offers(frame, name, quantity)
-    ]
-    for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
-        used = {one.name for one in taken.values()}
-        if quantity in taken or found.name in used:
-            continue
-        if "force" in taken and quantity == "current" and taken["force"].score >= PART:
-            continue  # measured as well, but the force is what is wanted
-        taken[quantity] = found
+    # Columns of a motion along a line, or of one about an axis: those for which more speaks.
+    kinds = [_by_kind(frame, left, taken, turning) for turning in (False, True)]
+    taken = max(kinds, key=lambda found: sum(one.score for one in found.values()))
     if "current" in taken and "force" in taken:
         del taken["current" if taken["force"].score >= taken["current"].score else "force"]
     if "time" not in taken and "force" in taken and "velocity" in taken and "friction" not in taken:
@@ -311,12 +306,45 @@ def _assigned(
     return {q: taken[q] for q in (*order, *taken) if q in taken}
 
 
+def _by_kind(
+    frame: Frame, left: Sequence[str], given: Mapping[str, _Found], turning: bool
+) -> dict[str, _Found]:
+    """Return the column of each quantity, if all units are those of one kind of motion."""
+    taken = dict(given)
+    offers = [
+        (found.score, -place, quantity, found)
+        for place, name in enumerate(left)
+        for quantity in NAMES
+        for found in _offers(frame, name, quantity)
+        if _is_of_kind(found, quantity, turning)
+    ]
+    for _, _, quantity, found in sorted(offers, key=lambda one: one[:2], reverse=True):
+        alike = quantity in taken and found.name != taken[quantity].name
+        if alike and found.score == taken[quantity].score and quantity not in given:
+            taken[quantity] = replace(taken[quantity], others=(*taken[quantity].others, found.name))
+        if quantity in taken or found.name in {one.name for one in taken.values()}:
+            continue
+        if "force" in taken and quantity == "current" and taken["force"].score >= PART:
+            continue  # measured as well, but the force is what is wanted
+        taken[quantity] = found
+    return taken
+
+
+def _is_of_kind(found: _Found, quantity: str, turning: bool) -> bool:
+    kinds = UNITS[quantity]
+    if found.unit is None or len(kinds) < 2 or is_of(found.unit, "count"):
+        return True
+    return not is_of(found.unit, kinds[not turning])
+
+
 def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     column = frame.data[frame.names[name]]
     stated = frame.units.get(name)
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
-    fits = unit is not None and any(is_of(unit, kind) for kind in UNITS[quantity])
+    if unit is not None and unit.isupper() and not _fits(unit, quantity):
+        unit = unit.lower() if _fits(unit.lower(), quantity) else unit  # MM is no molarity
+    fits = unit is not None and _fits(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
     if unit is not None and not fits and not counts:
         return
@@ -328,7 +356,7 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
     score, why = _named_score(bare, quantity)
     if score and fits:
         score += 1.0
-    if not score and fits and unit != "1":
+    if not score and fits and unit != "1" and quantity not in ("reference", "load"):
         score, why = BY_UNIT, "by its unit"
     if not score and quantity == "time" and _increases(column):
         score, why = BY_VALUES, "because it increases"
@@ -364,15 +392,18 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
 
 
 def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
-    """Return a name without the unit that it carries, if that is one of the quantity."""
-    for style in _STYLES:
-        found = style.fullmatch(name)
-        if found and is_unit(found["unit"]):
-            unit = found["unit"].strip()
-            of = any(is_of(unit, kind) for kind in UNITS[quantity])
-            if of or style is not _STYLES[-1]:
-                return found["name"], unit
-    return name, None
+    """Return a name without the unit that it carries, one of the quantity if there is one."""
+    found = [style.fullmatch(name) for style in _STYLES]
+    parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
+    own = [part for part in parts if _fits(part[1], quantity)]
+    last = _STYLES[-1].fullmatch(name)
+    # A last word may be anything, and is a unit only if it is one of the quantity.
+    others = [part for part in parts if last is None or part[1] != last["unit"]]
+    return next(iter((*own, *others)), (name, None))
+
+
+def _fits(unit: str, quantity: str) -> bool:
+    return any(is_of(unit, kind) for kind in UNITS[quantity])
 
 
 def _may_be_times(column: "pd.Series[Any]") -> bool:
@@ -401,6 +432,9 @@ def _increases(column: "pd.Series[Any]") -> bool:
 def _check_enough(frame: Frame, found: Mapping[str, _Found]) -> None:
     """Refuse what is neither a motion in time nor friction at velocities."""
     listed = ", ".join(map(shown, [name for name in frame.names if name][:12]))
+    for name in frame.names if "time" not in found else ():
+        if _named_score(_unit_in_name(name, "time")[0], "time")[0] >= PART:
+            frame.raw(name)  # says which cell is no number, if that is why it was passed over
     if any(name in frame.names for name in TRAVELS):
         raise InputError(
             f"{frame.file}: is a table of travels, one trial a row, not a record: name it in a rig"
@@ -435,17 +469,14 @@ def _column_text(one: _Found) -> str:
     return f"column {one.name!r}{f' in {one.unit}' if one.unit else ''}, {one.why}"
 
 
-def _rate_text(frame: Frame, one: _Found) -> str:
-    """Return the sampling rate in words."""
-    times = _times(frame, one)
-    if times is None:
-        return ""
+def _rate_text(times: Array) -> str:
+    """Return number and rate of the samples in words."""
     step = float(np.median(np.diff(times[np.isfinite(times)])))
     samples = count(len(times), "sample")
     return f"; {samples}, {number(1.0 / step, 4)} Hz" if step > 0.0 else f"; {samples}"
 
 
-def _times(frame: Frame, one: _Found) -> "np.ndarray[Any, np.dtype[np.float64]] | None":
+def _times(frame: Frame, one: _Found) -> Array | None:
     """Return the times of a record [s], NaN where there are none."""
     key = next((k for k in frame.names if one.name in (k, frame.names[k])), None)
     if key is None:
@@ -457,7 +488,7 @@ def _times(frame: Frame, one: _Found) -> "np.ndarray[Any, np.dtype[np.float64]] 
     return values * (factor(one.unit, "s") if one.unit else 1.0)
 
 
-def _repairs(frame: Frame, found: Mapping[str, _Found]) -> tuple[Repair, ...]:
+def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> tuple[Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     headers = [
         frame.names[key]
@@ -466,7 +497,6 @@ def _repairs(frame: Frame, found: Mapping[str, _Found]) -> tuple[Repair, ...]:
         if one.name in (key, frame.names[key])
     ]
     gaps = bool(frame.data[headers].isna().any(axis=None))
-    times = _times(frame, found["time"]) if "time" in found else None
     late = times is not None and bool(np.any(np.diff(times[np.isfinite(times)]) <= 0.0))
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
@@ -497,6 +527,12 @@ def _doubts(found: Mapping[str, _Found], turning: bool, units: Mapping[str, str]
             yield (
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
+            )
+    for quantity, one in found.items():
+        for other in one.others:
+            yield (
+                f"The column {other!r} may be the {quantity} as well as {one.name!r}, which comes"
+                " first."
             )
     if "current" in found:
         unit = "N m/A" if turning else "N/A"

@@ -33,8 +33,8 @@ _NUMBER: Final = re.compile(
 )
 _BLANKS: Final = "'\u2019 \u00a0\u202f"
 _THOUSANDS: Final = (
-    (",", re.compile(rf"\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*,\d"), "."),
-    (".", re.compile(rf"\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*\.\d"), ","),
+    (",", re.compile(rf"\d([.{_BLANKS}])\d{{3}}(?:\1\d{{3}})*,\d")),
+    (".", re.compile(rf"\d([,{_BLANKS}])\d{{3}}(?:\1\d{{3}})*\.\d")),
 )
 """By decimal mark: a number that has both this and a mark between thousands."""
 
@@ -321,7 +321,7 @@ def _marks(
         both = any("." in cell and "," in cell for cell in numbers)
         if last[","] and (both or last[","] >= last["."]):
             decimal = ","
-    for mark, pattern, _ in _THOUSANDS:
+    for mark, pattern in _THOUSANDS:
         if mark != decimal or (separator == "," and '"' not in text):
             continue
         found = pattern.search(text)
