@@ -474,7 +474,10 @@ EMPTY_FIGURE = b'<svg xmlns="http://www.w3.org/2000/svg"><title> </title></svg>'
 
 @contextlib.contextmanager
 def wide_only() -> Iterator[None]:
-    """Leave out the figures of pages for narrow screens, a third of what pages take."""
+    """Leave out the figures of pages for narrow screens, a third of what pages take.
+
+    Animations have one picture a second.
+    """
     from stickslip.plots.core import svg
 
     drawn = inspect.unwrap(svg._drawn)
@@ -484,6 +487,8 @@ def wide_only() -> Iterator[None]:
         return EMPTY_FIGURE if narrow else drawn(draw, size, narrow, *style, **more)
 
     with pytest.MonkeyPatch.context() as patch:
+        for module in ("report.runs.motion", "paper.sections.cart"):
+            patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", wide)
         yield
 
@@ -492,7 +497,8 @@ def wide_only() -> Iterator[None]:
 def sketched() -> Iterator[None]:
     """Draw figures of pages, for wide screens, but lay out and write none: most of what they take.
 
-    The functions that draw are called, and pages have empty figures.
+    The functions that draw are called, and pages have empty figures. Animations have one picture a
+    second.
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -514,5 +520,7 @@ def sketched() -> Iterator[None]:
         return EMPTY_FIGURE
 
     with pytest.MonkeyPatch.context() as patch:
+        for module in ("report.runs.motion", "paper.sections.cart"):
+            patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", sketch)
         yield

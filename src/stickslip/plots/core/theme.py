@@ -134,6 +134,7 @@ GREEK: Final = frozenset(_LETTERS.split())
 """Letters that mathtext knows by these names."""
 _SYMBOL: Final = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9_+-]+)?")
 _LOCK: Final = threading.RLock()
+_HELD: Final = threading.local()
 
 
 @contextmanager
@@ -154,8 +155,16 @@ def house_style() -> Iterator[None]:
     ...     mpl.rcParams["axes.edgecolor"] == MUTED
     True
     """
-    with _LOCK, style.context(["default", dict(STYLE)]):
-        yield
+    with _LOCK:
+        if getattr(_HELD, "held", False):  # setting all again would take a tenth of an animation
+            yield
+            return
+        _HELD.held = True
+        try:
+            with style.context(["default", dict(STYLE)]):
+                yield
+        finally:
+            _HELD.held = False
 
 
 def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:
