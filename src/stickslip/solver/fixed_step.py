@@ -222,7 +222,7 @@ def _trajectory(
 def _certificate(t: NDArray[np.float64], balances: NDArray[np.float64]) -> Certificate:
     """Say what the fixed step cost, by energies and powers (n, 3): it is never certified."""
     energy, power = balances[:, 0], balances[:, 1:]
-    work = np.trapezoid(power, t, axis=0)
+    work = np.asarray(np.trapezoid(power, t, axis=0))
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
     mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
     return Certificate(
