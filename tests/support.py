@@ -5,6 +5,8 @@ A law or a mechanism that is added to a registry is met by every test that draws
 
 import contextlib
 import dataclasses
+import functools
+import inspect
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -473,18 +475,58 @@ def values_of(root: Any) -> dict[str, float]:
     return {path: value for path, _, value in parameters(root, "it")}
 
 
+EMPTY_FIGURE = b'<svg xmlns="http://www.w3.org/2000/svg"><title> </title></svg>'
+
+
 @contextlib.contextmanager
 def wide_only() -> Iterator[None]:
-    """Leave out the figures of pages for narrow screens, a third of what pages take."""
+    """Leave out the figures of pages for narrow screens, a third of what pages take.
+
+    Animations have one picture a second.
+    """
     from stickslip.plots.core import svg
 
-    drawn = svg._drawn
+    drawn = inspect.unwrap(svg._drawn)
 
+    @functools.wraps(drawn)
     def wide(draw: Any, size: Any, narrow: bool, *style: Any, **more: Any) -> bytes:
-        if narrow:
-            return b'<svg xmlns="http://www.w3.org/2000/svg"><title> </title></svg>'
-        return drawn(draw, size, narrow, *style, **more)
+        return EMPTY_FIGURE if narrow else drawn(draw, size, narrow, *style, **more)
 
     with pytest.MonkeyPatch.context() as patch:
+        for module in ("report.runs.motion", "paper.sections.cart"):
+            patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
         patch.setattr(svg, "_drawn", wide)
+        yield
+
+
+@contextlib.contextmanager
+def sketched() -> Iterator[None]:
+    """Draw figures of pages, for wide screens, but lay out and write none: most of what they take.
+
+    The functions that draw are called, and pages have empty figures. Animations have one picture a
+    second.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    from stickslip.plots.core import svg, theme
+
+    drawn = inspect.unwrap(svg._drawn)
+
+    @functools.wraps(drawn)
+    def sketch(draw: Any, size: Any, narrow: bool, *style: Any, **more: Any) -> bytes:
+        if style or more:  # a file of its own
+            return drawn(draw, size, narrow, *style, **more)
+        if not narrow:
+            with theme.house_style(), pytest.MonkeyPatch.context() as still:
+                figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=72, layout="constrained")
+                FigureCanvasSVG(figure)
+                still.setattr(figure.get_layout_engine(), "execute", lambda _: None)
+                draw(figure, narrow)
+        return EMPTY_FIGURE
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("report.runs.motion", "paper.sections.cart"):
+            patch.setattr(f"stickslip.{module}.ANIMATED", 1.0)
+        patch.setattr(svg, "_drawn", sketch)
         yield

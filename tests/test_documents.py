@@ -65,7 +65,10 @@ def killed(folder, where, last, can_exchange):
 
 @posix
 @pytest.mark.parametrize("where", ["before", "after"])
-@pytest.mark.parametrize("start", ["absent", "old", "old with a user's files"])
+@pytest.mark.parametrize(
+    "start",
+    ["absent", pytest.param("old", marks=pytest.mark.slow), "old with a user's files"],
+)
 @linux
 def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_path, start, where):
     last, states = 0, []
@@ -97,7 +100,7 @@ def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_p
 
 
 @posix
-@pytest.mark.parametrize("where", ["before", "after"])
+@pytest.mark.parametrize("where", ["before", pytest.param("after", marks=pytest.mark.slow)])
 def test_without_an_exchange_old_files_never_stand_beside_new_ones(tmp_path, where):
     last = 0
     while True:

@@ -298,6 +298,8 @@ RUNS = {
             bristle_stiffness=1e3,
             bristle_damping=10.0,
         ),
+        {"x": 0.02},
+        0.3,
     ),
     "several contacts": (
         BlockChain(blocks=2, mass=1.0, coupling=5.0, stiffness=2.0),

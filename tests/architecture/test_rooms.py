@@ -1,8 +1,9 @@
 """Rooms of the package are entered by their doors: what others use stands in `__init__`."""
 
 import ast
+import functools
 import importlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -14,17 +15,23 @@ ROOMS = {path.parent.name for path in ROOT.glob("*/__init__.py")}
 OF_MODULES = {"kernels", "catalogue", "paper"}
 """Rooms whose doors are modules: the text of a kernel's module is what is compiled."""
 FILES = sorted(ROOT.rglob("*.py"))
-TREES = {file: ast.parse(file.read_text(encoding="utf-8")) for file in FILES}
-IMPORTS = {
-    file: [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
-    for file, tree in TREES.items()
-}
+
+
+@functools.cache
+def tree_of(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def imports_of(file: Path) -> Sequence[ast.Import | ast.ImportFrom]:
+    nodes = ast.walk(tree_of(file))
+    return [node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)]
 
 
 def imports_past_a_door(file: Path) -> Iterator[str]:
     """Yield the imports of a file that name a module inside of another room."""
     own = file.relative_to(ROOT).parts[0].removesuffix(".py")
-    for node in IMPORTS[file]:
+    for node in imports_of(file):
         if isinstance(node, ast.ImportFrom) and node.module:
             modules = [node.module]
         elif isinstance(node, ast.Import):
@@ -57,15 +64,15 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
         alias.name
         for file in FILES
         if file.relative_to(ROOT).parts[0] != room
-        for node in IMPORTS[file]
+        for node in imports_of(file)
         if isinstance(node, ast.ImportFrom) and node.module == f"stickslip.{room}"
         for alias in node.names
     }
     if room == "plots":  # results draw themselves by `stickslip.display.plots`, below all figures
         used |= {
             node.attr
-            for tree in TREES.values()
-            for node in ast.walk(tree)
+            for file in FILES
+            for node in ast.walk(tree_of(file))
             if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "plots()"
         }
     assert set(getattr(module, "INSIDE", {})) <= used
@@ -75,7 +82,7 @@ def test_what_stands_inside_is_used_by_another_room(room: str) -> None:
 def test_the_tables_of_a_door_are_in_the_order_of_their_names(room: str) -> None:
     tables = {
         node.targets[0].id: [key.value for key in node.value.keys if isinstance(key, ast.Constant)]
-        for node in TREES[ROOT / room / "__init__.py"].body
+        for node in tree_of(ROOT / room / "__init__.py").body
         if isinstance(node, ast.Assign)
         and isinstance(node.targets[0], ast.Name)
         and isinstance(node.value, ast.Dict)

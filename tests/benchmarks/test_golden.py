@@ -9,6 +9,7 @@ from benchmarks import golden
 from benchmarks.golden_cases import CASES, PYTHON, Case, Command
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.support import examples
 
 VERDICT = {
     "stickslip": "0.1.0",
@@ -104,6 +105,7 @@ def test_long_diffs_are_cut_and_say_so():
     assert re.fullmatch(r"\.\.\. and \d+ more lines", found.diff[-1])
 
 
+@examples(100)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.integers(0, 10**20))
 def test_real_numbers_are_no_noise(x, n):
     for text in (f"mu_k = {x!r}, {n} rows.", f"{x:.3g} to {x:.6f}", f"{n:,}", f"[{x!r}]"):
@@ -118,6 +120,7 @@ def test_versions_hashes_dates_and_folders_are_noise():
     )
 
 
+@examples(100)
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_numbers_for_programs_are_rounded_to_nine_digits_once(x):
     text = golden.rounded(f"a = {x!r}")

@@ -1,8 +1,8 @@
-"""A record in time that laws can be fitted to in a second; pages without figures for phones."""
+"""A record in time that laws can be fitted to in a second; pages with empty figures."""
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import sketched, wide_only
 
 from stickslip import Axis, CoulombViscous, simulate
 from stickslip.drives import Sampled
@@ -25,7 +25,14 @@ def axis_record():
 
 
 @pytest.fixture(autouse=True, scope="module")
-def figures_are_drawn_for_wide_screens():
-    """Leave out the narrow drawings, which tests of reports have of the same sections."""
+def figures_are_not_laid_out():
+    """Leave out what makes text of a drawing: tests of reports have it of the same sections."""
+    with sketched():
+        yield
+
+
+@pytest.fixture
+def drawn_figures(figures_are_not_laid_out):
+    """Draw the figures of pages after all, for wide screens: what they say is asserted."""
     with wide_only():
         yield

@@ -502,19 +502,20 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
     assert {path.name for path in folder.glob("[!.]*")} == names  # the verdict and its law stay
 
 
-def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_report(rig, tmp_path):
+def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_report(
+    run, rig, tmp_path
+):
     """Verdict, law and page of one report appear in one step."""
     kill = "import os, stickslip.cli.select as s"
     kill += "; s.verdict_page = lambda *_, **__: os.kill(os.getpid(), 9)"
     go = "from stickslip.cli import main"
     go += "; main(['select', 'rig.toml', '--laws', 'coulomb', '--force'])"
     rig()  # another page than that of the paper's rig, which takes longer by the paper's audit
-    python = [sys.executable, "-c"]
-    subprocess.run([*python, go], cwd=tmp_path, capture_output=True, check=True)
+    assert run("select", "rig.toml", "--laws", "coulomb")[0] == 0
     folder = tmp_path / "stickslip-report"
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     done = subprocess.run(
-        [*python, f"{kill}; {go}"], cwd=tmp_path, capture_output=True, check=False
+        [sys.executable, "-c", f"{kill}; {go}"], cwd=tmp_path, capture_output=True, check=False
     )
     assert done.returncode == -9
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

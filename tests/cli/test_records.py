@@ -467,7 +467,7 @@ def test_processes_come_to_the_same_verdict(run):
     assert together[:2] == alone[:2]  # what is told meanwhile comes as it is done
 
 
-@pytest.mark.parametrize("factor", [10.0, 0.1])
+@pytest.mark.parametrize("factor", [10.0, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_lengths_in_the_wrong_unit_leave_no_law_and_no_law_file(run, write, axis_record, factor):
     write("wrong.csv", q=factor * axis_record["q"])
     args = ("select", "bare.toml", "--data", "wrong.csv", *COLUMNS, *FAST)
@@ -510,7 +510,7 @@ def test_the_starts_of_a_free_decay_are_those_of_its_first_search(pendulum):
     assert "Restarts: none, a single start" in out
 
 
-def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum):
+def test_all_units_of_a_pendulum_are_those_of_torque_and_angle(pendulum, drawn_figures):
     asked = ("fit", "swing.toml", "--law", "coulomb-viscous", "--starts", "1")
     assert pendulum(*asked, "-o", "law.toml")[0] == 0
     estimates = json.loads(pendulum(*asked, "--json")[1])["estimates"]

@@ -25,10 +25,11 @@ def test_every_mechanism_passes_the_suite_for_mechanisms(name):
     assert report.ok, report
 
 
+@pytest.mark.parametrize("draws", [2, pytest.param(5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", quick(SEVERAL, "clutch-train", "pendulum-cart"))
-def test_mechanisms_with_several_contacts_pass_the_suite_too(name):
+def test_mechanisms_with_several_contacts_pass_the_suite_too(name, draws):
     law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
-    report = check_mechanism(SEVERAL[name], law, compiled=False, draws=5)
+    report = check_mechanism(SEVERAL[name], law, compiled=False, draws=draws)
     assert report.ok, report
     assert "contacts name coordinates" in report.checks
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.support import wide_only
+from tests.support import sketched
 
 from stickslip import load_rig
 from stickslip.cli import main
@@ -34,8 +34,8 @@ CHAIN, OWN = (text for kind, text in BLOCKS if kind == "sh" and text.startswith(
 
 
 @pytest.fixture(autouse=True)
-def figures_are_drawn_for_wide_screens() -> Iterator[None]:
-    with wide_only():
+def figures_are_not_laid_out() -> Iterator[None]:
+    with sketched():
         yield
 
 

@@ -44,7 +44,11 @@ def linear(fit):
 
 @pytest.mark.parametrize(
     ("sampler", "counts"),
-    [("emcee", {"steps": 3000}), ("dynesty", {"live_points": 300}), ("dynesty", {})],
+    [
+        ("emcee", {"steps": 3000}),
+        pytest.param("dynesty", {"live_points": 300}, marks=pytest.mark.slow),
+        ("dynesty", {}),
+    ],
 )
 def test_draws_of_a_linear_problem_have_its_mean_and_covariance(fit, linear, sampler, counts):
     pytest.importorskip(sampler)

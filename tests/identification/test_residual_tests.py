@@ -1,5 +1,6 @@
 """Residuals name the error of a model, and are silent where the model is right."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ def fitted(measurement, route="inverse-dynamics"):
     )  # fmt: skip
 
 
+@functools.cache
 def faulty(name, seed=205):
     """A record with a fault, of a machine that nothing else disturbs."""
     random = np.random.default_rng(seed)
@@ -30,6 +32,12 @@ def faulty(name, seed=205):
         found = machine.run(random)
         if found is not None:
             return faults.FAULTS[name].record(found, random)
+
+
+@functools.cache
+def of_fault(name):
+    """Return the errors that are named of a record with a fault."""
+    return fitted(faulty(name)).model_errors
 
 
 NAMED = [
@@ -48,7 +56,7 @@ NAMED = [
 
 @pytest.mark.parametrize(("fault", "kind"), NAMED)
 def test_the_fault_of_a_record_is_named_first(fault, kind):
-    errors = fitted(faulty(fault)).model_errors
+    errors = of_fault(fault)
     assert errors
     assert errors[0].kind == kind
     assert errors[0].interval[0] < errors[0].effect < errors[0].interval[1]
@@ -69,7 +77,7 @@ def test_a_ripple_of_the_force_is_named_with_its_frequency():
 
 @pytest.mark.parametrize(("fault", "late"), [("sensor-delay", 12e-3), ("actuator-delay", 6e-3)])
 def test_a_delay_is_found_with_its_size(fault, late):
-    (error, *_) = fitted(faulty(fault)).model_errors
+    (error, *_) = of_fault(fault)
     # to first order in the delay: a tenth of it and the interval are the error
     half = error.effect - error.interval[0]
     assert error.effect == pytest.approx(late, abs=0.1 * late + 2.0 * half)

@@ -119,7 +119,7 @@ def test_an_exponent_outside_the_order_of_fits_is_fitted_where_it_is_named():
 @pytest.mark.parametrize(
     "name", ["stribeck", "power-viscous", "quadratic-drag", "direction-dependent"]
 )
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_richer_law_never_leaves_more_than_the_one_it_contains(name, seed):
     random = np.random.default_rng(seed)
     t = np.arange(0.0, 6.0, 4e-3)

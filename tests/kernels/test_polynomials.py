@@ -187,6 +187,7 @@ def test_the_first_fall_is_that_of_a_polynomial_within_rounding(coefficients):
 
 
 @pytest.mark.parametrize("factor", [[0, 1], [0, 0, 1]])
+@examples(100)
 @given(coefficients=polynomials(most=SERIES - 2))
 def test_a_guard_that_starts_at_zero_falls_where_its_rest_does(factor, coefficients):
     assume(abs(coefficients[0]) > DOUBT * sum(map(abs, coefficients)))
@@ -224,6 +225,7 @@ def test_a_single_root_is_found_to_the_last_digits_that_it_has(root, others):
     assert abs(found(coefficients) - float(exact)) <= doubt
 
 
+@MANY
 @given(root=insides, others=st.lists(outsides, max_size=8))
 def test_the_point_found_lies_past_the_fall_and_no_later_than_needed(root, others):
     assume(0.01 < root < 0.99)

@@ -83,7 +83,9 @@ def kept(outputs, t_end=T):
 
 
 @pytest.mark.parametrize("state", ["x", "v"])
-@pytest.mark.parametrize("since", [0.0, 1.3, [0.5, 2.0, 3.9], T])
+@pytest.mark.parametrize(
+    "since", [0.0, pytest.param(1.3, marks=pytest.mark.slow), [0.5, 2.0, 3.9], T]
+)
 def test_extrema_are_those_of_dense_samples_also_inside_steps(state, since):
     runs, single = kept({"max": Max(state, since), "min": Min(state, since)})
     for row, run in enumerate(single):

@@ -16,7 +16,7 @@ from stickslip.mechanisms import Torque
 from stickslip.results import Status
 
 END = 3.0
-RUNS, SHARES, QUICK = 1000, 4, 2
+RUNS, SHARES, QUICK = 1000, 4, 1
 ROUNDING = 1e-7
 """Roundings of forces over the largest forces, where samples lie a nanosecond off an event."""
 AHEAD = 1e-9

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.support import wide_only
 
 from stickslip import Coulomb, CoulombViscous, SpringBlock, Viscous, simulate
 from stickslip.friction import PRINTED_EQUATIONS
@@ -26,7 +27,8 @@ def found():
 
 @pytest.fixture(scope="module")
 def page(found):
-    return paper_report(found)
+    with wide_only():
+        return paper_report(found)
 
 
 def reading(found, law, key):

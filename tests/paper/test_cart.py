@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.support import wide_only
 
 from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
 from stickslip.friction import PRINTED_FORMS
@@ -34,7 +35,8 @@ def page(study):
 
 def page_of(study):
     found = SimpleNamespace(cart=study, values=PaperValues.of(load_rig()))
-    sections = (cart_section(found), choice_section(found))
+    with wide_only():
+        sections = (cart_section(found), choice_section(found))
     return render(Page(title="Cart", subject="", kicker="", sections=sections, footer=""))
 
 

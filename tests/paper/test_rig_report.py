@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.support import wide_only
+from tests.support import sketched
 
 from stickslip import load_rig, select
 from stickslip.formatting import quantity, unbroken
@@ -45,9 +45,9 @@ def page_of(rig, verdict):
 
 
 @pytest.fixture(autouse=True, scope="module")
-def figures_are_drawn_for_wide_screens():
-    """Leave out the narrow drawings, which other tests have of the same sections."""
-    with wide_only():
+def figures_are_not_laid_out():
+    """Leave out what makes text of a drawing, which other tests have of the same sections."""
+    with sketched():
         yield
 
 

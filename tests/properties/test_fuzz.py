@@ -16,7 +16,7 @@ MANY = Campaign(seed=1, solver=EventDriven(max_steps=1000, tier="python"))
 SEVERAL = Campaign(
     seed=2, solver=EventDriven(max_steps=300, tier="compiled"), seconds=60.0, several=True, tiers=20
 )
-BATCHES, BATCH, QUICK = 20, 15, 10
+BATCHES, BATCH, QUICK = 20, 15, 5
 
 
 def trouble(campaign, outcome):
@@ -34,7 +34,9 @@ def test_a_random_case_is_solved_or_says_why_not(batch):
         assert not outcome.violations, trouble(FEW, outcome)
 
 
-@pytest.mark.parametrize("batch", range(QUICK))
+@pytest.mark.parametrize(
+    "batch", [pytest.param(i, marks=[pytest.mark.slow] * (i >= QUICK)) for i in range(2 * QUICK)]
+)
 def test_a_random_case_with_one_to_six_contacts_is_solved_or_says_why_not(batch):
     for index in range(batch * 10, (batch + 1) * 10):
         outcome = SEVERAL.outcome(index)

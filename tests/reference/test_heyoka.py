@@ -159,7 +159,7 @@ def bent() -> Iterator[Any]:
 def cases() -> Iterator[Any]:
     """Yield every law in every setup, and every variant of a law in one setup of each mechanism.
 
-    Beside the first setup of each, every other case is slow, another one for the next law.
+    All but every fourth are slow, others for the next law and the next mechanism.
     """
     for i, name in enumerate(EXAMPLES):
         setups = SETUPS.get(name) or [Setup(mechanism=EXAMPLES[name])]
@@ -168,7 +168,7 @@ def cases() -> Iterator[Any]:
             pairs = [(setup, first) for setup in setups]
             pairs += [(setups[i % len(setups)], law) for i, law in enumerate(others, start=1)]
             for count, (setup, law) in enumerate(pairs, start=1):
-                marks = [pytest.mark.slow] * (count > 1 and (i + j + count) % 2)
+                marks = [pytest.mark.slow] * ((i + j + count) % 4 != 0)
                 yield pytest.param(setup, law, id=f"{name}, {kind.name}, {count}", marks=marks)
 
 
@@ -281,13 +281,14 @@ def test_a_wrong_digit_would_be_noticed(kind):
 
 
 def test_the_cases_meet_every_kind_of_event():
+    every = {"stop", "reversal", "break-away", "spring touches", "block leaves the spring"}
     met = set()
     for setup, law in (case.values for case in cases() if isinstance(case.values[1], SetValuedLaw)):
         path = Oracle(setup.mechanism, law).run(start_of(setup, law), [], setup.t_end)
         met |= {event.reason for event in path.events}
-    assert met == {
-        "stop", "reversal", "break-away", "spring touches", "block leaves the spring",
-    }  # fmt: skip
+        if met >= every:
+            break
+    assert met == every
 
 
 @pytest.mark.parametrize(

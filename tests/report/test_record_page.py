@@ -8,7 +8,7 @@ from html import unescape
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import sketched, wide_only
 
 from stickslip import (
     Axis,
@@ -89,9 +89,9 @@ def plain(text):
 
 
 @pytest.fixture(autouse=True)
-def other_pages_are_drawn_for_wide_screens(request):
-    """Draw for phones what fixtures of the module make, which has all sections."""
-    with contextlib.nullcontext() if "html" in request.fixturenames else wide_only():
+def other_pages_have_empty_figures(request):
+    """Draw what a fixture of the module makes, which has all sections."""
+    with contextlib.nullcontext() if "html" in request.fixturenames else sketched():
         yield
 
 
@@ -204,6 +204,7 @@ def test_titles_and_data_are_escaped(verdict):
     assert "simulated &lt;axis&gt;" in html
 
 
+@pytest.mark.slow  # figures are the same each time in `tests/plots`, and a page in `test_page.py`
 def test_the_same_verdict_gives_the_same_page(verdict, html):
     assert page_of(verdict) == html
 
@@ -455,7 +456,8 @@ def test_a_headline_on_the_friction_map_says_of_which_law_it_is(table_verdict, t
 
 def test_an_axis_that_turns_has_angles_and_torques_in_words_and_figures():
     turned = dataclasses.replace(looped(), turning=True)
-    html = page_of(select(Axis(inertia=1.0), [CoulombViscous, Viscous], turned))
+    with wide_only():
+        html = page_of(select(Axis(inertia=1.0), [CoulombViscous, Viscous], turned))
     labels = set(
         re.findall(r"(velocity|displacement|position|friction|residual), ([^<]*)</text>", html)
     )

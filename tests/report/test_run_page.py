@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from tests.support import wide_only
+from tests.support import sketched, wide_only
 
 from stickslip import (
     Axis,
@@ -34,6 +34,7 @@ from stickslip.report.runs import RunReport, page, run_page
 from stickslip.sweep import band_of
 
 EVERY = "test_every_section_can_be_made_of"
+WHOLE = f"{EVERY}[a cart on bristles]"
 STROKE = ThreePhase(amplitude=0.01, fast=50.0, slow=9.81, first="slow")
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 COULOMB = Coulomb(kinetic_coefficient=0.2)
@@ -74,10 +75,13 @@ RUNS = {
 
 
 @pytest.fixture(autouse=True)
-def pages_are_drawn_for_phones_once(request):
-    """Draw for wide screens only, but where a page of each kind is made."""
-    whole = request.node.name.startswith(EVERY)
-    with contextlib.nullcontext() if whole else wide_only():
+def figures_are_drawn_where_a_page_of_each_kind_is_made(request):
+    """Leave figures empty in the other tests; for phones one page is drawn."""
+    name = request.node.name
+    whole = "for_phones" in name or WHOLE in name
+    with (
+        contextlib.nullcontext() if whole else wide_only() if name.startswith(EVERY) else sketched()
+    ):
         yield
 
 
@@ -101,6 +105,12 @@ def test_every_section_can_be_made_of(case):
     said = texts(html)
     assert "nan" not in said.split()
     assert "The run is certified" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", RUNS)
+def test_every_section_can_be_made_for_phones_too(case):
+    test_every_section_can_be_made_of(case)
 
 
 def test_the_page_of_the_reference_cart_says_its_numbers():

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import sketched
 
 from stickslip import (
     Coulomb,
@@ -101,7 +101,7 @@ def page_of(verdict, *, whole=False, **more):
         digest="sha256:0123abcd",
         commands=("stickslip select rig.toml",),
     )
-    with contextlib.nullcontext() if whole else wide_only():
+    with contextlib.nullcontext() if whole else sketched():
         return verdict_page(verdict, origin, **more)
 
 
@@ -148,7 +148,7 @@ def alone():
 
 @pytest.fixture(scope="module")
 def alone_page(alone):
-    return page_of(alone, whole=True)
+    return page_of(alone)
 
 
 @pytest.fixture(scope="module")
@@ -229,8 +229,9 @@ def test_what_is_needed_to_reproduce_and_to_cite_is_there(tie_page):
         assert part in tie_page.text
 
 
-def test_the_page_is_the_same_each_time(alone, alone_page):
-    assert render(page_of(alone, whole=True)) == render(alone_page)
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_page_is_the_same_each_time(alone, whole):
+    assert render(page_of(alone, whole=whole)) == render(page_of(alone, whole=whole))
 
 
 def test_one_law_alone_is_not_compared(alone_page):
@@ -242,7 +243,7 @@ def test_one_law_alone_is_not_compared(alone_page):
 
 def test_a_ranking_shows_scores_and_each_trial(ranked):
     assert ranked.best.name == "coulomb-viscous"
-    reader = read(page_of(ranked, whole=True))
+    reader = read(page_of(ranked))
     assert re.match(r"Coulomb \+ viscous friction: held-out error", reader.headings["models"])
     assert "trials" in reader.headings
     assert "held-out error" in reader.text
@@ -252,7 +253,7 @@ def test_a_ranking_shows_scores_and_each_trial(ranked):
 
 def test_where_nothing_fits_each_law_says_why_it_was_dropped(failed):
     assert failed.best is None
-    reader = read(page_of(failed, whole=True))
+    reader = read(page_of(failed))
     assert "No candidate explains the measurement" in reader.text
     assert reader.headings["models"] == "No model reaches the measured travel"
     assert reader.text.count("dropped: no value of") == 2

@@ -160,15 +160,16 @@ LAWS = ["coulomb", "coulomb-viscous", "direction-dependent", "power-viscous", "q
         "stribeck"]  # fmt: skip
 
 
-def test_coulomb_and_viscous_friction_is_named_where_it_is_the_truth():
+# 90 % are asked for: with that probability 6 of 8 or more come out in 96 %, 18 of 20 in 68 %
+@pytest.mark.parametrize(("count", "least"), [(8, 6), pytest.param(20, 18, marks=pytest.mark.slow)])
+def test_coulomb_and_viscous_friction_is_named_where_it_is_the_truth(count, least):
     named = Counter(
         select(
             AXIS, LAWS, tabled(lambda v: 2.0 * np.sign(v) + 5.0 * v, seed), settings=QUICK
         ).closest.name
-        for seed in range(20)
+        for seed in range(count)
     )
-    # 90 % are asked for; of 20 with that probability 16 or more come out in 96 %
-    assert named["coulomb-viscous"] >= 18, named
+    assert named["coulomb-viscous"] >= least, named
 
 
 def test_a_falling_part_that_can_be_seen_is_named():

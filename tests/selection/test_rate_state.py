@@ -31,6 +31,8 @@ TRUTHS = {
     "logarithmic": PLAIN,
     "constant-coefficient": {**PLAIN, "direct_effect": 0.0},
 }
+LONG = ("rate-and-state-slip", "constant-coefficient")
+"""Beside the others: a form of the evolution, and a special case."""
 SETTINGS = RecordSettings(starts=1)
 
 
@@ -59,6 +61,11 @@ def pulled(truth, path=THREE, *, seed=0, noise=5e-4, memory=0.3, stiffness=2e3, 
     return Measurement(time=t, pull=pull, friction=friction, load=1.0)
 
 
+each_truth = pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in TRUTHS]
+)
+
+
 @pytest.fixture(scope="module")
 def verdicts():
     """Return a function from the name of a law to the verdict on its record, made once."""
@@ -71,9 +78,7 @@ def verdicts():
     return verdict_on
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * n.endswith("slip")) for n in TRUTHS]
-)
+@each_truth
 def test_three_steps_name_the_law_that_made_them(verdicts, name):
     verdict = verdicts(name)
     assert verdict.best.name == name
@@ -82,7 +87,9 @@ def test_three_steps_name_the_law_that_made_them(verdicts, name):
     assert verdict.words.cannot_tell
 
 
-@pytest.mark.parametrize("name", ["logarithmic", "constant-coefficient"])
+@pytest.mark.parametrize(
+    "name", ["logarithmic", pytest.param("constant-coefficient", marks=pytest.mark.slow)]
+)
 def test_no_parameters_are_invented_where_nothing_evolves(verdicts, name):
     symbols = {e.quantity.symbol for e in verdicts(name).best.fit.estimates}
     assert not symbols & {"b", "D_c"}
@@ -149,15 +156,16 @@ def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     assert route_named(verdict.route).comparison(verdict).heads[-1] == "second record"
 
 
-def test_a_verdict_is_plain_numbers_and_a_table(verdicts):
-    for verdict in map(verdicts, ("rate-and-state", "logarithmic", "constant-coefficient")):
-        assert isinstance(verdict, RateStateVerdict)
-        told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
-        assert told["route"] == "rate-state"
-        assert told["best"] == verdict.best.name
-        table = route_named(verdict.route).comparison(verdict)
-        assert all(len(row) == len(table.heads) for row in table.rows)
-        assert len(table.notes) == len(table.rows) == len(verdict.to_dataframe())
+@each_truth
+def test_a_verdict_is_plain_numbers_and_a_table(verdicts, name):
+    verdict = verdicts(name)
+    assert isinstance(verdict, RateStateVerdict)
+    told = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
+    assert told["route"] == "rate-state"
+    assert told["best"] == verdict.best.name
+    table = route_named(verdict.route).comparison(verdict)
+    assert all(len(row) == len(table.heads) for row in table.rows)
+    assert len(table.notes) == len(table.rows) == len(verdict.to_dataframe())
 
 
 def test_workers_give_the_same_verdict():
@@ -239,7 +247,7 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 
 
 def test_pages_have_every_section(verdicts, rock):
-    for verdict in (verdicts("rate-and-state"), verdicts("constant-coefficient"), rock):
+    for verdict in (verdicts("rate-and-state"), verdicts("logarithmic"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
         with wide_only():  # a page of its route is drawn whole in `tests/routes`
             made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))

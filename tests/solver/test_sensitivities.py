@@ -68,9 +68,10 @@ def at(run, t, state, path):
 
 
 def pairs(laws, rigs):
-    """Return all pairs; two thirds of them are slow, but each law and each rig meets some."""
+    """Return all pairs; up to four fifths are slow, but each law and each rig meets some."""
+    nth = min(5, len(laws), len(rigs))
     for (i, name), (j, rig) in itertools.product(enumerate(laws), enumerate(rigs)):
-        marks = [pytest.mark.slow] * ((i + j) % 3 != 0)
+        marks = [pytest.mark.slow] * ((i + j) % nth != 0)
         yield pytest.param(rigs[rig], laws[name], id=f"{name}-{rig}", marks=marks)
 
 
@@ -105,14 +106,15 @@ def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_awa
     assert mismatch(case) <= 1e-5  # as above; events follow each other through still bristles
 
 
+@pytest.mark.parametrize("largest", [1e-5, pytest.param(1e-6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", quick(["dahl", "lugre"], "dahl"))
-def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name):
+def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name, largest):
     case = Case(RIGS["towed-block"], BRISTLE_LAWS[name], 0.1, (0.01, 0.1, 0.0))
     errors = [
         mismatch(case, EventDriven(tier="python", stiff_tolerance=tol))
-        for tol in (1e-6, 1e-8, 1e-10)
+        for tol in (largest, 1e-2 * largest, 1e-4 * largest)
     ]
-    assert errors[1] <= 1e-6  # a hundred tolerances
+    assert errors[1] <= largest  # a hundred tolerances
     assert errors[2] <= 0.1 * errors[1] <= 0.01 * errors[0]  # 1e-2 each, not all of it reached
 
 

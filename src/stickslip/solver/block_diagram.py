@@ -56,6 +56,8 @@ class _State:
     flags: int
     open: list[float] | None = None
     """Accelerations, normal force, needed friction and power without friction."""
+    closed: tuple[float, list[float]] | None = None
+    """The same with the friction force that was last asked for, and this force."""
 
 
 @dataclass(frozen=True)
@@ -117,13 +119,19 @@ class Diagram:
 
     def _free(self, t: float, y: Sequence[float], friction: float) -> list[float]:
         """Return accelerations, normal force, needed friction and power for a friction force."""
-        return self.equations.here("diagram", 0, self._at(t, y).flags, t, [friction])
+        state = self._at(t, y)
+        if state.closed is None or state.closed[0] != friction:
+            state.closed = friction, self._evaluated(state, friction)
+        return state.closed[1]
+
+    def _evaluated(self, state: _State, friction: float) -> list[float]:
+        return self.equations.here("diagram", 0, state.flags, state.t, [friction])
 
     def _open(self, t: float, y: Sequence[float]) -> tuple[float, float]:
         """Return normal force and needed friction of a contact without friction."""
         state = self._at(t, y)
         if state.open is None:
-            state.open = self._free(t, y, 0.0)
+            state.open = self._evaluated(state, 0.0)
         *_, normal, needed, _ = state.open
         return normal, needed
 
@@ -254,8 +262,8 @@ class Diagram:
         v = y[self.slip]
         return [t, *y, friction, normal, 0.0 if held else float((v > 0) - (v < 0))]
 
-    def energy(self, t: float, y: Sequence[float]) -> float:
-        """Return the mechanical energy [J].
+    def balance(self, t: float, y: Sequence[float], friction: float) -> tuple[float, float, float]:
+        """Return the energy of a state and what changes it.
 
         Parameters
         ----------
@@ -263,33 +271,17 @@ class Diagram:
             Time [s].
         y : sequence of float (n,)
             State.
+        friction : float
+            Friction force [N].
 
         Returns
         -------
-        float
-            Kinetic and potential energy [J].
+        (float, float, float)
+            Kinetic and potential energy [J], power supplied and power taken by friction [W].
         """
         (energy,) = self.equations.here("energy", 0, self._at(t, y).flags, t)
-        return float(energy)
-
-    def power(self, t: float, row: Sequence[float]) -> tuple[float, float]:
-        """Return the power supplied and that taken by friction [W], for a state and its forces.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        row : sequence of float (n + 3,)
-            State, friction force, normal force and mode.
-
-        Returns
-        -------
-        (float, float)
-            Power supplied and power taken by friction [W].
-        """
-        friction = row[-3]
-        *_, supplied = self._free(t, row, friction)
-        return supplied, friction * row[self.slip]
+        *_, supplied = self._free(t, y, friction)
+        return float(energy), supplied, friction * y[self.slip]
 
 
 def _leads(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:

@@ -147,7 +147,7 @@ def fit_rate_state(
     ...     critical_distance=1e-5,
     ...     reference_velocity=1e-6,
     ... )
-    >>> t = np.arange(0.0, 60.0, 0.05)
+    >>> t = np.arange(0.0, 60.0, 0.1)
     >>> pull = 1e-6 * np.where(t < 20.0, t, 20.0 + 10.0 * (t - 20.0))
     >>> run = simulate_velocity_steps(truth, stiffness=2e3, time=t, pull=pull)
     >>> noise = np.random.default_rng(0).normal(0.0, 3e-4, len(t))

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from stickslip.plots.core.helpers import Array
-from stickslip.plots.core.theme import label_at, label_column
+from stickslip.plots.core.theme import label_at, label_column, lay_out
 
 __all__ = ["LETTER", "Curve", "label_curves", "label_ends"]
 
@@ -66,7 +66,7 @@ def label_curves(axes: Axes, curves: Sequence[Curve], *, places: int = 36) -> No
     figure = axes.get_figure(root=True)
     if figure is None:
         return
-    figure.draw_without_rendering()  # the layout decides how many pixels a unit has
+    lay_out(figure)
     pixel = 72 / figure.dpi
     frame = _Box(*(float(edge) * pixel for edge in axes.get_window_extent().extents))
     drawn = [(curve, _in_pixels(axes, curve, pixel)) for curve in curves]

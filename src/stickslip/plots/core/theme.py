@@ -16,6 +16,7 @@ from typing import Any, Final, Literal
 from cycler import cycler
 from matplotlib import style
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
 from stickslip.errors import InputError
@@ -37,6 +38,7 @@ __all__ = [
     "house_style",
     "label_at",
     "label_column",
+    "lay_out",
     "shade",
     "spread",
     "symbol_label",
@@ -132,6 +134,7 @@ GREEK: Final = frozenset(_LETTERS.split())
 """Letters that mathtext knows by these names."""
 _SYMBOL: Final = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9_+-]+)?")
 _LOCK: Final = threading.RLock()
+_HELD: Final = threading.local()
 
 
 @contextmanager
@@ -152,8 +155,16 @@ def house_style() -> Iterator[None]:
     ...     mpl.rcParams["axes.edgecolor"] == MUTED
     True
     """
-    with _LOCK, style.context(["default", dict(STYLE)]):
-        yield
+    with _LOCK:
+        if getattr(_HELD, "held", False):  # setting all again would take a tenth of an animation
+            yield
+            return
+        _HELD.held = True
+        try:
+            with style.context(["default", dict(STYLE)]):
+                yield
+        finally:
+            _HELD.held = False
 
 
 def shade(axes: Axes, spans: Iterable[tuple[float, float]], *, colour: str = STICK) -> None:
@@ -273,11 +284,26 @@ def label_column(
         raise InputError(
             "the axes were removed from their figure; label them before removing them."
         )
-    figure.draw_without_rendering()  # the layout decides how many pixels a unit has
+    lay_out(figure)
     pixel = 72 / figure.dpi
     wanted = [float(axes.transData.transform((x, y))[1]) * pixel for y, _, _ in labels]
     for (y, text, colour), old, new in zip(labels, wanted, spread(wanted, gap), strict=True):
         label_at(axes, x, y, text, colour, offset=(6, new - old))
+
+
+def lay_out(figure: Figure) -> None:
+    """Place the axes of a figure: the layout decides how many pixels a unit has.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure; all but its labels is drawn into it.
+    """
+    engine = figure.get_layout_engine()
+    if engine is None:
+        figure.draw_without_rendering()  # axes of a given aspect take their place as they are drawn
+    else:
+        engine.execute(figure)
 
 
 def spread(positions: Sequence[float], gap: float) -> list[float]:
