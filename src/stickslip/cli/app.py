@@ -463,6 +463,7 @@ def export(
     ),
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Export a friction law to another program.
 
