@@ -366,7 +366,10 @@ BAD_TEXT = {
     "not a number": (f"{SPRING}mass = nan", "above 0 kg, got nan"),
     "infinite": (f"{SPRING}mass = inf", "above 0 kg, got inf"),
     "beyond floats": (f"{SPRING}mass = 1{'0' * 400}", "above 0 kg, got 1000"),
-    "beyond integers": (f"{SPRING}mass = 1{'0' * 5000}", "a number that cannot be read: it has too many digits"),
+    "beyond integers": (
+        f"{SPRING}mass = 1{'0' * 5000}",
+        "a number that cannot be read: it has too many digits",
+    ),
     "truth": (f"{SPRING}mass = true", "mass .* must be a number.*got true"),
     "date": (f"{SPRING}mass = 1979-05-27", "mass .* must be a number"),
     "list": (f"{SPRING}mass = [1]", r"mass .* got \[1\]"),

@@ -155,7 +155,9 @@ def parse(data: bytes, file: str) -> dict[str, Any]:
     except RecursionError:
         pass
     except ValueError:
-        raise InputError(f"{file}: has a number that cannot be read: it has too many digits.") from None
+        raise InputError(
+            f"{file}: has a number that cannot be read: it has too many digits."
+        ) from None
     if tables is None or _is_deep(tables):
         raise InputError(f"{file}: its tables are nested too deeply.")
     if not tables:
