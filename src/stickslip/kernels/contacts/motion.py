@@ -66,7 +66,7 @@ MODEST = 1e-3
 """Least speed that counts, over that which the largest kinetic energy would give a coordinate."""
 BEGINNING_SHARE = 1e-6
 """Least speed that counts at the start, over what the forces at hand give in a run."""
-FAINT = 1e-9
+FAINT = 1e-8
 """Least part of that speed where a motion is at hand whose own speeds are smaller."""
 SHORT_SERIES = 6
 """A series that ends so early is that of a very short step, over which few nodes do."""
