@@ -33,7 +33,7 @@ help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
 
 select: $(RUN) ## run the main job on the bundled rig; the report goes to stickslip-report/
-	$(BIN)/stickslip select --force
+	$(BIN)/stickslip demo --force
 
 # Side by side: what waits for one compiler would leave cores idle.
 test: $(DEV) ## run every check but the slow tests

@@ -401,10 +401,10 @@ CASES: tuple[Case, ...] = (
         name="paper",
         seconds=30,
         commands=(
-            stickslip("select", "select"),
-            stickslip("simulate", f"simulate {RUN} --report"),
-            stickslip("published", "simulate --law stribeck --json"),
-            stickslip("fit", "fit --law coulomb-viscous --json -o fitted.toml"),
+            stickslip("select", "demo"),
+            stickslip("simulate", f"simulate demo {RUN} --report"),
+            stickslip("published", "simulate demo --law stribeck --json"),
+            stickslip("fit", "fit demo --law coulomb-viscous --json -o fitted.toml"),
         ),
     ),
     Case(

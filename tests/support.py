@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -62,6 +63,11 @@ DECADES: Mapping[str, tuple[float, float]] = {
 
 SHAPES = st.sampled_from([1.0, 2.0, 0.7, 1.5])
 """Exponents: whole ones, which shape the equations, and others, which stand in them."""
+
+
+def exported(path: Any) -> Any:
+    """Return the table of a CSV file that a command wrote, units left out of its headers."""
+    return pd.read_csv(path).rename(columns=lambda name: name.partition(" [")[0])
 
 
 def examples(count: int) -> settings:

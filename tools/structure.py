@@ -47,7 +47,7 @@ threading.setprofile(watch)
 sys.setprofile(watch)
 from stickslip.cli import main
 try:
-    main(["select", "--output", sys.argv[1], "--force"])
+    main(["demo", "--output", sys.argv[1], "--force"])
 except SystemExit as ended:
     code = ended.code
 else:
@@ -197,7 +197,7 @@ def route_checks(tree: ast.Module, types: set[str]) -> tuple[int, int]:
 
 
 def watched() -> dict[str, int]:
-    """Return what `stickslip select` on the bundled rig imports and runs."""
+    """Return what `stickslip demo` imports and runs."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run(
             [sys.executable, "-c", WATCH, str(Path(folder, "report"))],
@@ -208,7 +208,7 @@ def watched() -> dict[str, int]:
         )
     found: dict[str, int] = json.loads(done.stderr.splitlines()[-1])
     if found["code"]:
-        raise SystemExit(f"stickslip select ended with {found['code']}:\n{done.stderr}")
+        raise SystemExit(f"stickslip demo ended with {found['code']}:\n{done.stderr}")
     return found
 
 
@@ -257,9 +257,9 @@ def table() -> Iterator[tuple[str, object]]:
         yield f"public functions of {least} or more arguments with Parameters", shown
     yield "public names at the top", len(importlib.import_module(PACKAGE).__all__)
     seen = watched()
-    yield "stickslip select: modules imported", seen["imported"]
-    yield "stickslip select: modules with a function that ran", seen["modules"]
-    yield "stickslip select: functions that ran", seen["functions"]
+    yield "stickslip demo: modules imported", seen["imported"]
+    yield "stickslip demo: modules with a function that ran", seen["modules"]
+    yield "stickslip demo: functions that ran", seen["functions"]
     yield "tests collected", tests_collected()
 
 

@@ -25,6 +25,7 @@ HOMES = {
     "compare_trials": "identification",
     "ensemble": "simulation",
     "fit": "routes",
+    "guess_data": "experiments",
     "inverse_dynamics": "identification",
     "load_measurement": "experiments",
     "load_rig": "experiments",

@@ -2,6 +2,7 @@
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
+from stickslip.experiments import guess_data as guess_data
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
 from stickslip.friction import Coulomb as Coulomb
@@ -89,6 +90,7 @@ __all__ = [
     "compare_trials",
     "ensemble",
     "fit",
+    "guess_data",
     "inverse_dynamics",
     "load_measurement",
     "load_rig",

@@ -5,6 +5,7 @@ whose numeric fields are annotated with a `Quantity`. Everything that needs to k
 (checks, paths, tracing, forms, tables) reads that one declaration.
 """
 
+import contextlib
 import dataclasses
 import importlib
 import math
@@ -15,6 +16,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
+from stickslip.units import is_pint, number_in
 
 __all__ = [
     "SCALES",
@@ -271,7 +273,8 @@ class Quantity:
         name : str
             Name of the parameter, for the error.
         value : object
-            What was given.
+            What was given: a number, a text with a unit such as ``"60 mm"``, or a quantity of the
+            package pint.
 
         Returns
         -------
@@ -284,12 +287,28 @@ class Quantity:
             If the value is no finite number in the allowed range.
         """
         label = f"{owner}.{name} ({self.symbol})"
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        number: Any = self._with_unit(label, value) if _has_unit(value) else value
+        if isinstance(number, bool) or not isinstance(number, numbers.Real):
             raise ParameterError(f"{label} must be a number, {self.range}, got {value!r}.")
-        number = float(value)
+        number = float(number)
         if not self.allows(number):
-            raise ParameterError(f"{label} must be {self.range}, got {number:g}.")
+            got = repr(str(value)) if _has_unit(value) else f"{number:g}"
+            raise ParameterError(f"{label} must be {self.range}, got {got}.")
         return number
+
+    def _with_unit(self, label: str, value: object) -> float:
+        """Return a value with a unit as a number, in the unit of either kind of motion."""
+        try:
+            return number_in(value, self.unit)
+        except ParameterError as error:
+            if self.or_unit:
+                with contextlib.suppress(ParameterError):
+                    return number_in(value, self.or_unit)
+            raise ParameterError(f"{label} {error}; allowed is {self.range}.") from None
+
+
+def _has_unit(value: object) -> bool:
+    return isinstance(value, str) or is_pint(value)
 
 
 def _powers(text: str) -> dict[str, int]:

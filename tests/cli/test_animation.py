@@ -88,7 +88,7 @@ def test_sweep_writes_a_row_for_each_point_and_a_figure(run, tmp_path):
     assert code == 0
     assert "mean velocity" in out
     table = pd.read_csv(tmp_path / "found.csv")
-    assert table["mechanism.drive.frequency"].tolist() == [1.0, 1.0, 1.5, 1.5, 2.0, 2.0]
+    assert table["mechanism.drive.frequency [Hz]"].tolist() == [1.0, 1.0, 1.5, 1.5, 2.0, 2.0]
     assert (tmp_path / "found.svg").read_text().startswith("<svg")
     code, _, err = run(*SWEEP, *vary, "-o", "found.csv")
     assert code == 2

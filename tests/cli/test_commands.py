@@ -94,7 +94,7 @@ def test_the_formula_of_a_law_is_text_and_not_latex(run, law):
 
 
 def test_simulate_shows_events_and_certificate(run):
-    code, out, _ = run("simulate", "--law", "coulomb")
+    code, out, _ = run("simulate", "demo", "--law", "coulomb")
     assert code == 0
     assert "block leaves the spring" in out
     assert "0.203874" in out
@@ -102,7 +102,7 @@ def test_simulate_shows_events_and_certificate(run):
 
 
 def test_simulate_prints_one_json_document(run):
-    _, out, _ = run("simulate", "--json", "--set", "mechanism.attached=true")
+    _, out, _ = run("simulate", "demo", "--json", "--set", "mechanism.attached=true")
     content = json.loads(out)
     assert content["schema"] == "stickslip/simulate/1"
     # PHYSICS: rest at .0981 m
@@ -112,35 +112,40 @@ def test_simulate_prints_one_json_document(run):
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_simulate_exports_what_it_ran(run, tmp_path, suffix):
-    code, _, _ = run("simulate", "-o", f"run.{suffix}", "--samples", "11")
+    code, _, _ = run("simulate", "demo", "-o", f"run.{suffix}", "--samples", "11")
     assert code == 0
     read = pd.read_csv if suffix == "csv" else pd.read_parquet
     frame = read(tmp_path / f"run.{suffix}")
-    assert list(frame.columns) == ["t", "x", "v", "friction", "normal_force", "mode"]
+    names = {"t": "s", "x": "m", "v": "m/s", "friction": "N", "normal_force": "N"}
+    # a Parquet file has plain names
+    headers = [f"{name} [{unit}]" for name, unit in names.items()] if suffix == "csv" else names
+    assert list(frame.columns) == [*headers, "mode"]
     assert len(frame) == 11
 
 
 def test_an_export_is_never_overwritten_without_force(run, tmp_path):
     (tmp_path / "run.csv").write_text("mine")
-    assert "--force" in complaint(run, "simulate", "-o", "run.csv")
+    assert "--force" in complaint(run, "simulate", "demo", "-o", "run.csv")
     assert (tmp_path / "run.csv").read_text() == "mine"
-    code, _, _ = run("simulate", "-o", "run.csv", "--force")
+    code, _, _ = run("simulate", "demo", "-o", "run.csv", "--force")
     assert code == 0
     assert (tmp_path / "run.csv").read_text() != "mine"
 
 
 def test_a_fixed_step_run_is_shown_with_what_it_lacks(run):
-    code, out, _ = run("simulate", "--fixed-step", "0.01", "--no-stick-rule", "--t-end", "1")
+    code, out, _ = run(
+        "simulate", "demo", "--fixed-step", "0.01", "--no-stick-rule", "--t-end", "1"
+    )
     assert code == 0
     assert "Not certified" in out
 
 
 def test_a_fixed_step_run_claims_no_check_that_was_not_made(run):
-    _, out, _ = run("simulate", "--fixed-step", "0.01", "--t-end", "1")
+    _, out, _ = run("simulate", "demo", "--fixed-step", "0.01", "--t-end", "1")
     assert "Energy mismatch" in out
     assert "guard violation" not in out
     assert "stick drift" not in out
-    _, out, _ = run("simulate", "--fixed-step", "0.01", "--t-end", "1", "--json")
+    _, out, _ = run("simulate", "demo", "--fixed-step", "0.01", "--t-end", "1", "--json")
     certificate = json.loads(out)["certificate"]
     assert certificate["guard_violation"] is None
     assert certificate["stick_drift"] is None
@@ -148,7 +153,7 @@ def test_a_fixed_step_run_claims_no_check_that_was_not_made(run):
 
 
 def test_no_output_shows_a_negative_zero(run, tmp_path):
-    backwards = ("simulate", "--set", "mechanism.compression=-0.1")
+    backwards = ("simulate", "demo", "--set", "mechanism.compression=-0.1")
     _, out, _ = run(*backwards, "--json")
     assert not re.search(r"-0\.0\b(?!\d)", out)
     run(*backwards, "-o", "run.csv")
@@ -156,14 +161,14 @@ def test_no_output_shows_a_negative_zero(run, tmp_path):
 
 
 def test_enforced_criteria_fail_with_their_own_exit_code(run):
-    code, _, err = run("simulate", "--set", "mechanism.attached=true", "--enforce")
+    code, _, err = run("simulate", "demo", "--set", "mechanism.attached=true", "--enforce")
     assert code == 4
     assert "moves backwards" in err
-    assert run("simulate", "--enforce")[0] == 0
+    assert run("simulate", "demo", "--enforce")[0] == 0
 
 
 def test_select_prints_one_json_document(run, tmp_path):
-    code, out, _ = run("select", "--laws", "coulomb,viscous", "--json")
+    code, out, _ = run("select", "demo", "--laws", "coulomb,viscous", "--json")
     assert code == 0
     content = json.loads(out)
     assert content["schema"] == "stickslip/select/1"
@@ -172,14 +177,14 @@ def test_select_prints_one_json_document(run, tmp_path):
 
 
 def test_select_writes_a_report_and_refuses_to_overwrite_it(run, tmp_path):
-    code, out, _ = run("select", "--laws", "coulomb,viscous")
+    code, out, _ = run("select", "demo", "--laws", "coulomb,viscous")
     assert code == 0
     assert "0.255" in out
     page = (tmp_path / "stickslip-report" / "index.html").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")
     json.loads((tmp_path / "stickslip-report" / "verdict.json").read_text(encoding="utf-8"))
-    assert "--force" in complaint(run, "select", "--laws", "coulomb")
-    assert run("select", "--laws", "coulomb,viscous", "--force")[0] == 0
+    assert "--force" in complaint(run, "select", "demo", "--laws", "coulomb")
+    assert run("select", "demo", "--laws", "coulomb,viscous", "--force")[0] == 0
 
 
 def test_select_takes_trials_from_a_table(run, tmp_path):
@@ -187,7 +192,9 @@ def test_select_takes_trials_from_a_table(run, tmp_path):
         "name,travel [mm],uncertainty [mm],mechanism.compression [mm]\n"
         "short,73.4,0.5,60\nmiddle,203.9,0.5,100\nlong,458.7,0.5,150\n"
     )
-    code, out, _ = run("select", "--data", "trials.csv", "--laws", "coulomb,viscous", "--json")
+    code, out, _ = run(
+        "select", "demo", "--data", "trials.csv", "--laws", "coulomb,viscous", "--json"
+    )
     assert code == 0
     content = json.loads(out)
     assert content["ranked"] is True
@@ -228,25 +235,25 @@ def test_schema_is_json(run):
 
 BAD = [
     (["select", "nowhere.toml"], "nowhere.toml"),
-    (["select", "--laws", "coulom"], "Did you mean 'coulomb'"),
-    (["select", "--laws", ""], "unknown friction law"),
-    (["select", "--data", "nowhere.csv"], "nowhere.csv"),
-    (["select", "--set", "mechanism.mass=0"], "above 0 kg"),
-    (["select", "--set", "mechanism.mass=-1 kg"], "above 0 kg"),
-    (["select", "--set", "mechanism.mass=1 furlong"], "mass"),
-    (["select", "--set", "mechanism.mass=heavy"], "mass"),
-    (["select", "--set", "mechanism.mass=nan"], "mass"),
-    (["select", "--set", "mechanism.mass=inf"], "mass"),
-    (["select", "--set", "mechanism.masss=1"], "Did you mean 'mass'"),
-    (["select", "--set", "mechanism.stiffness=0"], "no spring to compress"),
-    (["select", "--set", "nonsense"], "PATH=VALUE"),
-    (["simulate", "--law", "stribek"], "Did you mean 'stribeck'"),
-    (["simulate", "--law", "printed-5"], "stickslip paper"),
-    (["simulate", "--t-end", "0"], "above 0 s"),
-    (["simulate", "--t-end", "nan"], "t_end"),
-    (["simulate", "--fixed-step", "-1"], "above 0 s"),
-    (["simulate", "--fixed-step", "0.1", "--method", "leapfrog"], "euler, heun, rk4"),
-    (["simulate", "-o", "run.txt"], ".csv or .parquet"),
+    (["select", "demo", "--laws", "coulom"], "Did you mean 'coulomb'"),
+    (["select", "demo", "--laws", ""], "unknown friction law"),
+    (["select", "demo", "--data", "nowhere.csv"], "nowhere.csv"),
+    (["select", "demo", "--set", "mechanism.mass=0"], "above 0 kg"),
+    (["select", "demo", "--set", "mechanism.mass=-1 kg"], "above 0 kg"),
+    (["select", "demo", "--set", "mechanism.mass=1 furlong"], "mass"),
+    (["select", "demo", "--set", "mechanism.mass=heavy"], "mass"),
+    (["select", "demo", "--set", "mechanism.mass=nan"], "mass"),
+    (["select", "demo", "--set", "mechanism.mass=inf"], "mass"),
+    (["select", "demo", "--set", "mechanism.masss=1"], "Did you mean 'mass'"),
+    (["select", "demo", "--set", "mechanism.stiffness=0"], "no spring to compress"),
+    (["select", "demo", "--set", "nonsense"], "PATH=VALUE"),
+    (["simulate", "demo", "--law", "stribek"], "Did you mean 'stribeck'"),
+    (["simulate", "demo", "--law", "printed-5"], "stickslip paper"),
+    (["simulate", "demo", "--t-end", "0"], "above 0 s"),
+    (["simulate", "demo", "--t-end", "nan"], "t_end"),
+    (["simulate", "demo", "--fixed-step", "-1"], "above 0 s"),
+    (["simulate", "demo", "--fixed-step", "0.1", "--method", "leapfrog"], "euler, heun, rk4"),
+    (["simulate", "demo", "-o", "run.txt"], ".csv or .parquet"),
     (["models", "coulombs"], "Did you mean 'coulomb'"),
     (["cite", "newton"], "unknown friction law"),
 ]
@@ -271,7 +278,9 @@ def test_a_folder_is_no_rig_file(run, tmp_path):
 
 def test_a_report_cannot_replace_a_file(run, tmp_path):
     (tmp_path / "taken").write_text("mine")
-    assert "taken" in complaint(run, "select", "--laws", "coulomb", "-o", "taken", "--force")
+    assert "taken" in complaint(
+        run, "select", "demo", "--laws", "coulomb", "-o", "taken", "--force"
+    )
     assert (tmp_path / "taken").read_text() == "mine"
 
 
@@ -282,7 +291,7 @@ def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(command, "_selected", interrupted)
-    code, out, err = run("select", "--json")
+    code, out, err = run("select", "demo", "--json")
     assert (code, out) == (130, "")
     assert "Cancelled" in err
 
@@ -374,21 +383,23 @@ def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
 
 
 def test_a_rig_with_values_for_several_laws_says_which_one_is_run(run):
-    _, out, err = run("simulate", "--t-end", "0.1")
+    _, out, err = run("simulate", "demo", "--t-end", "0.1")
     assert "Coulomb" in out
     assert "has values for several laws; coulomb is used" in " ".join(err.split())
-    _, _, err = run("simulate", "--t-end", "0.1", "--law", "stribeck")
+    _, _, err = run("simulate", "demo", "--t-end", "0.1", "--law", "stribeck")
     assert "several laws" not in err
 
 
 def test_nothing_to_measure_next_has_no_heading(run):
-    _, out, _ = run("select", "--laws", "coulomb")
+    _, out, _ = run("select", "demo", "--laws", "coulomb")
     assert "Limitations" in out
     assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize("command", [["simulate", "--law", "stribeck"], ["schema"], ["--version"]])
+@pytest.mark.parametrize(
+    "command", [["simulate", "demo", "--law", "stribeck"], ["schema"], ["--version"]]
+)
 def test_a_full_device_is_one_message_and_exit_code_2(command):
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
@@ -414,7 +425,7 @@ UNWRITABLE = ["taken/report", *(["/proc/report"] if Path("/proc/self").exists() 
 
 
 @pytest.mark.parametrize("output", UNWRITABLE)
-@pytest.mark.parametrize("command", ["select", "paper"])
+@pytest.mark.parametrize("command", ["demo", "paper"])
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     run, tmp_path, monkeypatch, command, output
 ):
@@ -428,7 +439,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     monkeypatch.setattr(stickslip.cli.paper, "audit", never)
     (tmp_path / "taken").write_text("mine")
     assert "cannot be written" in complaint(run, command, "-o", output)
-    assert "cannot be written" in complaint(run, "simulate", "-o", f"{output}/run.csv")
+    assert "cannot be written" in complaint(run, "simulate", "demo", "-o", f"{output}/run.csv")
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 
 
@@ -470,7 +481,7 @@ def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
 
 
 def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
-    select = ("select", "--laws", "coulomb", "--force")
+    select = ("select", "demo", "--laws", "coulomb", "--force")
     folder = tmp_path / "stickslip-report"
     folder.mkdir()
     (folder / "law.toml").write_text("mine")
@@ -484,7 +495,7 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
     (folder / "index.html").write_text("edited")
     assert "index.html was changed since" in complaint(run, *select)
     assert (folder / "index.html").read_text() == "edited"
-    report = ("simulate", "--report-to", "stickslip-report", "--force")
+    report = ("simulate", "demo", "--report-to", "stickslip-report", "--force")
     assert "index.html was changed since" in complaint(run, *report)
     (folder / "index.html").unlink()
     assert run(*report)[0] == 0
@@ -511,7 +522,7 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
 
 def test_a_reader_who_has_seen_enough_costs_no_verdict(tmp_path):
     """``stickslip select | head`` leaves the law for the next command."""
-    command = [sys.executable, "-m", "stickslip", "select", "--laws", "coulomb"]
+    command = [sys.executable, "-m", "stickslip", "select", "demo", "--laws", "coulomb"]
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     ) as process:

@@ -127,7 +127,10 @@ def test_unknown_keys_and_laws_are_named_as_text(run, old, new):
 def test_a_column_cannot_steer_the_terminal(run, column):
     header = '"' + column.replace(NUL, "") + '"'
     Path("record.csv").write_text(f"time,{header}\n0,0\n1,1\n")
-    for arguments in (["check", "record.csv"], ["fit", "--data", "record.csv", "--law", "coulomb"]):
+    for arguments in (
+        ["check", "record.csv"],
+        ["fit", "demo", "--data", "record.csv", "--law", "coulomb"],
+    ):
         code, out, err = run(*arguments)
         assert (code, is_clean(out, err)) == (2, True), (out, err)
 

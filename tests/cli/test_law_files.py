@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
+from tests.support import exported
 
 from stickslip import (
     Axis,
@@ -136,7 +136,7 @@ def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
         # quantiles of 400 draws lie within 0.3 standard deviations of those drawn from, 0.8 %
         expected = 100.0 * 0.1**2 / (2.0 * mu * 9.81)
         assert band["travel"][end] == pytest.approx(expected, rel=0.012)
-    table = pd.read_csv("run.csv")
+    table = exported("run.csv")
     assert table["x_low"].iloc[-1] == pytest.approx(band["travel"]["low"], rel=1e-12)
     assert (table["x_low"] <= table["x_median"] + 1e-15).all()
     assert (table["x_median"] <= table["x_high"] + 1e-15).all()
@@ -364,7 +364,9 @@ def test_an_override_against_a_value_of_the_file_names_both(walk, overrides, sai
 
 
 def test_an_override_of_a_shared_value_is_named_as_it_was_given(walk):
-    _, _, err = walk("simulate", "--law", "coulomb", "--set", "friction.kinetic_coefficient=0.9")
+    _, _, err = walk(
+        "simulate", "demo", "--law", "coulomb", "--set", "friction.kinetic_coefficient=0.9"
+    )
     assert "friction.kinetic_coefficient (mu_k) = 0.9 is above static_coefficient" in err
 
 

@@ -185,7 +185,7 @@ def test_a_fitted_law_is_a_rig_file_that_simulate_takes(run, tmp_path):
 
 
 def test_fit_takes_travels_too(run):
-    code, out, _ = run("fit", "--law", "coulomb", "-o", "law.toml")
+    code, out, _ = run("fit", "demo", "--law", "coulomb", "-o", "law.toml")
     assert code == 0
     assert "0.255" in out  # k x0^2 / (2 m g s) of the bundled rig
     assert run("simulate", "law.toml", "--law", "coulomb")[0] == 0
@@ -285,7 +285,7 @@ def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
 @pytest.mark.parametrize("command", [("fit", "--law"), ("select", "--laws"), ("plan", "--laws")])
 def test_travels_refuse_a_law_that_only_records_can_fit(run, command):
     verb, option = command
-    code, _, err = run(verb, option, "dahl-exponent")
+    code, _, err = run(verb, "demo", option, "dahl-exponent")
     assert code == 2
     assert "dahl with its exponent fitted as well. Give dahl here." in err
 
@@ -303,10 +303,10 @@ BAD = [
     (("select", "axis.toml", "--horizon", "0"), "above 0 s"),
     (("select", "axis.toml", "--segment", "-1"), "above 0 s"),
     (("select", "axis.toml", "--hold", "second"), "--hold must be zero or first"),
-    (("fit", "--hold", "first"), "--hold applies to records"),
+    (("fit", "demo", "--hold", "first"), "--hold applies to records"),
     (("select", "axis.toml", "--enforce"), "--enforce applies to travels"),
-    (("select", "--purpose", "position"), "--purpose applies to records"),
-    (("select", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
+    (("select", "demo", "--purpose", "position"), "--purpose applies to records"),
+    (("select", "demo", "--validate", "axis.csv", *COLUMNS), "give more trials instead"),
     (("fit", "axis.toml", "--law", "coulom"), "Did you mean 'coulomb'"),
     (("fit", "axis.toml", "--vary", "stifness"), "Did you mean 'stiffness'"),
     (("fit", "axis.toml", "--vary", "viscous_coefficient"), "neither varied nor fixed"),
@@ -319,11 +319,11 @@ BAD = [
     (("fit", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
     (("select", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
     (
-        ("select", "--jobs", "2"),
+        ("select", "demo", "--jobs", "2"),
         "--jobs applies to the force of a spring, records of several joints, velocity steps",
     ),
     (("fit", "axis.toml", "-o", "law.json"), "takes a .toml file"),
-    (("fit", "--segment", "1"), "--segment applies to records"),
+    (("fit", "demo", "--segment", "1"), "--segment applies to records"),
 ]
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from tests.arm_cases import parts, record
+from tests.support import exported
 
 from stickslip import EventDriven, load_rig
 from stickslip.cli import main
@@ -71,7 +72,7 @@ def test_a_run_is_shown_and_exported_by_contact(called):
     assert (code, err) == (0, "")
     assert "rear" in out
     assert "front: sticks for 1.115 s, 12.96 J taken by friction" in out
-    table = pd.read_csv("run.csv")
+    table = exported("run.csv")
     names = ["x", "v", "friction:front", "friction:rear"]
     names += ["normal_force:front", "normal_force:rear", "mode:front", "mode:rear"]
     assert list(table.columns) == ["t", *names]
@@ -119,7 +120,11 @@ def test_one_pad_at_a_radius_is_simulated_too(called):
     assert code == 0
     assert "Came to rest" in out
     assert "could not be made" not in Path("page/index.html").read_text(encoding="utf-8")
-    assert list(pd.read_csv("run.csv").columns[1:4]) == ["phi", "omega", "friction"]
+    assert list(pd.read_csv("run.csv").columns[1:4]) == [
+        "phi [rad]",
+        "omega [rad/s]",
+        "friction [N m]",
+    ]
 
 
 def test_several_contacts_are_animated(called):
@@ -180,7 +185,7 @@ def test_an_ensemble_draws_from_the_laws_of_all_contacts(called, monkeypatch):
     assert band["parameters"].keys() == {
         "friction.front.kinetic_coefficient", "friction.rear.kinetic_coefficient"
     }  # fmt: skip
-    table = pd.read_csv("run.csv")
+    table = exported("run.csv")
     assert table["x_low"].iloc[-1] - table["x"].iloc[0] == pytest.approx(band["travel"]["low"])
     assert (table["v_low"] <= table["v_high"]).all()
     page = Path("page/index.html").read_text(encoding="utf-8")

@@ -168,7 +168,7 @@ def test_without_permission_no_law_is_imported_either(folder):
     "command",
     [
         ["simulate", "RIG", "--law", "twofold"],
-        ["simulate", "--set", "mechanism.type=MODULE:Sledge"],
+        ["simulate", "demo", "--set", "mechanism.type=MODULE:Sledge"],
         ["fit", "RIG"],
         ["select", "RIG"],
         ["animate", "RIG"],

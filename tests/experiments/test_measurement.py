@@ -122,7 +122,11 @@ BAD = {
         r"position \(x\) \[m\] must be finite, got nan at index 1",
     ),
     "infinite": ({"travel": float("inf")}, ParameterError, r"travel \(s\).*got inf"),
-    "text": ({"travel": "far"}, ParameterError, r"travel \(s\) \[m\] must be real numbers"),
+    "text": (
+        {"travel": "far"},
+        ParameterError,
+        r"travel \(s\) \[m\] must be a number or text with a unit",
+    ),
     "texts": ({"time": T, "position": ["1", "2", "3"]}, ParameterError, "must be real numbers"),
     "truth": ({"travel": True}, ParameterError, "got True"),
     "truths": ({"velocity": [True], "friction": [1.0]}, ParameterError, "must be real numbers"),

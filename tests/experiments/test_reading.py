@@ -280,7 +280,6 @@ PROSE = "It was a bright, cold day in April, and the clocks were striking.\n"
 NO_TABLES = {
     "binary": (NOISE, "is a binary file, not a text table"),
     "zeros": (b"\x00" * 1000, "is a binary file"),
-    "utf-16": ("time,position\n0,0\n".encode("utf-16"), "is UTF-16"),
     "prose": (PROSE * 300_000, "is not a table: its first 50 rows contain no number"),
     "one line": ("word " * 4_000_000, "is not a table: its first line has .* characters or more"),
     "one line of cells": ("a," * 10_000_000, "is not a table: its first line has"),

@@ -693,6 +693,7 @@ def test_the_schema_knows_data_and_marks():
     schema = rig_schema()
     table = schema["$defs"]["DataTable"]["properties"]
     reading = {"columns", "units", "gain", "offset", "repair", "hold", "conditions"}
+    reading |= {"motor_constant", "layout"}
     assert {"file", "files", "validate"} | reading == {*table}
     inertia = schema["$defs"]["Axis"]["properties"]["inertia"]["anyOf"]
     assert any("vary" in kind.get("properties", ()) for kind in inertia)

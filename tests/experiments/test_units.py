@@ -3,13 +3,95 @@
 import contextlib
 import math
 
+import numpy as np
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stickslip import Axis, Coulomb, Measurement, RecordSettings
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import check_uncertainty, factor, read_number
+from stickslip.experiments.units import check_uncertainty, gain_factor, read_number
 from stickslip.quantities import Quantity
+from stickslip.units import factor
+
+WRITTEN = {
+    "Nm": ("N m", 1.0), "mNm": ("N m", 1e-3), "Ncm": ("N m", 1e-2), "Nmm": ("N m", 1e-3),
+    "kNm": ("N m", 1e3), "kp": ("N", 9.80665), "kpm": ("N m", 9.80665), "daN": ("N", 10.0),
+    "1/min": ("rad/s", math.pi / 30), "min^-1": ("rad/s", math.pi / 30),
+    "min⁻¹": ("rad/s", math.pi / 30), "min-1": ("rad/s", math.pi / 30),
+    "U/min": ("rad/s", math.pi / 30), "rpm": ("rad/s", math.pi / 30),
+    "Upm": ("rad/s", math.pi / 30), "rev/s": ("rad/s", 2 * math.pi), "rev": ("rad", 2 * math.pi),
+    "deg/s": ("rad/s", math.pi / 180), "°/s": ("rad/s", math.pi / 180),
+    "Grad": ("rad", math.pi / 180), "µm": ("m", 1e-6), "μm": ("m", 1e-6), "um": ("m", 1e-6),
+    "kgcm²": ("kg m^2", 1e-4), "kgm2": ("kg m^2", 1.0), "gcm^2": ("kg m^2", 1e-7),
+    "Nms/rad": ("N m s/rad", 1.0), "Ns/m": ("N s/m", 1.0), "Nm/A": ("N m/A", 1.0),
+    "1/Ncm": ("1/N/m", 100.0), "mm/sek": ("m/s", 1e-3), "m/s²": ("m/s^2", 1.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", WRITTEN)
+def test_units_are_read_as_people_write_them(unit):
+    target, size = WRITTEN[unit]
+    assert factor(unit, target) == pytest.approx(size, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("unit", "target"), [("1/s", "rad/s"), ("U", "m"), ("counts", "1"), ("1/min", "m"), ("Nm", "N")]
+)
+def test_what_looks_alike_is_of_another_kind(unit, target):
+    with pytest.raises(ParameterError, match=f"in {target}|a pure number"):
+        factor(unit, target)
+    assert factor("1/min", "Hz") == 1 / 60  # a frequency, where no rotation is wanted
+
+
+def test_constructors_take_text_with_units_and_quantities_of_pint():
+    unit = pint.UnitRegistry()
+    for value in ("3 kg cm^2", "3 kgcm²", unit.Quantity(3, "kg*cm**2"), 3e-4):
+        assert Axis(inertia=value).inertia == 3e-4
+    assert Coulomb(kinetic_coefficient="20 %").kinetic_coefficient == 0.2
+    assert Measurement(travel="200 mm").travel == 0.2
+    assert RecordSettings(segment="500 ms").segment == 0.5
+    angles = unit.Quantity(np.array([0.0, 180.0]), "deg")
+    assert Measurement(time=[0, 1], position=angles, turning=True).position[1] == math.pi
+    own = pint.UnitRegistry()
+    own.define("stone_of_ours = 5 kilogram")
+    assert Axis(inertia=own.Quantity(2, "stone_of_ours")).inertia == 10.0
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("3 mm", "in kg or a unit of that kind, not in mm, got '3 mm'; write for example \"1 kg\""),
+        ("3", "has no unit, got '3': write \"3 kg\""),
+        ("-3 kg", "must be above 0 kg, got '-3 kg'"),
+        ("heavy", "must be a number or text with a unit such as \"1 kg\", got 'heavy'"),
+        (pint.UnitRegistry().Quantity(3, "m"), "not in meter, got '3 meter'"),
+        (pint.UnitRegistry().Quantity(20, "degC"), "offset zero"),
+        (pint.UnitRegistry().Quantity(np.ones(2), "kg"), "must be one number"),
+    ],
+)
+def test_a_wrong_unit_in_a_constructor_is_one_message(value, message):
+    with pytest.raises(ParameterError) as caught:
+        Axis(inertia=value)
+    text = str(caught.value)
+    assert text.startswith("Axis.inertia (J) ")
+    assert message in text
+    assert "above 0 kg" in text
+
+
+def test_an_angle_is_no_position_along_a_line():
+    angles = pint.UnitRegistry().Quantity(np.zeros(2), "deg")
+    with pytest.raises(ParameterError, match=r"position \(x\).*not in degree.*turning=True"):
+        Measurement(time=[0, 1], position=angles)
+
+
+@pytest.mark.parametrize(
+    ("gain", "unit", "size"),
+    [("0.5 um/count", "counts", 5e-7), ("1000 counts/mm", "inc", 1e-6), ("3 mm/V", "mV", 3e-6)],
+)
+def test_a_gain_makes_lengths_of_counts_in_either_direction(gain, unit, size):
+    assert gain_factor(gain, unit, "m") == pytest.approx(size, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +133,7 @@ def test_degrees_become_radians():
         ("30 deg", "1", "must be a pure number or in %, not in deg"),
         ("60 rpm", "Hz", "not in rpm"),
         ("20 degC", "m", "an offset zero"),
-        ("5", "m", "has no unit in '5': write \"5 m\""),
+        ("5", "m", "has no unit, got '5': write \"5 m\""),
         ("heavy", "kg", 'such as "1 kg"'),
         ("", "kg", "got ''"),
         ("nan m", "m", "got 'nan m'"),

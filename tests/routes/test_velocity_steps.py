@@ -241,6 +241,8 @@ def test_laws_of_slip_speed_are_refused_and_so_are_those_of_steps_elsewhere(run)
     assert code == 2
     assert "Known: constant-coefficient, logarithmic, rate-and-state, rate-and-state-slip" in err
     for command in (("fit", "--law"), ("select", "--laws"), ("simulate", "--law")):
-        code, _, err = run(*command, "rate-and-state")  # the bundled rig has a travel
+        code, _, err = run(
+            command[0], "demo", command[1], "rate-and-state"
+        )  # the bundled rig has a travel
         assert code == 2
         assert err.splitlines()[-1].startswith("stickslip: rate-and-state is a law for velocity st")

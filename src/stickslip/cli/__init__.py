@@ -58,9 +58,11 @@ class _Stderr(logging.Handler):
 
     @override
     def emit(self, record: logging.LogRecord) -> None:
+        from stickslip.cli.console import is_quiet
         from stickslip.formatting import printable
 
-        print(printable(self.format(record), lines=True), file=sys.stderr, flush=True)
+        if not is_quiet():
+            print(printable(self.format(record), lines=True), file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from stickslip.cli.help import CONTEXT, Panels, command
 from stickslip.cli.options import (
     AllowImport,
     Columns,
@@ -28,8 +29,10 @@ from stickslip.cli.options import (
     LawFile,
     LawLoad,
     Laws,
+    MotorConstant,
     PlannedLaws,
     Purpose,
+    Quiet,
     Repair,
     Rig,
     Route,
@@ -49,7 +52,8 @@ if TYPE_CHECKING:
 __all__ = ["app"]
 
 app = typer.Typer(
-    add_completion=False,
+    cls=Panels,
+    context_settings=dict(CONTEXT),
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -77,7 +81,7 @@ def options(
     """Select a friction model for a mechanism from measurements, with uncertainties."""
 
 
-@app.command()
+@command(app, "select")
 def select(
     rig: Rig = None,
     data: Data = None,
@@ -86,6 +90,7 @@ def select(
     gain: Gain = None,
     repair: Repair = None,
     conditions: Conditions = None,
+    motor_constant: MotorConstant = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     laws: Laws = None,
@@ -105,6 +110,7 @@ def select(
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Fit and compare friction laws; write a report.
 
@@ -118,7 +124,12 @@ def select(
     from stickslip.cli.select import run
 
     reading = reading_of(
-        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+        columns=columns,
+        units=units,
+        gain=gain,
+        repair=repair,
+        conditions=conditions,
+        motor_constant=motor_constant,
     )
     fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
@@ -138,7 +149,65 @@ def select(
     start(rig, asked, changes or [], laws, output, jobs=jobs)
 
 
-@app.command()
+@command(app, "demo")
+def demo(
+    laws: Laws = None,
+    jobs: Jobs = None,
+    output: Folder = Path("stickslip-report"),
+    force: Force = False,
+    as_json: Json = False,
+    enforce: Enforce = False,
+    _quiet: Quiet = False,
+) -> None:
+    """Select a law for the rig that comes with the package; write a report.
+
+    The rig is that of the source paper, a block that a spring pushes, with one measured travel.
+    Other commands take it as `demo`, such as `stickslip simulate demo`.
+    """
+    from stickslip.cli.file_options import reading_of
+    from stickslip.cli.inputs import CommandInputs, FitOptions
+    from stickslip.cli.select import run
+
+    reading = reading_of(columns=None, units=None, gain=None, repair=None)
+    asked = CommandInputs(
+        data=[], reading=reading, validate=None, vary=[], fixed=[], how=FitOptions()
+    )
+    start = partial(run, allow_import=False, force=force, as_json=as_json, enforce=enforce)
+    start(None, asked, [], laws, output, jobs=jobs)
+
+
+@command(app, "init")
+def init(
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="Record (CSV, Parquet, MATLAB, MDF)."),
+    ],
+    columns: Columns = None,
+    units: Units = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="Rig file to write; default: FILE with the ending .toml."
+        ),
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+    _quiet: Quiet = False,
+) -> None:
+    """Write a rig file for a data file: what it seems to hold, and why.
+
+    Finds out code page, separators, decimal comma, lines above the header, a row of units, time
+    stamps, and which column holds what, in English or German. Nothing is asked; what the file does
+    not tell is assumed, printed, and marked in the rig file, which `stickslip select` then takes.
+    """
+    from stickslip.cli.file_options import reading_of
+    from stickslip.cli.init import run
+
+    reading = reading_of(columns=columns, units=units, gain=None, repair=None)
+    run(file, reading, output, force=force, as_json=as_json)
+
+
+@command(app, "fit")
 def fit(
     rig: Rig = None,
     law: FittedLaw = None,
@@ -149,6 +218,7 @@ def fit(
     gain: Gain = None,
     repair: Repair = None,
     conditions: Conditions = None,
+    motor_constant: MotorConstant = None,
     changes: Set = None,
     allow_import: AllowImport = False,
     validate: Validate = None,
@@ -164,6 +234,7 @@ def fit(
     output: LawFile = None,
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Fit one friction law to measurements.
 
@@ -176,7 +247,12 @@ def fit(
     from stickslip.cli.inputs import CommandInputs, FitOptions
 
     reading = reading_of(
-        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+        columns=columns,
+        units=units,
+        gain=gain,
+        repair=repair,
+        conditions=conditions,
+        motor_constant=motor_constant,
     )
     how = FitOptions(
         horizon=horizon,
@@ -198,14 +274,14 @@ def fit(
     start(rig, law, asked, changes or [], output)
 
 
-@app.command()
+@command(app, "check")
 def check(
     files: Annotated[
         list[Path],
         typer.Argument(
             metavar="FILE",
-            help="Data files (CSV, Parquet, MATLAB), one per trial, and/or a rig file (TOML). The"
-            " mechanism of the rig file allows more checks; its [data] is read too.",
+            help="Data files (CSV, Parquet, MATLAB, MDF), one per trial, and/or a rig file (TOML)."
+            " The mechanism of the rig file allows more checks; its [data] is read too.",
         ),
     ],
     columns: Columns = None,
@@ -213,6 +289,7 @@ def check(
     gain: Gain = None,
     repair: Repair = None,
     conditions: Conditions = None,
+    motor_constant: MotorConstant = None,
     allow_import: AllowImport = False,
     output: Annotated[
         Path | None,
@@ -220,6 +297,7 @@ def check(
     ] = None,
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Check the quality of a measurement.
 
@@ -229,12 +307,17 @@ def check(
     from stickslip.cli.file_options import reading_of
 
     reading = reading_of(
-        columns=columns, units=units, gain=gain, repair=repair, conditions=conditions
+        columns=columns,
+        units=units,
+        gain=gain,
+        repair=repair,
+        conditions=conditions,
+        motor_constant=motor_constant,
     )
     run(files, reading, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
-@app.command()
+@command(app, "simulate")
 def simulate(
     rig: Rig = None,
     law: Law = None,
@@ -290,6 +373,7 @@ def simulate(
     force: Force = False,
     as_json: Json = False,
     enforce: Enforce = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Simulate the rig with one friction law.
 
@@ -316,7 +400,7 @@ def simulate(
     start(rig, changes or [], settings, output)
 
 
-@app.command()
+@command(app, "animate")
 def animate(
     rig: Rig = None,
     law: Law = None,
@@ -340,6 +424,7 @@ def animate(
     ] = 72.0,
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Animate the rig, simulated with one law.
 
@@ -353,7 +438,7 @@ def animate(
     start(rig, changes or [], LawAsked(law=law, load=law_load), t_end, look, output)
 
 
-@app.command()
+@command(app, "sweep")
 def sweep(
     rig: Rig = None,
     law: Law = None,
@@ -383,6 +468,7 @@ def sweep(
     ] = Path("stickslip-sweep.csv"),
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Compute the mean velocity over a parameter grid.
 
@@ -396,7 +482,7 @@ def sweep(
     start(rig, changes or [], asked, vary or [], cycles, settle, output)
 
 
-@app.command()
+@command(app, "plan")
 def plan(
     rig: Rig = None,
     laws: PlannedLaws = None,
@@ -430,6 +516,7 @@ def plan(
     ] = None,
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Plan travel measurements.
 
@@ -441,13 +528,14 @@ def plan(
     start(rig, changes or [], laws, between, settings, uncertainty, output)
 
 
-@app.command()
+@command(app, "models")
 def models(
     name: Annotated[str | None, typer.Argument(help="Friction law to show in full.")] = None,
     published: Annotated[
         bool, typer.Option("--published", help="Show the equations as printed in the source paper.")
     ] = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """List friction laws and mechanisms, or show a law in full.
 
@@ -458,11 +546,12 @@ def models(
     run(name, published=published, as_json=as_json)
 
 
-@app.command()
+@command(app, "paper")
 def paper(
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Recompute the results of the source paper.
 
@@ -473,7 +562,7 @@ def paper(
     run(output, force=force, as_json=as_json)
 
 
-@app.command()
+@command(app, "warmup")
 def warmup(
     rig: Annotated[
         Path | None,
@@ -488,6 +577,7 @@ def warmup(
     laws: Laws = None,
     allow_import: AllowImport = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Compile equations ahead of time.
 
@@ -502,8 +592,8 @@ def warmup(
     run(rig, mechanisms or [], laws, allow_import=allow_import, as_json=as_json)
 
 
-@app.command()
-def schema() -> None:
+@command(app, "schema")
+def schema(_quiet: Quiet = False) -> None:
     """Print the JSON schema of rig files."""
     from stickslip.cli.console import document, print_json
     from stickslip.experiments import rig_schema
@@ -511,12 +601,13 @@ def schema() -> None:
     print_json(document("rig-schema", rig_schema()))
 
 
-@app.command()
+@command(app, "cite")
 def cite(
     laws: Annotated[
         list[str] | None, typer.Argument(help="Laws whose sources are printed; default: all.")
     ] = None,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Print how to cite stickslip and the sources of friction laws."""
     from stickslip.cli.models import cite

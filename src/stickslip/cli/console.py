@@ -5,6 +5,7 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Collection, Mapping, Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,8 @@ from stickslip.formatting import NO_VALUE, printable
 __all__ = [
     "command_line",
     "document",
+    "hush",
+    "is_quiet",
     "json_text",
     "note",
     "overrides",
@@ -45,6 +48,8 @@ __all__ = [
 
 GAP = 2
 """Spaces between columns."""
+_QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
+"""Whether the command in work says its result only."""
 FOLDED = 16
 """Width down to which a column of words is folded before a table outgrows its terminal."""
 
@@ -71,9 +76,20 @@ def stderr() -> Console:
     return _Printable(stderr=True, highlight=False, emoji=False)
 
 
+def hush(wanted: bool) -> None:
+    """Say whether progress and remarks are left out from now on."""
+    _QUIET.set(wanted)
+
+
+def is_quiet() -> bool:
+    """Whether progress and remarks are left out."""
+    return _QUIET.get()
+
+
 def note(text: str) -> None:
     """Say something beside the result."""
-    stderr().print(text, markup=False)
+    if not is_quiet():
+        stderr().print(text, markup=False)
 
 
 def show_table(
@@ -155,7 +171,7 @@ def overrides(changes: Sequence[str]) -> dict[str, str]:
         path, equals, value = change.partition("=")
         if not equals or not path.strip() or not value.strip():
             raise InputError(
-                f"--set takes PATH=VALUE such as friction.static_coefficient=0.4, got {change!r}."
+                f"--set takes PATH=VALUE such as static_coefficient=0.4, got {change!r}."
             )
         found[path.strip()] = value.strip()
     return found

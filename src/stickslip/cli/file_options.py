@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from stickslip.errors import InputError
-from stickslip.experiments import Column, Reading, column_of
+from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import Column, Reading, column_of, motor_constants, read_gain
 
 __all__ = ["reading_of"]
 
@@ -15,6 +15,7 @@ def reading_of(
     gain: Sequence[str] | None,
     repair: Sequence[str] | None,
     conditions: Sequence[str] | None = None,
+    motor_constant: str | None = None,
 ) -> Reading:
     """Return what the options of that name say together.
 
@@ -30,6 +31,8 @@ def reading_of(
         Repairs of ``--repair``, which may be joined by commas.
     conditions : sequence of str, optional
         Columns of ``--conditions``, which may be joined by commas.
+    motor_constant : str, optional
+        Value of ``--motor-constant``.
 
     Returns
     -------
@@ -41,9 +44,10 @@ def reading_of(
     return Reading(
         columns=_columns(columns),
         units=_pairs("--unit", "position=mm", units),
-        gain=_numbers(_pairs("--gain", "force=35.15", gain)),
+        gain=_gains(_pairs("--gain", "force=35.15", gain)),
         repair=tuple(texts),  # type: ignore[arg-type]  # checked by Reading itself
         conditions=tuple(names),
+        motor_constant={} if motor_constant is None else motor_constants(motor_constant),
         by="options",
     )
 
@@ -72,9 +76,15 @@ def _pairs(option: str, example: str, given: Sequence[str] | None) -> dict[str, 
     return found
 
 
-def _numbers(pairs: Mapping[str, str]) -> dict[str, float]:
-    try:
-        return {name: float(value) for name, value in pairs.items()}
-    except ValueError:
-        listed = ", ".join(f"{name}={value}" for name, value in pairs.items())
-        raise InputError(f"--gain takes numbers such as force=35.15, got {listed}.") from None
+def _gains(pairs: Mapping[str, str]) -> dict[str, float | str]:
+    """Return gains as numbers, or as texts with their unit."""
+    found: dict[str, float | str] = {}
+    for name, value in pairs.items():
+        try:
+            found[name] = read_gain(value)
+        except ParameterError:
+            raise InputError(
+                "--gain takes numbers such as force=35.15, perhaps with a unit as in"
+                f' "position=0.5 um/count", got {name}={value}.'
+            ) from None
+    return found

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from stickslip.errors import RenamedError
+from stickslip.errors import InputError, RenamedError
 
 __all__ = [
     "AllowImport",
@@ -38,9 +38,11 @@ __all__ = [
     "LawLoad",
     "Laws",
     "LoadShare",
+    "MotorConstant",
     "PlannedLaws",
     "Position",
     "Purpose",
+    "Quiet",
     "Rate",
     "Record",
     "Repair",
@@ -56,15 +58,70 @@ __all__ = [
     "Vary",
 ]
 
+DEMO = Path("demo")
+"""What stands for the rig that comes with the package."""
+
+
+def _rig(context: typer.Context, given: Path | None) -> Path | None:
+    """Return a rig file, None for the bundled rig; say what is missing or is no rig file."""
+    from stickslip.experiments import is_data_file
+
+    if context.resilient_parsing or given == DEMO:
+        return None
+    name = f"stickslip {context.info_name}"
+    if given is None:
+        raise InputError(
+            f"{name} needs a rig file (TOML): {name} rig.toml. `stickslip init record.csv` writes"
+            f" one for a data file; {name} demo takes the rig that comes with the package."
+        )
+    if is_data_file(given):
+        own = given.with_suffix(".toml")
+        raise InputError(
+            f"{given} is a data file, not a rig file: `stickslip init {given}` writes one for it;"
+            f" then {name} {own}."
+        )
+    return given
+
+
 Rig = Annotated[
-    Path | None, typer.Argument(help="Rig file (TOML). Default: the rig of the source paper.")
+    Path | None,
+    typer.Argument(
+        metavar="RIG",
+        callback=_rig,
+        help="Rig file (TOML), or `demo` for the rig that comes with the package.",
+    ),
+]
+
+
+def _hush(wanted: bool) -> bool:
+    from stickslip.cli.console import hush
+
+    hush(wanted)
+    return wanted
+
+
+Quiet = Annotated[
+    bool,
+    typer.Option(
+        "-q", "--quiet", callback=_hush, is_eager=True, help="Print no progress and no remarks."
+    ),
+]
+MotorConstant = Annotated[
+    str | None,
+    typer.Option(
+        "--motor-constant",
+        metavar="VALUE",
+        help='Force or torque per current of the motor with its gears, e.g. "0.12 N m/A": the'
+        " column `current` is then read as the force.",
+    ),
 ]
 Set = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="PATH=VALUE",
-        help="Override a value of the rig file, e.g. mechanism.attached=true.",
+        help="Override a value of the rig file, e.g. mechanism.attached=true or mass=2; the last"
+        " name is enough where it is the only one.",
     ),
 ]
 AllowImport = Annotated[
@@ -135,8 +192,8 @@ Data = Annotated[
     typer.Option(
         "--data",
         metavar="FILE",
-        help="Table of travels, or time record (CSV, Parquet, MATLAB), instead of the rig's own"
-        " data. Repeat the option for several trials.",
+        help="Table of travels, or time record (CSV, Parquet, MATLAB, MDF), instead of the rig's"
+        " own data. Repeat the option for several trials.",
     ),
 ]
 Columns = Annotated[
@@ -156,8 +213,8 @@ Gain = Annotated[
     typer.Option(
         "--gain",
         metavar="NAME=FACTOR,...",
-        help="Scale factor per quantity, e.g. friction=-1 to flip a sign, or force=35.15 to"
-        " convert volts to newtons.",
+        help="Scale factor per quantity, e.g. friction=-1 to flip a sign, force=35.15 to convert"
+        ' volts to newtons, or "position=4096 counts/rev".',
     ),
 ]
 Repair = Annotated[

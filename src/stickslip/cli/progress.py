@@ -1,9 +1,10 @@
 """Progress of work on several laws, and of compiling ahead of time, on stderr."""
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Self, final
+from typing import Final, Self, final
 
 from rich.progress import (
     BarColumn,
@@ -12,15 +13,36 @@ from rich.progress import (
     TaskID,
     TextColumn,
     TimeElapsedColumn,
+    TimeRemainingColumn,
 )
 
-from stickslip.cli.console import stderr
+from stickslip.cli.console import is_quiet, stderr
 from stickslip.cli.interrupts import Interrupts
 
 __all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
 
 
+SILENCE: Final = 20.0
+"""Time after which a line says how far work is where no bar can be seen [s]."""
+LONG: Final = 5.0
+"""Time from which on lines give times [s]."""
 NO_SHORTER = "Held-out blocks are evaluated to the end; press Ctrl-C again to cancel."
+
+
+def _time_text(seconds: float) -> str:
+    """Return a time as one says it.
+
+    Examples
+    --------
+    >>> _time_text(32.4), _time_text(95.0), _time_text(4000.0)
+    ('32 s', '1 min 35 s', '1 h 7 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {round(whole % 3600 / 60)} min"
 
 
 def _bars() -> Progress:
@@ -30,27 +52,57 @@ def _bars() -> Progress:
         MofNCompleteColumn(),
         TextColumn("{task.fields[runs]}"),
         TimeElapsedColumn(),
+        TimeRemainingColumn(),
         console=stderr(),
         transient=True,
     )
 
 
 class _Shown:
-    """Bars that are there within a `with`; in a file or a pipe, a line for each step."""
+    """Bars that are there within a `with`; in a file or a pipe, a line now and then.
 
-    def __init__(self, bars: Progress) -> None:
+    There is one for each step, and in a long one, one after each `SILENCE`, with the time so far
+    and the time left.
+    """
+
+    def __init__(self, bars: Progress, clock: Callable[[], float] = time.monotonic) -> None:
         self._bars = bars
         self._said: set[str] = set()
         self._seen = bars.console.is_terminal
+        self._quiet = is_quiet()
+        self._clock = clock
+        self._start = self._last = clock()
 
-    def _say(self, step: str) -> None:
-        """Write the name of a step that begins where no bar can be seen."""
-        if not self._seen and step not in self._said:
-            self._bars.console.print(f"{step} ...", markup=False, soft_wrap=True)
+    def _say(self, step: str, done: float = 0.0, total: float = 0.0) -> None:
+        """Write what is in work, and how far it is, where no bar can be seen.
+
+        Parameters
+        ----------
+        step : str
+            What is in work.
+        done, total : float
+            How much is done, and of how much; 0 if unknown.
+        """
+        now = self._clock()
+        new = step not in self._said
         self._said.add(step)
+        if self._seen or self._quiet or not (new or now - self._last >= SILENCE):
+            return
+        self._last = now
+        far = self._far(now - self._start, done, total)
+        self._bars.console.print(f"{step} ...{far}", markup=False, soft_wrap=True)
+
+    def _far(self, elapsed: float, done: float, total: float) -> str:
+        """Return how far work is, once it takes long."""
+        if elapsed < LONG:
+            return ""
+        share = f"{done:.0f} of {total:.0f} done, " if total else ""
+        left = elapsed * (total - done) / done if total and done else 0.0
+        rest = f", about {_time_text(left)} left" if left else ""
+        return f" ({share}{_time_text(elapsed)}{rest})"
 
     def __enter__(self) -> Self:
-        if self._seen:
+        if self._seen and not self._quiet:
             self._bars.start()
         return self
 
@@ -60,7 +112,7 @@ class _Shown:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._seen:
+        if self._seen and not self._quiet:
             self._bars.stop()
 
 
@@ -78,7 +130,7 @@ class Compiling(_Shown):
             self._task = self._bars.add_task("", total=total, runs="")
         description = f"Compiling, once: {what}"
         self._bars.update(self._task, completed=done, description=description)
-        self._say(description)
+        self._say(description, done, total)
         if done == total:
             self._bars.remove_task(self._task)
             self._task = None
@@ -96,10 +148,13 @@ class Drawing(_Shown):
 
     def __init__(self, verb: str = "Drawing") -> None:
         super().__init__(_bars())
+        self._verb = verb
+        self._said.add(verb)  # short work is done in silence
         self._task = self._bars.add_task(verb, total=None, runs="")
 
     def __call__(self, done: int, total: int) -> None:
         """Note how many are done."""
+        self._say(self._verb, done, total)
         self._bars.update(self._task, completed=done, total=total)
 
 
@@ -123,7 +178,7 @@ class Watching(_Shown):
     def __call__(self, name: str, runs: float) -> None:
         """Note that a law has had so many runs."""
         done = self._names.index(name) if name in self._names else 0
-        self._say(f"{self._verb} {name}")
+        self._say(f"{self._verb} {name}", done, len(self._names))
         self._bars.update(
             self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs:.0f} runs"
         )
@@ -161,7 +216,7 @@ class Searching(_Shown):
         step = f"Fitting {name}" if known else f"Validating on {name}"
         if not known:
             self._interrupts.promise = NO_SHORTER
-        self._say(step)
+        self._say(step, done, len(self._names))
         self._bars.update(self._task, completed=done, description=step, runs=reached)
         return not self._interrupts.stopped
 
@@ -189,7 +244,7 @@ class Improving(_Shown):
         """Note how far a search is; a polish does not know how long it takes."""
         reached = self._told(best) if math.isfinite(best) else "no feasible motion yet"
         step = f"Searching {search}" if total else "Refining"
-        self._say(step)
+        self._say(step, done, total)
         self._bars.update(
             self._task,
             completed=min(done, total) if total else done,

@@ -157,7 +157,8 @@ def run(
     else:
         ran, criteria = _ran_by_contact(rig, chosen, settings, enforce=enforce), None
     if output is not None:
-        write_file(output, table_bytes(_table(ran, settings.samples), output))
+        table = _table(ran, settings.samples)
+        write_file(output, table_bytes(table, output, _units(ran, table)))
     if not as_json:
         _show(ran, settings)
         if output is not None:
@@ -379,8 +380,16 @@ def check_table(output: Path) -> None:
         raise InputError(f"--output takes a .csv or .parquet file, got {output}.")
 
 
-def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
-    """Return a table as the file's kind asks for.
+def _units(ran: Ran, table: "pd.DataFrame") -> dict[str, str]:
+    """Return the units of the columns of an export."""
+    units = {"t": "s", **ran.run.units}
+    ends = ("_low", "_median", "_high")
+    stems = {name: name.rpartition("_")[0] for name in table if name.endswith(ends)}
+    return {name: units.get(stems.get(name, name), units.get(name, "")) for name in table}
+
+
+def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -> bytes:
+    """Return a table as the file's kind asks for; headers of CSV have units in brackets.
 
     Parameters
     ----------
@@ -388,6 +397,8 @@ def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
         The table.
     output : Path
         The file, whose ending says CSV or Parquet.
+    units : mapping of str to str
+        Units by column; none, or ``"1"``, for a pure number.
 
     Returns
     -------
@@ -395,7 +406,10 @@ def table_bytes(frame: "pd.DataFrame", output: Path) -> bytes:
         Contents of the file.
     """
     if output.suffix == ".csv":
-        return frame.to_csv(index=False).encode()
+        headers = {
+            name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")
+        }
+        return frame.rename(columns=headers).to_csv(index=False).encode()
     buffer = io.BytesIO()
     frame.to_parquet(buffer, index=False)
     return buffer.getvalue()

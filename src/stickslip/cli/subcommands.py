@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from stickslip.cli.help import CONTEXT, command
 from stickslip.cli.options import (
     BackSlip,
     Effort,
@@ -20,6 +21,7 @@ from stickslip.cli.options import (
     LawLoad,
     LoadShare,
     Position,
+    Quiet,
     Rate,
     Record,
     Resume,
@@ -30,34 +32,36 @@ __all__ = ["data", "profile"]
 
 
 data = typer.Typer(
+    context_settings=dict(CONTEXT),
     no_args_is_help=True,
     help="List and download public friction records.",
 )
 
 
-@data.command("list")
-def data_list(as_json: Json = False) -> None:
+@command(data, "list", group="data")
+def data_list(as_json: Json = False, _quiet: Quiet = False) -> None:
     """List the records of the catalogue and where their files are."""
     from stickslip.cli.data import run_list
 
     run_list(as_json=as_json)
 
 
-@data.command("show")
-def data_show(name: Record, as_json: Json = False) -> None:
+@command(data, "show", group="data")
+def data_show(name: Record, as_json: Json = False, _quiet: Quiet = False) -> None:
     """Show a record in full: source, licence, columns, files, parameters."""
     from stickslip.cli.data import run_show
 
     run_show(name, as_json=as_json)
 
 
-@data.command("path")
+@command(data, "path", group="data")
 def data_path(
     name: Record,
     file: Annotated[
         str | None, typer.Option("--file", help="One of its files; default: the first.")
     ] = None,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Print the path of a record's table, downloading and converting it if necessary."""
     from stickslip.cli.data import run_path
@@ -66,12 +70,13 @@ def data_path(
 
 
 profile = typer.Typer(
+    context_settings=dict(CONTEXT),
     no_args_is_help=True,
     help="Optimise motion profiles within limits.",
 )
 
 
-@profile.command("optimise")
+@command(profile, "optimise", group="profile")
 def profile_optimise(
     rig: Annotated[Path, typer.Argument(help="Rig file (TOML) with a prescribed motion.")],
     angle: Position,
@@ -92,6 +97,7 @@ def profile_optimise(
     output: Folder = Path("stickslip-profile"),
     force: Force = False,
     as_json: Json = False,
+    _quiet: Quiet = False,
 ) -> None:
     """Optimise the motion that drives the rig, within limits; write its rig file and a figure.
 

@@ -103,7 +103,8 @@ def _write(found: VelocityMap, output: Path, figure: Path) -> None:
     from stickslip.plots import draw_velocity_map, standalone_svg
 
     svg = standalone_svg(draw_velocity_map(found), size=SIZE, title="Mean velocity")
-    table = table_bytes(found.to_dataframe(), output)
+    units = {**found.units, "period": "s", "velocity": found.unit, "unsettled": found.unit}
+    table = table_bytes(found.to_dataframe(), output, units)
     write_files({output: table, figure: svg})
 
 

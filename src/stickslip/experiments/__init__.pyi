@@ -43,14 +43,20 @@ from stickslip.experiments.preconditions import refuse_lack as refuse_lack
 from stickslip.experiments.preconditions import refuse_same as refuse_same
 from stickslip.experiments.preconditions import refuse_unused as refuse_unused
 from stickslip.experiments.preconditions import with_doubts as with_doubts
+from stickslip.experiments.readers.guess import Guess as Guess
+from stickslip.experiments.readers.guess import guess_data as guess_data
+from stickslip.experiments.readers.layout import Layout as Layout
 from stickslip.experiments.readers.reader_options import Column as Column
 from stickslip.experiments.readers.reader_options import Reading as Reading
 from stickslip.experiments.readers.reader_options import column_of as column_of
+from stickslip.experiments.readers.reader_options import motor_constants as motor_constants
+from stickslip.experiments.readers.table_reader import is_data_file as is_data_file
 from stickslip.experiments.records import load_measurement as load_measurement
 from stickslip.experiments.records import read_data as read_data
 from stickslip.experiments.rig import KnownLaws as KnownLaws
 from stickslip.experiments.rig import Published as Published
 from stickslip.experiments.rig import Rig as Rig
+from stickslip.experiments.rigs.guessed_rig import guessed_rig as guessed_rig
 from stickslip.experiments.rigs.load import load_rig as load_rig
 from stickslip.experiments.rigs.load import rig_schema as rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml as rig_toml
@@ -59,14 +65,17 @@ from stickslip.experiments.slicing import rows_of as rows_of
 from stickslip.experiments.travels import scale_of as scale_of
 from stickslip.experiments.travels import whole_cycles as whole_cycles
 from stickslip.experiments.units import check_uncertainty as check_uncertainty
+from stickslip.experiments.units import read_gain as read_gain
 from stickslip.experiments.units import read_number as read_number
 
 __all__ = [
     "CarriedLaw",
     "Checks",
     "Finding",
+    "Guess",
     "KnownLaws",
     "LawEstimates",
+    "Layout",
     "Line",
     "Measurement",
     "Published",
@@ -76,6 +85,8 @@ __all__ = [
     "carried",
     "check",
     "extrapolations",
+    "guess_data",
+    "guessed_rig",
     "load_measurement",
     "load_rig",
     "rig_schema",

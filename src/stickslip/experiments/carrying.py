@@ -104,7 +104,7 @@ def carried(
     here = levels_at(mechanism)
     remarks: list[str] = []
     if load is not None:
-        _check_load(rig, levels, load)
+        load = _checked_load(rig, levels, load)
         factors = dict.fromkeys(divided, 1.0 / load)
         changes = {f"friction.{name}": factors[name] * x for name, x in divided.items()}
         found = vary(found, "friction", changes)
@@ -318,8 +318,8 @@ def _per_load(law: FrictionLaw) -> dict[str, float]:
     }
 
 
-def _check_load(rig: Rig, levels: Levels, load: float) -> None:
-    LOAD.check("carried", "load", load)
+def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
+    found = LOAD.check("carried", "load", load)
     if levels == "per load":
         raise ParameterError(
             f"{rig.path}: the levels of its law are already coefficients (per normal force); leave"
@@ -327,6 +327,7 @@ def _check_load(rig: Rig, levels: Levels, load: float) -> None:
         )
     if levels == "torques":
         raise InputError(_torques(rig))
+    return found
 
 
 def _refusal(rig: Rig, name: str, levels: Levels) -> str:

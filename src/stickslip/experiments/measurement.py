@@ -15,6 +15,7 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.quantities import Converted, Numbers, Quantity
+from stickslip.units import is_pint, number_in, pint_magnitude
 
 __all__ = [
     "BY_JOINT",
@@ -242,7 +243,7 @@ class Measurement:
             self._set(name, None)
         for name, quantity in {"time": TIME, **QUANTITIES}.items():
             if getattr(self, name) is not None:
-                self._set(name, _numbers(name, quantity, getattr(self, name)))
+                self._set(name, _numbers(name, quantity, getattr(self, name), self.turning))
         if self.trials:
             _check_trials(self)
             self._set("turning", any(trial.turning for trial in self.trials))
@@ -433,9 +434,11 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
     return dict(record.joints)
 
 
-def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
+def _numbers(name: str, quantity: Quantity, value: Any, turning: bool) -> Array | float:
     """Return a float, or a read-only copy of an array (n,), all finite."""
     label = f"Measurement.{name} ({quantity.symbol}) [{quantity.unit}]"
+    if isinstance(value, str) or is_pint(value):
+        value = _without_unit(name, quantity, value, turning)
     if isinstance(value, numbers.Real):
         return quantity.check("Measurement", name, value)
     try:
@@ -458,6 +461,17 @@ def _numbers(name: str, quantity: Quantity, value: Any) -> Array | float:
         )
     array.setflags(write=False)
     return array
+
+
+def _without_unit(name: str, quantity: Quantity, value: Any, turning: bool) -> Any:
+    """Return what has a unit as a number, or as numbers, for this kind of motion."""
+    unit = quantity.or_unit if turning and quantity.or_unit else quantity.unit
+    try:
+        return number_in(value, unit) if isinstance(value, str) else pint_magnitude(value, unit)
+    except ParameterError as error:
+        cure = "; measurements about an axis have turning=True" if quantity.or_unit else ""
+        label = f"Measurement.{name} ({quantity.symbol}) [{unit}]"
+        raise ParameterError(f"{label} {error}{cure * (not turning)}.") from None
 
 
 def _short(value: object) -> str:

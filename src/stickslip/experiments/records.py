@@ -19,21 +19,35 @@ from stickslip.experiments.measurement import (
     Measurement,
     Uncertainty,
 )
-from stickslip.experiments.readers.reader_options import Column, Reading, check_columns
+from stickslip.experiments.readers.layout import Layout
+from stickslip.experiments.readers.reader_options import (
+    Column,
+    Reading,
+    check_columns,
+    motor_constants,
+)
 from stickslip.experiments.readers.spelling import spelled
 from stickslip.experiments.readers.time_base import Repair, repaired, repairs
-from stickslip.experiments.readers.unit_conversion import Scaling, gains_of, load_stated
-from stickslip.experiments.units import shown
+from stickslip.experiments.readers.unit_conversion import (
+    Scaling,
+    gains_of,
+    load_stated,
+    with_motors,
+)
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Numbers
+from stickslip.units import shown
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from stickslip.experiments.readers.table_reader import Frame
 
 __all__ = ["load_measurement", "read_data"]
 
 
 def load_measurement(
-    path: str | Path | Iterable[str | Path],
+    path: "str | Path | Iterable[str | Path] | pd.DataFrame | Mapping[str, Numbers]",
     *,
     columns: Mapping[str, str | Sequence[str]] | None = None,
     units: Mapping[str, str] | None = None,
@@ -47,8 +61,10 @@ def load_measurement(
     mechanism: Mechanism | None = None,
     repair: Repair | Sequence[Repair] | None = None,
     conditions: str | Sequence[str] = (),
+    motor_constant: float | str | Mapping[str, float | str] | None = None,
+    layout: Layout | None = None,
 ) -> Measurement:
-    r"""Read a measurement from a CSV, Parquet or MATLAB file, or its trials from several.
+    r"""Read a measurement from a CSV, Parquet, MATLAB or MDF file, or from a table in memory.
 
     A file with a column ``travel`` and without time is a table of trials, one a row. Its other
     columns may be ``uncertainty``, ``uncertainty_kind``, ``name``, ``provenance``, ``initial.x``
@@ -64,9 +80,11 @@ def load_measurement(
 
     Parameters
     ----------
-    path : str, Path or iterable of these
-        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet`` or ``.mat`` file. Several files make a
-        measurement with several trials, each called like its file.
+    path : str, Path, iterable of these, DataFrame or mapping of str to array
+        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.mat`` or ``.mf4`` file; the last kind needs
+        the package asammdf (``pip install 'stickslip[mdf]'``). Several files make a measurement
+        with several trials, each called like its file. A table in memory has columns as a file
+        has; times may be its index.
     columns : mapping of str to str, optional
         Quantity or parameter path -> name of its column, where they differ. A record then has
         these columns and those whose names fit; a column is used once. A position in a plane, such
@@ -105,6 +123,13 @@ def load_measurement(
     conditions : str or sequence of str, optional
         Columns that hold a condition of the trial, such as a temperature or a direction: one value
         in each trial, a number or a text. See `compare_trials`.
+    motor_constant : float, str or mapping of str to float or str, optional
+        Force or torque over the current of the motor, with its gears [N/A or N m/A], such as
+        ``"0.12 N m/A"``: the column ``current`` is then read as the force. By joint where several
+        have a current, as ``{"elbow": "0.12 N m/A"}``.
+    layout : Layout, optional
+        How a text file holds its table, where lines that are no comments stand above the header,
+        units have a row of their own, or thousands are parted; see `guess_data`.
 
     Returns
     -------
@@ -134,6 +159,8 @@ def load_measurement(
         offset=offset or {},
         repair=repairs(repair),
         conditions=(conditions,) if isinstance(conditions, str) else tuple(conditions),
+        motor_constant={} if motor_constant is None else motor_constants(motor_constant),
+        layout=layout,
     )
     common: dict[str, Any] = {
         "uncertainty_kind": uncertainty_kind,
@@ -199,22 +226,28 @@ class _Files:
     """What every record has beside its columns."""
     mechanism: Mechanism | None
 
-    def measurement(self, path: str | Path | Iterable[str | Path], name: str) -> Measurement:
-        """Return the measurement of one file, or of several as trials."""
-        check_columns(self.reading.columns, self.mechanism)
+    def measurement(self, path: Any, name: str) -> Measurement:
+        """Return the measurement of one file or table, or of several files as trials."""
+        check_columns(self.reading.columns, self.mechanism, self.reading.motor_constant)
         if isinstance(path, str | PathLike):
             return self.one(path if isinstance(path, str) else Path(path), name)
-        # A table is iterable too, over the names of its columns.
-        one = not isinstance(path, Iterable)
-        given: list[Any] = [path] if one or _is_table(path) else list(path)
-        if not all(isinstance(file, str | PathLike) for file in given):
+        if _is_table(path):
+            return self.one(_table(path), name or "table")
+        given: list[Any] = list(path) if isinstance(path, Iterable) else [path]
+        if not all(isinstance(one, str | PathLike) or _is_table(one) for one in given):
             raise InputError(_no_file(path))
         return self.several(given, name)
 
-    def several(self, paths: Sequence[str | Path], name: str) -> Measurement:
-        """Return the trials of several files, each called like its file."""
+    def several(self, paths: Sequence[Any], name: str) -> Measurement:
+        """Return the trials of several files, each called like its file, or of several tables."""
         if not paths:
             raise InputError("load_measurement needs at least one file, got an empty list.")
+        if any(map(_is_table, paths)):
+            parts = [
+                self.one(_table(one), f"table {place}") if _is_table(one) else self.one(one, "")
+                for place, one in enumerate(paths, 1)
+            ]
+            return Measurement(trials=tuple(r for one in parts for r in one.records()), name=name)
         stems = [Path(path).stem for path in paths]
         # Files of one name in several folders are told apart by these.
         names = stems if len(set(stems)) == len(stems) else [str(path) for path in paths]
@@ -222,17 +255,22 @@ class _Files:
         trials = tuple(record for one in read for record in one.records())
         return Measurement(trials=trials, name=name)
 
-    def one(self, path: str | Path, name: str) -> Measurement:
-        """Return the measurement of one file."""
+    def one(self, path: "str | Path | pd.DataFrame", name: str) -> Measurement:
+        """Return the measurement of one file, or of one table, which must have a name."""
         # Imported here so that measurements built in Python do without pandas.
         from stickslip.experiments.readers.condition_columns import by_trial
-        from stickslip.experiments.readers.table_reader import read_frame
+        from stickslip.experiments.readers.table_reader import frame_of, read_frame
         from stickslip.experiments.trial_tables import read_trials, travelled
 
-        name = name or Path(path).stem
+        file = path if isinstance(path, str | PathLike) else name
+        name = name or Path(file).stem
         columns, units = self.reading.columns, self.reading.units
         try:
-            frame = read_frame(path, columns=columns, units=units)
+            frame = (
+                read_frame(path, columns=columns, units=units, layout=self.reading.layout)
+                if isinstance(path, str | PathLike)
+                else frame_of(path, str(file), columns=columns, units=units)
+            )
             if travelled(frame):
                 self._refuse_for_trials()
                 common = {**self.common, "offset": self.reading.offset}
@@ -246,7 +284,7 @@ class _Files:
             raise
         except InputError as error:
             text = spelled(str(error), self.reading.by)
-            raise type(error)(text if text.startswith(str(path)) else f"{path}: {text}") from None
+            raise type(error)(text if text.startswith(str(file)) else f"{file}: {text}") from None
 
     def _refuse_for_trials(self) -> None:
         for what in ("repair", "gain"):
@@ -259,10 +297,11 @@ class _Files:
         from stickslip.experiments.readers.table_reader import SECOND
 
         reading = self.reading
+        frame, stated = with_motors(frame, reading.gain, reading.motor_constant)
         joints = [name for name in frame.names if _of_joint(name)]
         wanted = ("time", *SAMPLED, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
-            if key not in (*wanted, TRIAL):
+            if key not in (*wanted, TRIAL, *reading.motor_constant):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
         conditions = conditions_in(frame, reading.conditions)
         holes = "gaps" in reading.repair
@@ -271,7 +310,7 @@ class _Files:
             for quantity in wanted
             if quantity in frame.names
         }
-        gains = gains_of(reading.gain, raw)
+        gains = gains_of(stated, raw)
         if not set(raw) - {"time"}:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
@@ -330,12 +369,32 @@ def _is_table(given: object) -> bool:
     return isinstance(given, Mapping) or hasattr(given, "columns")
 
 
+def _table(given: Any) -> "pd.DataFrame":
+    """Return a table in memory as one of pandas, with times of its index in a column."""
+    import pandas as pd
+
+    table = given.to_pandas() if hasattr(given, "to_pandas") else given
+    try:
+        table = table if isinstance(table, pd.DataFrame) else pd.DataFrame(dict(table))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the columns do not make a table: {error}.") from None
+    index = table.index
+    named = str(index.name or "").partition("[")[0].strip().casefold() in ("time", "t")
+    if isinstance(index, pd.TimedeltaIndex):
+        index = pd.Index(index.total_seconds())
+    timed = isinstance(index, pd.DatetimeIndex) or index is not table.index
+    if (timed or named) and "time" not in table.columns:
+        header = "time" if timed else str(index.name)
+        table = table.assign(**{header: index})
+    return table.reset_index(drop=True)
+
+
 def _no_file(given: object) -> str:
     """Return what is wrong with something that names no file."""
-    example = 'time=table["t"], force=table["u"]' if _is_table(given) else "time=t, force=u"
     return (
-        f"load_measurement takes a file name or a list of file names, got {type(given).__name__}:"
-        f" for columns in memory use Measurement({example}), in SI units."
+        "load_measurement takes a file name, a list of file names or a table, got"
+        f" {type(given).__name__}: for columns in memory use a DataFrame, or"
+        " Measurement(time=t, force=u), in SI units."
     )
 
 

@@ -1,46 +1,20 @@
 """Numbers with units, as files and command lines give them."""
 
-import functools
 import math
 import numbers
-import re
 from dataclasses import replace
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stickslip.errors import ParameterError
 from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
+from stickslip.units import LONGEST, NUMBER_WITH_UNIT, exact_factor, factor, is_of, number_in, shown
 
-if TYPE_CHECKING:
-    import pint
+__all__ = ["allowed", "check_uncertainty", "gain_factor", "read_gain", "read_number"]
 
-__all__ = [
-    "allowed",
-    "check_uncertainty",
-    "factor",
-    "is_of",
-    "is_pixel",
-    "read_number",
-    "shown",
-]
-
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_FACTOR = r"[^\W\d_%°]+(?:\^?-?\d|[⁻¹²³]+)?|%|°"
-# The grammar is closed, so that no text can make the unit library compute powers of powers.
-_UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·/]\s*|\s+)(?:{_FACTOR}))*"
-_TEXT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
-_LONGEST = 100
 LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
-
-
-def shown(value: object) -> str:
-    """Return a value as it should stand in a message, shortened."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    text = f"{value:g}" if isinstance(value, float) else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def allowed(quantity: Quantity) -> str:
@@ -101,7 +75,7 @@ def read_number(value: object, quantity: Quantity) -> float:
 
 def _as_written(quantity: Quantity, value: object) -> Quantity:
     """Return a quantity with its range in the unit that a text has."""
-    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    match = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
     unit = match["unit"] if match else None
     if unit is None or unit == quantity.unit:
         return quantity
@@ -179,24 +153,13 @@ def _no_number(value: object, quantity: Quantity) -> str:
 
 
 def _from_text(text: str, quantity: Quantity) -> float:
-    match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
+    match = NUMBER_WITH_UNIT.fullmatch(text) if len(text) <= LONGEST else None
     if match is None:
         raise ParameterError(_no_number(text, quantity))
-    number, unit = match["number"], match["unit"]
-    if not math.isfinite(float(number)):
-        return float(number)
-    if unit is None and quantity.unit != "1":
-        raise ParameterError(
-            f'({quantity.symbol}) has no unit in {shown(text)}: write "{number}'
-            f' {quantity.unit}", or the number in SI units without quotes.'
-        )
     try:
-        return float(Decimal(number) * _factor(unit or "1", quantity.unit))
+        return number_in(text, quantity.unit)
     except ParameterError as error:
-        raise ParameterError(
-            f"({quantity.symbol}) {error}, got {shown(text)}; write"
-            f' for example "{_example(quantity)}".'
-        ) from None
+        raise ParameterError(f"({quantity.symbol}) {error}.") from None
 
 
 def read_gain(value: object) -> float | str:
@@ -222,7 +185,7 @@ def read_gain(value: object) -> float | str:
     >>> read_gain(35.15), read_gain("-1"), read_gain("0.3 N m/A")
     (35.15, -1.0, '0.3 N m/A')
     """
-    found = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    found = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
     unit = found["unit"] if found else None
     if found is None or unit is None or unit == "%" or is_of(unit, "1"):
         return read_number(value, Quantity("g"))
@@ -254,116 +217,19 @@ def gain_factor(gain: str, unit: str, target: str) -> float:
 
     Examples
     --------
-    >>> gain_factor("0.3 N m/A", "mA", "N m")
-    0.0003
+    >>> gain_factor("0.3 N m/A", "mA", "N m"), gain_factor("0.5 um/count", "counts", "m")
+    (0.0003, 5e-07)
+
+    What an encoder counts in a unit will do as well:
+
+    >>> gain_factor("1000 counts/mm", "counts", "m")
+    1e-06
     """
     number, _, own = gain.partition(" ")
-    return float(Decimal(number) * _factor(f"{own} * {unit}", target))
-
-
-def factor(unit: str, target: str | None) -> float:
-    """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
-
-    Parameters
-    ----------
-    unit : str
-        Unit of the numbers.
-    target : str or None
-        Unit of the result; SI if None.
-
-    Returns
-    -------
-    float
-        The factor.
-
-    Examples
-    --------
-    >>> factor("mm", "m")
-    0.001
-    """
-    return float(_factor(unit, target))
-
-
-def is_of(unit: str, target: str) -> bool:
-    """Whether a unit is of the same kind as another one.
-
-    Parameters
-    ----------
-    unit : str
-        A unit.
-    target : str
-        The unit that it is compared with.
-
-    Returns
-    -------
-    bool
-        Whether one can be converted into the other.
-
-    Examples
-    --------
-    >>> is_of("deg", "rad"), is_of("deg", "m")
-    (True, False)
-    """
     try:
-        _factor(unit, target)
+        return float(Decimal(number) * exact_factor(f"{own} * {unit}", target))
     except ParameterError:
-        return False
-    return True
-
-
-def is_pixel(unit: str) -> bool:
-    """Whether a unit is the distance of points in a picture, which has no length of its own.
-
-    Examples
-    --------
-    >>> is_pixel("px"), is_of("px", "m")
-    (True, False)
-    """
-    return unit in {"px", "pixel", "pixels"}
-
-
-@functools.cache
-def _registry() -> "pint.UnitRegistry[Any]":
-    import pint
-
-    # Decimals make "35 mm" the same float as 0.035.
-    return pint.UnitRegistry(non_int_type=Decimal)
-
-
-@functools.cache
-def _factor(unit: str, target: str | None) -> Decimal:
-    if unit == target:
-        return Decimal(1)
-    one = _one(unit)
-    if target is None:
-        return Decimal(one.to_base_units().magnitude)
-    wanted = _one(target)
-    # Radians have no dimension, but 1 rad/s is not 1 Hz and an angle is no coefficient.
-    same_kind = one.dimensionality == wanted.dimensionality and _radians(one) == _radians(wanted)
-    if not same_kind:
-        kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
-        raise ParameterError(f"must be {kind}, not in {unit}")
-    return Decimal(one.to(wanted.units).magnitude)
-
-
-def _one(unit: str) -> Any:
-    registry = _registry()
-    if unit == "1":
-        return registry.Quantity(Decimal(1), "")
-    if re.fullmatch(_UNIT, unit) is None:
-        raise ParameterError(f"has an unreadable unit {shown(unit)}")
-    try:
-        # To the unit library px is that of web pages, which has a length.
-        unit = "pixel" if is_pixel(unit) else unit
-        found = registry.parse_units(unit.replace("·", "*").replace("°", "deg"))
-        one = registry.Quantity(Decimal(1), found)
-    except Exception:
-        # Whatever the unit library says, it cannot say where in the file.
-        raise ParameterError(f"has an unknown unit {shown(unit)}") from None
-    if not one._is_multiplicative:
-        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
-    return one
-
-
-def _radians(one: Any) -> Any:
-    return one.to_root_units()._units.get("radian", 0)
+        per = exact_factor(f"{own} * {target}", unit)  # raises: it is of neither kind
+        if not float(number):
+            raise
+        return float(1 / (Decimal(number) * per))

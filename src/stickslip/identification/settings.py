@@ -47,7 +47,8 @@ class RecordSettings:
 
     def __post_init__(self) -> None:
         """Check all: a hold that is not known would pass for ``"zero"``."""
-        Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
+        segment = Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
+        object.__setattr__(self, "segment", segment)
         for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
             value = getattr(self, name)
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)

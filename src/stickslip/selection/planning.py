@@ -164,7 +164,7 @@ def plan(
     """
     count = int(COUNT.check("plan", "settings", settings))
     if uncertainty is not None:
-        READING.check("plan", "uncertainty", uncertainty)
+        uncertainty = READING.check("plan", "uncertainty", uncertainty)
     done = _done(mechanism, measurement, t_end)
     knob = _knob(mechanism, done)
     ends, source = _range(mechanism, knob, done, between)
@@ -555,9 +555,7 @@ def _range(
     unit, factor = unit_of(asked.unit)
     word = words_of(path)
     if between is not None:
-        low, high = between
-        for value in between:
-            asked.check("plan", "between", value)
+        low, high = (asked.check("plan", "between", value) for value in between)
         if not 0.0 < low < high:
             raise InputError(
                 f"between must be two settings of {path} ({asked.symbol}) above 0 {asked.unit},"

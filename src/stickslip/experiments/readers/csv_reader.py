@@ -1,19 +1,22 @@
 """Tables in text files: CSV in its dialects, and what only looks like one."""
 
 import csv
+import io
 import itertools
 import re
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import pandas as pd
 
 from stickslip.errors import InputError
+from stickslip.experiments.readers.layout import Layout, cells_of, decoded, unit_in
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
-from stickslip.experiments.units import shown
+from stickslip.units import shown
 
 __all__ = ["ambiguous", "culprit", "grouped", "read_text"]
 
@@ -55,13 +58,32 @@ def ambiguous(file: str | Path, name: str) -> InputError:
     return InputError(f"{file}: two columns are named {shown(name)}. Rename one of them.")
 
 
-def read_text(path: Path) -> tuple[pd.DataFrame, int]:
-    """Return a CSV table and the line of its first row; lines before the header may be comments."""
+def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, int]:
+    """Return a CSV table and the line of its first row; lines before the header may be comments.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    layout : Layout, optional
+        How it holds its table; found out if not given.
+
+    Returns
+    -------
+    DataFrame, int
+        Columns as they are named, with units that have a row of their own in brackets; the line.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a table.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}.") from None
-    _check_text(path, data[:HEAD])
+    if layout is not None:
+        return _read_as(path, data, layout)
     text, encoding = _decoded(path, data)
     if is_blocks(text):
         try:
@@ -76,47 +98,89 @@ def read_text(path: Path) -> tuple[pd.DataFrame, int]:
     names = named or next(csv.reader([header], delimiter=separator))
     _check_first(path, lines, start, separator)
     _check_table(path, names, sample, separator)
+    decimal = "," if _has_decimal_comma(sample[:20], separator) else "."
+    found = Layout(encoding=encoding, separator=separator, decimal=decimal, preface=start)
+    return _parsed(path, data, names, sample, found)
+
+
+def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int]:
+    """Return the table of a file that holds it in a known way."""
+    try:
+        text = data.decode(layout.encoding)
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: is not in the code page {layout.encoding} of its layout (byte"
+            f" 0x{data[error.start]:02x} at {error.start})."
+        ) from None
+    upper = itertools.islice(io.StringIO(text), layout.preface, layout.preface + LOOKED_AT)
+    lines = [line.rstrip("\r\n") for line in upper]
+    if len(lines) < 2 + layout.units_row:
+        raise InputError(f"{path}: has no rows below the {layout.preface} lines of its preface.")
+    names = cells_of(lines[0].lstrip("\ufeff"), layout.separator)
+    if layout.units_row:
+        units = map(unit_in, cells_of(lines[1], layout.separator))
+        pairs = itertools.zip_longest(names, units, fillvalue="")
+        names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
+    sample = lines[1 + layout.units_row :]
+    if not layout.thousands.isascii():  # of which the parser knows none
+        data = text.replace(layout.thousands, "").encode(layout.encoding)
+        layout = replace(layout, thousands="")
+    return _parsed(path, data, names, sample, layout)
+
+
+def _parsed(
+    path: Path, data: bytes, names: Sequence[str], sample: Sequence[str], layout: Layout
+) -> tuple[pd.DataFrame, int]:
+    """Return the table below a header, and the line of its first row."""
     twice = [name for name in names if names.count(name) > 1 and name.strip()]
     if twice:
         raise ambiguous(path, twice[0])
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
+    # A mark behind the last cell makes one more, which is empty.
+    cells = [_cells(row, layout.separator)[len(own) :] for row in sample if row.strip()]
+    if not any(cell for more in cells for cell in more):
+        own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
+    above = layout.preface + 1 + layout.units_row
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table = pd.read_csv(
-                path,
-                sep=separator,
-                decimal="," if _has_decimal_comma(sample[:20], separator) else ".",
-                names=own if named else None,
-                header=0,
-                skiprows=start,
+                io.BytesIO(data),
+                sep=layout.separator,
+                decimal=layout.decimal,
+                thousands=layout.thousands or None,
+                names=own,
+                header=None,
+                skiprows=above,
                 index_col=False,
                 low_memory=False,
                 skip_blank_lines=False,
-                encoding=encoding,
+                encoding=layout.encoding,
                 encoding_errors="replace",
             )
+    except pd.errors.EmptyDataError:
+        raise InputError(f"{path}: has no rows.") from None
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
         # What stands before it names the parser's language and nothing in the file.
         reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
         raise InputError(
             f"{path}: rows and header do not match ({reason}). Every row needs {len(names)} cells,"
-            f" separated by {separator!r}."
+            f" separated by {layout.separator!r}."
         ) from None
-    table = table[[column for column, name in zip(table, names, strict=True) if name.strip()]]
-    return table.dropna(how="all"), start + 2
+    table = table[[column for column, name in zip(own, names, strict=False) if name.strip()]]
+    return table.dropna(how="all"), above + 1
 
 
 def _decoded(path: Path, data: bytes) -> tuple[str, str]:
-    """Return a text and its encoding: UTF-8, or that of Windows where only names need one."""
-    try:
-        return data.decode("utf-8-sig"), "utf-8-sig"
-    except UnicodeDecodeError:
-        text = data.decode("cp1252", errors="replace")
-    foreign = [line for line in text.splitlines() if not line.isascii()]
-    if any(_NUMBER.fullmatch(cell) for line in foreign for cell in re.split("[,;\t]", line)):
-        decode(data, str(path))  # raises: who knows what these bytes are
-    return text, "cp1252"
+    """Return a text and its encoding: that of Windows where only names need one."""
+    text, encoding = decoded(data)
+    if not encoding.startswith("utf-16"):
+        _check_text(path, data[:HEAD])
+    if encoding == "cp1252":
+        foreign = [line for line in text.splitlines() if not line.isascii()]
+        if any(_NUMBER.fullmatch(cell) for line in foreign for cell in re.split("[,;\t]", line)):
+            decode(data, str(path))  # raises: who knows what these bytes are
+    return text, encoding
 
 
 def _tracks(lines: list[str]) -> list[str]:
@@ -139,8 +203,6 @@ def _has_decimal_comma(rows: list[str], separator: str) -> bool:
 
 
 def _check_text(path: Path, head: bytes) -> None:
-    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise InputError(f"{path}: is UTF-16. Save it as UTF-8.")
     bare = sum(code < LEAST_CODE and code not in b"\t\n\r\f" for code in head)
     if b"\0" in head or bare > len(head) / 100:
         raise InputError(
@@ -185,7 +247,8 @@ def _check_first(path: Path, lines: list[str], start: int, separator: str) -> No
                 above = "a line precedes" if index == 1 else f"{index} lines precede"
                 raise InputError(
                     f"{path}: {above} the header, which appears to be line {start + index + 1},"
-                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it."
+                    f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it;"
+                    f" or let `stickslip init {path.name}` write a rig file that skips it."
                 )
 
 

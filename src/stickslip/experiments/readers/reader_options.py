@@ -1,18 +1,21 @@
 """How the files of a measurement are read: names, units and factors of their columns."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias, final
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.parameter_paths import PREFIX, canonical
+from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.spelling import Speaker
 from stickslip.experiments.readers.time_base import Repair, repairs
-from stickslip.experiments.units import shown
+from stickslip.experiments.units import read_gain
 from stickslip.mechanisms import Mechanism
+from stickslip.quantities import Quantity
+from stickslip.units import shown
 
-__all__ = ["Column", "Reading", "check_columns", "column_of"]
+__all__ = ["Column", "Reading", "check_columns", "column_of", "motor_constants"]
 
 Column: TypeAlias = str | tuple[str, str]
 """Name of a column, or of the two with a position in a plane."""
@@ -26,6 +29,49 @@ MOTORS = {
     "torque": "the factor to the mechanism's unit, 1 if the mechanism is in radians",
 }
 """What drives a rig but is no quantity of its own, and what its gain is."""
+
+
+def motor_constants(given: Any) -> dict[str, float | str]:
+    """Return motor constants by current: newtons or newton metres per ampere.
+
+    Parameters
+    ----------
+    given : float, str or mapping of str to float or str
+        One for all that was measured, or one for each joint by its name. Keys may also be
+        ``current`` and ``current.elbow``.
+
+    Returns
+    -------
+    dict of str to float or str
+        By ``current`` or ``current.elbow``; a text where it has a unit.
+
+    Raises
+    ------
+    ParameterError
+        If one is not a number other than 0, or its unit is of another kind.
+
+    Examples
+    --------
+    >>> motor_constants("12 Ncm/A"), motor_constants({"elbow": 0.12})
+    ({'current': '12 Ncm/A'}, {'current.elbow': 0.12})
+    """
+    constants = given if isinstance(given, Mapping) else {"current": given}
+    found: dict[str, float | str] = {}
+    for name, value in constants.items():
+        key = name if name.partition(".")[0] == "current" else f"current.{name}"
+        quantity = Quantity("K_m", "N/A", or_unit="N m/A")
+        label = f"motor_constant ({quantity.symbol}) of {key}"
+        try:
+            number = quantity.check("", "", value)
+            found[key] = read_gain(value) if isinstance(value, str) else number
+        except ParameterError:
+            number = 0.0
+        if number == 0.0:
+            raise ParameterError(
+                f"{label} must be a number other than 0 in N/A or N m/A, or text with a unit such"
+                f' as "0.12 N m/A", got {shown(value)}.'
+            )
+    return found
 
 
 def column_of(quantity: str, given: Any) -> Column:
@@ -87,6 +133,11 @@ class Reading:
     """Quantity -> offset of its sensor, in SI."""
     repair: tuple[Repair, ...] = ()
     """What is repaired."""
+    motor_constant: Mapping[str, float | str] = field(default_factory=dict)
+    """Current -> newtons or newton metres per ampere, as a number or with its unit; by joint as
+    ``current.elbow``."""
+    layout: Layout | None = None
+    """How a text file holds its table; found out if not given."""
     conditions: tuple[str, ...] = ()
     """Columns that hold a condition of the trial, one value in each."""
     by: Speaker = field(default="python", compare=False)
@@ -97,6 +148,7 @@ class Reading:
         columns = {name: column_of(name, given) for name, given in self.columns.items()}
         object.__setattr__(self, "columns", columns)
         object.__setattr__(self, "repair", repairs(self.repair))
+        object.__setattr__(self, "motor_constant", motor_constants(self.motor_constant))
         object.__setattr__(self, "conditions", tuple(dict.fromkeys(self.conditions)))
 
     def with_changes(self, other: "Reading") -> "Reading":
@@ -107,12 +159,16 @@ class Reading:
             gain={**self.gain, **other.gain},
             offset={**self.offset, **other.offset},
             repair=self.repair + other.repair,
+            motor_constant={**self.motor_constant, **other.motor_constant},
+            layout=other.layout or self.layout,
             conditions=self.conditions + other.conditions,
             by=self.by if other.by == "python" else other.by,
         )
 
 
-def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> None:
+def check_columns(
+    names: Iterable[str], mechanism: Mechanism | None = None, currents: Collection[str] = ()
+) -> None:
     """Check that each key of ``columns`` is a quantity or a path: a typo would drop its column.
 
     Parameters
@@ -121,6 +177,8 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
         Keys of ``columns``: quantities or parameter paths.
     mechanism : Mechanism, optional
         Mechanism whose parameters may be named too.
+    currents : collection of str
+        Currents that have a motor constant.
 
     Raises
     ------
@@ -139,13 +197,14 @@ def check_columns(names: Iterable[str], mechanism: Mechanism | None = None) -> N
     known = ("time", *QUANTITIES, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
-        if name in known or (rest and first in ("initial", PREFIX, *BY_JOINT)):
+        if name in (*known, *currents) or (rest and first in ("initial", PREFIX, *BY_JOINT)):
             continue
         if first in MOTORS:
             force = f"force.{rest}" if rest else "force"
             raise InputError(
                 f"columns: {name} is not a quantity of a measurement, but a force with a gain:"
-                f" give its column as {force}, and as gain of {force} {MOTORS[first]}."
+                f" give its column as {force}, and as gain of {force} {MOTORS[first]}"
+                + (', or give motor_constant="0.12 N m/A".' if first == "current" else ".")
             )
         if mechanism is not None and _is_path(mechanism, str(name)):
             continue

@@ -13,6 +13,7 @@ _SETTING: Final = re.compile(
         (?:"(?P<word>\w+)"|\{"(?P<name>[\w.]+)":\ (?P<value>"[^"]*"|\[[^\]]*\]|[^"}]+)\})""",
     re.VERBOSE,
 )
+MOTOR_KEY: Final = "motor_constant = "
 _OPTIONS: Final = {"units": "unit"}
 """Options that are called otherwise."""
 
@@ -42,6 +43,7 @@ def spelled(text: str, by: Speaker) -> str:
     """
     if by == "python":
         return text
+    text = text.replace("motor_constant=", "--motor-constant " if by == "options" else MOTOR_KEY)
     return _SETTING.sub(_option if by == "options" else _key, text)
 
 

@@ -12,13 +12,21 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
+from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.matlab import read_mat
+from stickslip.experiments.readers.mdf import MDF, read_mdf
 from stickslip.experiments.readers.reader_options import Column
+from stickslip.experiments.readers.time_stamps import seconds_of
 from stickslip.experiments.readers.toml import check_file
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
-from stickslip.experiments.units import factor, is_pixel, shown
+from stickslip.units import factor, is_pixel, shown
 
-__all__ = ["SECOND", "Frame", "read_frame"]
+__all__ = ["SECOND", "TEXT", "Frame", "frame_of", "is_data_file", "read_frame"]
+
+TEXT: Final = (".csv", ".tsv", ".txt")
+"""Endings of text files."""
+DATA: Final = (*TEXT, *MDF, ".parquet", ".pq", ".mat")
+"""Endings of all files that are read."""
 
 SECOND: Final = "position, second coordinate"
 """What the second column of a position in a plane is known by."""
@@ -117,10 +125,8 @@ class Frame:
             If a cell is not a number, or not finite without `holes`.
         """
         column = self.data[self.names[name]]
-        if name == "time" and not pd.api.types.is_numeric_dtype(
-            column.dtype
-        ):  # h:mm:ss:cc, as well as numbers
-            column = column.map(lambda cell: cell if seconds(cell) is None else seconds(cell))
+        if name == "time" and not pd.api.types.is_numeric_dtype(column.dtype):
+            column = _times(column)
         values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
         wrong = ~np.isfinite(values)
         if holes:  # what is a number or nothing at all may stay
@@ -179,6 +185,15 @@ class Frame:
         return values / whole if whole and 1.0 / whole == scale else values * scale
 
 
+def _times(column: "pd.Series[Any]") -> "pd.Series[Any]":
+    """Return time stamps as seconds, and everything else as it is."""
+    stamps = seconds_of(column)
+    if stamps is not None:
+        return pd.Series(stamps, index=column.index)
+    # h:mm:ss:cc, as well as numbers
+    return column.map(lambda cell: cell if seconds(cell) is None else seconds(cell))
+
+
 def _is_other(column: "pd.Series[Any]") -> bool:
     """Whether a column holds neither numbers nor text: truth values and dates would convert."""
     kinds = pd.api.types
@@ -190,19 +205,36 @@ def _is_other(column: "pd.Series[Any]") -> bool:
     )
 
 
+def is_data_file(path: Path) -> bool:
+    """Whether the ending of a file is one that is read as a measurement.
+
+    Examples
+    --------
+    >>> is_data_file(Path("run.CSV")), is_data_file(Path("rig.toml"))
+    (True, False)
+    """
+    return path.suffix.lower() in DATA
+
+
 def read_frame(
-    path: str | Path, *, columns: Mapping[str, Column], units: Mapping[str, str]
+    path: str | Path,
+    *,
+    columns: Mapping[str, Column],
+    units: Mapping[str, str],
+    layout: Layout | None = None,
 ) -> Frame:
     """Read a file and find out what its columns hold.
 
     Parameters
     ----------
     path : str or Path
-        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.pq`` or ``.mat`` file.
+        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.pq``, ``.mat`` or ``.mf4`` file.
     columns : mapping of str to str or tuple of str
         Names of columns by quantity or path, where they differ.
     units : mapping of str to str
         Units of columns by quantity or path, where the header has none.
+    layout : Layout, optional
+        How a text file holds its table; found out if not given.
 
     Returns
     -------
@@ -218,20 +250,60 @@ def read_frame(
     single = dict(_single(columns))
     file, suffix = str(path), Path(path).suffix.lower()
     first_row = 1
-    if suffix in {".csv", ".tsv", ".txt"}:
-        data, first_row = read_text(Path(path))
+    if layout is not None and suffix not in TEXT:
+        raise InputError(f"{file}: a layout is that of a text file, such as .csv: leave it out.")
+    if suffix in TEXT:
+        data, first_row = read_text(Path(path), layout)
+    elif suffix in MDF:
+        data = read_mdf(Path(path), set(single.values()))
     elif suffix in {".parquet", ".pq"}:
         data = _parquet(Path(path))
     elif suffix == ".mat":
         data = read_mat(Path(path), set(single.values()))
     else:
         raise InputError(
-            f"{file}: must be a .csv, .tsv, .txt, .parquet or .mat file, got"
+            f"{file}: must be a .csv, .tsv, .txt, .parquet, .mat or .mf4 file, got"
             f" {suffix or 'no file extension'}. Save a spreadsheet as CSV."
         )
+    return frame_of(data, file, columns=single, units=units, first_row=first_row)
+
+
+def frame_of(
+    data: pd.DataFrame,
+    file: str,
+    *,
+    columns: Mapping[str, Column],
+    units: Mapping[str, str],
+    first_row: int = 1,
+) -> Frame:
+    """Find out what the columns of a table hold.
+
+    Parameters
+    ----------
+    data : DataFrame
+        The table.
+    file : str
+        Name of its file, for messages.
+    columns : mapping of str to str or tuple of str
+        Names of columns by quantity or path, where they differ.
+    units : mapping of str to str
+        Units of columns by quantity or path, where the header has none.
+    first_row : int
+        Line of the first row in the file, or 1 where there are no lines.
+
+    Returns
+    -------
+    Frame
+        The table.
+
+    Raises
+    ------
+    InputError
+        If it has no rows.
+    """
     if data.empty:
         raise InputError(f"{file}: has no rows.")
-    return _named(file, data, first_row, single, units)
+    return _named(file, data, first_row, dict(_single(columns)), units)
 
 
 def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
@@ -265,6 +337,8 @@ def _named(
     for header in map(str, data.columns):
         match = _HEADER.fullmatch(header)
         name, unit = (match["name"], match["unit"]) if match else (header, None)
+        if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
+            name, unit = header, None
         if name in names:
             raise ambiguous(file, name)
         names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit

@@ -2,13 +2,15 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from stickslip.errors import InputError
 
-__all__ = ["LARGEST", "apply", "parse", "read_bytes"]
+__all__ = ["LARGEST", "apply", "parse", "read_bytes", "resolved"]
+
+T = TypeVar("T")
 
 LARGEST = 10_000_000
 """Largest rig file that is read [byte]."""
@@ -206,6 +208,64 @@ def apply(tables: dict[str, Any], overrides: Mapping[Any, object]) -> None:
         for index, step in enumerate(steps[:-1]):
             node = _below(node, step, ".".join(steps[: index + 1]), path)
         _place(node, steps[-1], _value(value), path)
+
+
+def resolved(
+    tables: Mapping[str, Any], overrides: Mapping[Any, T], known: Iterable[str]
+) -> dict[Any, T]:
+    """Return overrides by full path, where the end of a path was given that only one has.
+
+    What is no end of a known path is left as it is.
+
+    Parameters
+    ----------
+    tables : mapping of str to object
+        Tables of a rig file, whose paths are known.
+    overrides : mapping of object to T
+        Values by dotted path, or by the end of one.
+    known : iterable of str
+        Further paths that may be set, whether they are in the file or not.
+
+    Returns
+    -------
+    dict of object to T
+        Values by full path.
+
+    Raises
+    ------
+    InputError
+        If several paths have that end; the message lists them.
+
+    Examples
+    --------
+    >>> resolved({"mechanism": {"mass": 1.0}}, {"mass": 2, "t_end": 3}, ["run.t_end"])
+    {'mechanism.mass': 2, 'run.t_end': 3}
+    """
+    paths = dict.fromkeys((*_paths(tables), *known))
+    firsts = {path.partition(".")[0] for path in paths}
+    found: dict[Any, T] = {}
+    for path, value in overrides.items():
+        ends = [full for full in paths if full.endswith(f".{path}")]
+        if path in paths or str(path).partition(".")[0] in firsts or not ends:
+            ends = [path]
+        if len(ends) > 1:
+            raise InputError(
+                f"override {path!r}: several paths end so, {', '.join(ends)}: give one of them."
+            )
+        found[ends[0]] = value
+    return found
+
+
+def _paths(node: Any, prefix: str = "") -> Iterator[str]:
+    """Yield the paths of all values in tables; a value with its mark is one."""
+    inner = node.items() if isinstance(node, Mapping) else enumerate(node)
+    for key, value in inner:
+        path = f"{prefix}{key}"
+        tables = isinstance(value, Mapping) and "value" not in value
+        if tables or (isinstance(value, list) and any(isinstance(one, dict) for one in value)):
+            yield from _paths(value, f"{path}.")
+        else:
+            yield path
 
 
 def _below(node: Any, step: str, here: str, path: str) -> Any:

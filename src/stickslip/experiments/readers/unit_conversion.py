@@ -2,22 +2,23 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.measurement import Array, quantity_called
-from stickslip.experiments.units import factor, gain_factor, is_of, read_gain
+from stickslip.experiments.units import gain_factor, read_gain, read_number
 from stickslip.formatting import number
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
+from stickslip.units import factor, is_of
 
 if TYPE_CHECKING:
     from stickslip.experiments.readers.table_reader import Frame
 
-__all__ = ["Scaling", "gains_of", "load_stated"]
+__all__ = ["Scaling", "gains_of", "load_stated", "with_motors"]
 
 RUBBING: Final = ("friction", "spring_force")
 """Forces that are often written as coefficients, over the load."""
@@ -77,6 +78,60 @@ def _gain(name: str, value: object) -> float | str:
         return read_gain(value)
     except ParameterError as error:
         raise ParameterError(f"gain.{name} {error}") from None
+
+
+def with_motors(
+    frame: "Frame", gains: Mapping[str, float | str], constants: Mapping[str, float | str]
+) -> tuple["Frame", dict[str, float | str]]:
+    """Return a table whose currents are known as forces, with the gains that make forces of them.
+
+    Parameters
+    ----------
+    frame : Frame
+        The table.
+    gains : mapping of str to float or str
+        Gains by quantity; that of a current is a factor of its own.
+    constants : mapping of str to float or str
+        Motor constants by current, from `motor_constants`.
+
+    Returns
+    -------
+    Frame, dict of str to float or str
+        Table and gains.
+
+    Raises
+    ------
+    InputError
+        If there is no such current, or a force beside it.
+    """
+    gains = dict(gains)
+    if not constants:
+        return frame, gains
+    names, units = dict(frame.names), dict(frame.units)
+    for current, constant in constants.items():
+        force = current.replace("current", "force", 1)
+        if current not in names:
+            raise InputError(
+                f'{frame.file}: motor_constant="{constant}" belongs to a {current}, and there is'
+                f' no such column: name it, as columns={{"{current}": "..."}}.'
+            )
+        if force in names:
+            raise InputError(
+                f"{frame.file}: {names[force]!r} and {names[current]!r} both give the {force}:"
+                " leave out the motor constant, or the column of the force."
+            )
+        names[force], unit = names.pop(current), units.pop(current) or "A"
+        factor_of = _gain(current, gains.pop(current, 1.0))
+        if isinstance(factor_of, str):
+            raise ParameterError(f"gain.{current} (g) must be a factor without a unit.")
+        if isinstance(constant, str):
+            number, _, own = constant.strip().partition(" ")
+            value = read_number(number, Quantity("K_m")) * factor_of
+            gains[force] = f"{value!r} {own.strip()}"
+        else:
+            gains[force] = constant * factor_of * factor(unit, "A")
+        units[force] = unit
+    return replace(frame, names=names, units=units), gains
 
 
 def load_stated(mechanism: Mechanism | None, overrides: Mapping[str, float]) -> float | None:
@@ -231,6 +286,9 @@ class Scaling:
         kinds: dict[bool, str] = {}
         for name in names:
             unit, quantity = self.frame.units.get(name), quantity_called(name)
+            gain = self.gains.get(name)
+            if unit is not None and isinstance(gain, str):
+                unit = f"{gain.partition(' ')[2]} * {unit}"
             if unit is None or not quantity.or_unit:
                 continue
             for turns, target in ((True, quantity.or_unit), (False, quantity.unit)):

@@ -16,7 +16,7 @@ from typing import Final
 import pandas as pd
 
 from stickslip.errors import InputError
-from stickslip.experiments.units import shown
+from stickslip.units import shown
 
 __all__ = ["SEPARATOR", "header_of", "is_blocks", "is_named", "read_blocks", "seconds"]
 

@@ -2,8 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Mapping
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import fields, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,9 @@ from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement, quantity_called
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
-from stickslip.experiments.readers.reader_options import Reading, column_of
-from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes
+from stickslip.experiments.readers.layout import Layout
+from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
+from stickslip.experiments.readers.toml import LARGEST, apply, parse, read_bytes, resolved
 from stickslip.experiments.records import read_data
 from stickslip.experiments.rig import (
     KnownLaws,
@@ -43,7 +44,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import FrictionLaw, Laws, laws
-from stickslip.mechanisms import Mechanism, refuse_too_many
+from stickslip.mechanisms import Mechanism, mechanisms, refuse_too_many
 from stickslip.quantities import Quantity
 
 __all__ = ["read_rig"]
@@ -80,6 +81,7 @@ def read_rig(
     else:
         file, data = str(path), read_bytes(path, largest=LARGEST)
     raw = parse(data, file)
+    overrides = resolved(raw, overrides, _settable(raw))
     apply(raw, overrides)
     beside = None if path is None else Path(path).parent
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
@@ -122,6 +124,15 @@ def read_rig(
         digest=with_files(_digest(data, overrides), _paths(table, file)),
         path=file,
     )
+
+
+def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
+    """Yield paths that may be set though a file need not have them."""
+    yield from ("run.t_end", "data.hold", "data.file")
+    table = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    if kind is not None:
+        yield from (f"{PREFIX}.{one.name}" for one in fields(kind))
 
 
 def _contacts(
@@ -300,9 +311,13 @@ def _reading(table: ReadTable, file: str, key: str = "data") -> Reading:
         offset[name] = found.value if isinstance(found, Given) else found
     try:
         columns = {name: column_of(name, given) for name, given in table.columns.items()}
+        constants = {} if table.motor_constant is None else motor_constants(table.motor_constant)
+        layout = None if table.layout is None else Layout(**table.layout.given())
     except InputError as error:
         raise ParameterError(f"{file}: {key}.{error}") from None
     return Reading(
+        motor_constant=constants,
+        layout=layout,
         columns=columns,
         units=table.units,
         gain=table.gain,

@@ -18,9 +18,10 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import allowed, check_uncertainty, read_number, shown
+from stickslip.experiments.units import allowed, check_uncertainty, read_number
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
+from stickslip.units import shown
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
 

@@ -87,6 +87,35 @@ J = TypeVar("J")
 ByJoint = Annotated[dict[str, J], BeforeValidator(_by_joint)]
 
 
+@dataclasses.dataclass(frozen=True)
+class MotorConstant:
+    """Annotation of a motor constant, or of one for each joint; `Reading` checks them."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.any_schema()
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        one = [{"type": "number"}, {"type": "string", "description": "number with a unit"}]
+        return {"anyOf": [*one, {"type": "object", "additionalProperties": {"anyOf": one}}]}
+
+
+class LayoutTable(Table):
+    """How a text file holds its table; `stickslip init` finds it out."""
+
+    encoding: str = "utf-8-sig"
+    """Code page, such as cp1252."""
+    separator: Literal[",", ";", "\t", "|"] = ","
+    """Mark between cells."""
+    decimal: Literal[".", ","] = "."
+    """Decimal mark."""
+    thousands: str = ""
+    """Mark between thousands; none if empty."""
+    preface: int = 0
+    """Lines above the header, comments and empty lines included."""
+    units_row: bool = False
+    """Whether the row below the header holds the units."""
+
+
 class ReadTable(Table):
     """How the columns of a file are read."""
 
@@ -105,6 +134,12 @@ class ReadTable(Table):
     repair: list[Literal["sort", "gaps"]] = Field(
         default=[], min_length=1, description="`sort` the rows by time, drop rows with `gaps`"
     )
+    motor_constant: Annotated[Any, MotorConstant()] = Field(
+        default=None,
+        description="force or torque per current of the motor with its gears, such as"
+        ' `"0.12 N m/A"`: the column `current` is read as the force; `joint`: one each',
+    )
+    layout: LayoutTable | None = Field(default=None, description="how a text file holds its table")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,7 +6,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.units import allowed, shown
+from stickslip.experiments.units import allowed
+from stickslip.units import shown
 
 __all__ = ["complaint", "place"]
 

@@ -1,0 +1,91 @@
+"""How commands are listed and what their help ends with."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import typer
+from typer.core import TyperGroup
+from typing_extensions import override
+
+__all__ = ["CONTEXT", "EXAMPLES", "PANELS", "Panels", "command"]
+
+CONTEXT: Final = {"help_option_names": ["-h", "--help"]}
+"""Settings of all commands."""
+
+PANELS: Final[dict[str, tuple[str, ...]]] = {
+    "Start here": ("demo", "init", "check", "select"),
+    "Fit and plan": ("fit", "plan"),
+    "Simulate": ("simulate", "animate", "sweep", "profile"),
+    "Look up": ("models", "cite", "schema", "data", "paper"),
+    "Set up": ("warmup",),
+}
+"""Commands by the heading under which they are listed."""
+
+EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
+    "demo": ("stickslip demo", "stickslip simulate demo --law lugre"),
+    "init": ("stickslip init record.csv", "stickslip init record.csv --columns force=Kanal3"),
+    "select": (
+        "stickslip select rig.toml",
+        "stickslip select rig.toml --laws coulomb,stribeck --jobs 2 -o report",
+    ),
+    "fit": ("stickslip fit rig.toml --law stribeck -o law.toml",),
+    "check": ("stickslip check rig.toml", "stickslip check record.csv --columns position=q"),
+    "simulate": (
+        "stickslip simulate rig.toml --law coulomb --t-end 2 -o run.csv",
+        'stickslip simulate demo --set mass="2 kg"',
+    ),
+    "animate": ("stickslip animate rig.toml --law lugre -o run.gif",),
+    "sweep": ("stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",),
+    "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
+    "models": ("stickslip models", "stickslip models lugre"),
+    "paper": ("stickslip paper -o paper-report",),
+    "warmup": ("stickslip warmup --rig rig.toml",),
+    "schema": ("stickslip schema > rig-schema.json",),
+    "cite": ("stickslip cite lugre",),
+    "data list": ("stickslip data list",),
+    "data show": ("stickslip data show emps",),
+    "data path": ("stickslip data path reciprocating_tribometer --file record",),
+    "profile optimise": ('stickslip profile optimise rig.toml --angle "60 deg" --rate "12 rad/s"',),
+}
+"""Commands as one may type them, by the name of the command."""
+
+
+class Panels(TyperGroup):
+    """A group whose commands are listed under headings, in the order of the table."""
+
+    @override
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        width = max(map(len, self.commands), default=0)
+        for title, names in PANELS.items():
+            rows = [
+                (name.ljust(width), self.commands[name].get_short_help_str(limit=90))
+                for name in names
+                if name in self.commands
+            ]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+
+def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], Any]:
+    """Return what adds a command to an application, with its examples below its options.
+
+    Parameters
+    ----------
+    app : Typer
+        The application, or a group of commands.
+    name : str
+        Name of the command.
+    group : str
+        Name of the group; none if empty.
+
+    Returns
+    -------
+    callable
+        A decorator.
+    """
+    examples = EXAMPLES[f"{group} {name}".strip()]
+    heading = "Example:" if len(examples) == 1 else "Examples:"
+    # \b keeps the lines as they are
+    epilog = "\n".join(("\b", heading, *(f"  $ {line}" for line in examples)))
+    return app.command(name, epilog=epilog, context_settings=dict(CONTEXT))

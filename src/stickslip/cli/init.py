@@ -1,0 +1,69 @@
+"""``stickslip init``."""
+
+import os
+from pathlib import Path
+
+from stickslip.cli.console import (
+    document,
+    print_json,
+    refuse_overwriting,
+    stdout,
+    write_file,
+)
+from stickslip.errors import InputError
+from stickslip.experiments import Reading, guess_data, guessed_rig
+
+__all__ = ["run"]
+
+
+def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_json: bool) -> None:
+    """Find out what a file holds, write its rig file, and print what was found.
+
+    Parameters
+    ----------
+    file : Path
+        Data file.
+    reading : Reading
+        Columns and units that are known.
+    output : Path or None
+        Rig file; beside the data file if None.
+    force : bool
+        Whether a file that exists is replaced.
+    as_json : bool
+        Whether one JSON document is printed on stdout instead of text.
+
+    Raises
+    ------
+    InputError
+        If `output` is not a TOML file, or the data file holds no record.
+    """
+    target = file.with_suffix(".toml") if output is None else output
+    if target.suffix != ".toml":
+        raise InputError(f"--output takes a .toml file, got {target}.")
+    refuse_overwriting(target, target.parent, force=force)
+    try:
+        guess = guess_data(file, columns=reading.columns, units=reading.units)
+    except InputError as error:
+        text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
+        raise type(error)(text) from None
+    write_file(target, guessed_rig(guess, _relative(file, target)))
+    if as_json:
+        found = {"file": str(file), "rig": str(target), "columns": dict(guess.columns)}
+        found |= {"units": dict(guess.units), "turning": guess.turning, "hold": guess.hold}
+        found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
+        print_json(document("init", found))
+        return
+    console = stdout()
+    console.print(str(guess), markup=False)
+    console.print(
+        f"\nThe rig file is {target}. Next: stickslip check {target}; stickslip select {target}",
+        markup=False,
+    )
+
+
+def _relative(file: Path, target: Path) -> str:
+    """Return the data file as its rig file names it."""
+    try:
+        return Path(os.path.relpath(file.absolute(), target.absolute().parent)).as_posix()
+    except ValueError:  # another drive
+        return str(file.absolute())

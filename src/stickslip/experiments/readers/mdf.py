@@ -1,0 +1,74 @@
+"""Channels of MDF files, as loggers of vehicles and test rigs write them."""
+
+import warnings
+from collections import Counter
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from stickslip.errors import InputError
+
+__all__ = ["MDF", "read_mdf"]
+
+MDF: Final = (".mf4", ".mdf")
+"""Endings of MDF files."""
+
+
+def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
+    """Return the channels of one group as columns, with their units in brackets.
+
+    Parameters
+    ----------
+    path : Path
+        An MDF file, version 3 or 4.
+    names : collection of str
+        Names that columns should have: where there are several groups, that with most of these
+        names is taken, else that with most channels, else the longest.
+
+    Returns
+    -------
+    DataFrame
+        Column ``time [s]``, and one for each channel of numbers.
+
+    Raises
+    ------
+    InputError
+        If the package asammdf is not installed, or it is no MDF file or has no channel of numbers.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the package's own imports
+            import asammdf
+    except ImportError:
+        raise InputError(
+            f"{path}: MDF files need the package asammdf: pip install 'stickslip[mdf]', or export"
+            " the file as CSV."
+        ) from None
+    try:
+        with warnings.catch_warnings(), asammdf.MDF(path) as file:
+            warnings.simplefilter("ignore")
+            signals = [one for one in file.iter_channels(skip_master=True) if _is_numeric(one)]
+    except Exception as error:
+        # The package has whatever error its parser stumbles over.
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+        raise InputError(f"{path}: is not an MDF file, or is damaged: {reason}.") from None
+    if not signals:
+        raise InputError(f"{path}: contains no channel of numbers.")
+    sizes = Counter(one.group_index for one in signals)
+    named = Counter(one.group_index for one in signals if one.name in names)
+    length = {one.group_index: len(one.samples) for one in signals}
+    group = max(sizes, key=lambda index: (named[index], sizes[index], length[index]))
+    own = [one for one in signals if one.group_index == group]
+    columns: dict[str, Any] = {"time [s]": own[0].timestamps}
+    for one in own:
+        unit = f" [{one.unit.strip()}]" if one.unit and one.unit.strip() else ""
+        columns.setdefault(f"{one.name}{unit}", np.asarray(one.samples, dtype=float))
+    return pd.DataFrame(columns)
+
+
+def _is_numeric(signal: Any) -> bool:
+    values = signal.samples
+    return bool(values.ndim == 1 and values.dtype.kind in "iuf" and values.size > 1)

@@ -1,0 +1,122 @@
+"""Times of day, and dates with them, as seconds."""
+
+import re
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["is_stamp", "seconds_of"]
+
+DAY: Final = 86_400.0
+HALF: Final = DAY / 2
+"""A time of day that falls by more than this has passed midnight."""
+_CLOCK: Final = r"\d{1,2}:\d{2}(?::\d{2}(?:[.,]\d{1,9})?)?(?:\s*(?P<half>[AaPp][Mm]))?"
+_DATE: Final = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./-]\d{1,2}[./-]\d{2,4})"
+_STAMP: Final = re.compile(
+    rf"(?:(?P<date>{_DATE})(?:[T\s]+|\s*,\s*))?(?P<clock>{_CLOCK})\s*(?P<zone>Z|[+-]\d{{2}}:?\d{{2}})?"
+)
+
+
+def is_stamp(cell: str) -> bool:
+    """Whether a cell is a time of day, perhaps with a date, or a date alone.
+
+    Examples
+    --------
+    >>> [is_stamp(c) for c in ("12:30:00,5", "01.03.2024 12:30:00", "2024-03-01", "0,5", "12")]
+    [True, True, True, False, False]
+    """
+    return bool(_STAMP.fullmatch(cell) or re.fullmatch(_DATE, cell))
+
+
+def seconds_of(column: "pd.Series[Any]") -> NDArray[np.float64] | None:
+    """Return time stamps (n,) as seconds: with dates, since the first; else, since midnight.
+
+    Parameters
+    ----------
+    column : Series (n,)
+        Texts such as ``"01.03.2024 12:30:00,250"``, ``"2024-03-01T12:30:00.25Z"`` or
+        ``"12:30:00.25"``, all of one kind, or dates of pandas. A day stands before its month, but
+        where slashes part them and no first number exceeds 12. Times of day without a date pass
+        midnight where they fall by more than 12 hours.
+
+    Returns
+    -------
+    array (n,) or None
+        Times [s], NaN where a cell is empty; None if they are no time stamps.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> seconds_of(pd.Series(["23:59:59,5", "00:00:00,25"])).tolist()
+    [86399.5, 86400.25]
+    >>> seconds_of(pd.Series(["01.03.2024 12:00:00", "01.03.2024 12:00:00,5"])).tolist()
+    [0.0, 0.5]
+    >>> seconds_of(pd.Series(["2024-03-01T23:59:59Z", "2024-03-02T00:00:01.25Z"])).tolist()
+    [0.0, 2.25]
+    >>> seconds_of(pd.Series(["3/1/24 11:59:59 PM", "3/2/24 12:00:01 AM"])).tolist()
+    [0.0, 2.0]
+    """
+    import pandas as pd
+
+    if pd.api.types.is_datetime64_any_dtype(column.dtype):
+        return _since_first(column)
+    texts = column.astype("string").str.strip()
+    there = texts.dropna()
+    found = _STAMP.fullmatch(there.iloc[0]) if len(there) else None
+    if found is None:
+        return None
+    if not found["date"]:
+        return _of_day(texts.str.replace(",", ".", regex=False))
+    # One pattern for all is parsed a hundred times faster than each by its own.
+    try:
+        stamps = pd.to_datetime(_alike(texts), format=_pattern(there, found), utc=True)
+    except (ValueError, OverflowError):
+        return None
+    return _since_first(stamps)
+
+
+def _alike(texts: "pd.Series[Any]") -> "pd.Series[Any]":
+    """Return stamps with a point and a fraction behind their seconds, and one blank between."""
+    texts = texts.str.replace(r"[T\s,]+(?=\d{1,2}:)", " ", regex=True)
+    texts = texts.str.replace(r"(:\d{2}),(?=\d)", r"\1.", regex=True)
+    return texts.str.replace(r"(:\d{2}:\d{2})(?![.\d:])", r"\1.0", regex=True)
+
+
+def _pattern(texts: "pd.Series[Any]", found: re.Match[str]) -> str:
+    """Return the format of stamps, of which the first was found to be one."""
+    mark = next(mark for mark in "-/." if mark in found["date"])
+    parts = found["date"].split(mark)
+    year = "%Y" if len(max(parts, key=len)) == 4 else "%y"
+    if len(parts[0]) == 4:
+        order = [year, "%m", "%d"]
+    else:
+        first = texts.str.extract(r"^(\d+)")[0].astype(int)
+        day_first = mark != "/" or bool((first > 12).any())
+        order = [*(["%d", "%m"] if day_first else ["%m", "%d"]), year]
+    clock = "%I" if found["half"] else "%H"
+    seconds = ":%S.%f" if found["clock"].count(":") > 1 else ""
+    half = f"{' ' if ' ' in found['clock'] else ''}%p" if found["half"] else ""
+    return f"{mark.join(order)} {clock}:%M{seconds}{half}{'%z' if found['zone'] else ''}"
+
+
+def _since_first(stamps: "pd.Series[Any]") -> NDArray[np.float64]:
+    elapsed = stamps - stamps.dropna().iloc[0]
+    return elapsed.dt.total_seconds().to_numpy(dtype=float)
+
+
+def _of_day(texts: "pd.Series[Any]") -> NDArray[np.float64] | None:
+    """Return times of day as seconds since midnight, on over the next one."""
+    import pandas as pd
+
+    stamps = pd.to_timedelta(texts.where(texts.str.count(":") != 1, texts + ":00"), errors="coerce")
+    if stamps[texts.notna()].isna().any():
+        return None
+    times = np.array(stamps.dt.total_seconds(), dtype=float)
+    there = np.flatnonzero(np.isfinite(times))
+    days = np.cumsum(np.diff(times[there], prepend=times[there[0]]) < -HALF)
+    times[there] += DAY * days
+    return times

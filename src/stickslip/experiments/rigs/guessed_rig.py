@@ -1,0 +1,121 @@
+"""Writes the rig file of a record of which only the data file is known."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from stickslip.experiments.readers.guess import Guess
+from stickslip.experiments.readers.layout import Layout
+from stickslip.units import is_of
+
+__all__ = ["guessed_rig"]
+
+
+def guessed_rig(guess: Guess, file: str | Path) -> str:
+    """Return the text of a commented rig file for what a file seems to hold.
+
+    The mechanism is an `Axis` whose inertia is fitted. What is assumed is marked "assumed".
+
+    Parameters
+    ----------
+    guess : Guess
+        What the file seems to hold, from `guess_data`.
+    file : str or Path
+        The data file as the rig file should name it: relative to the rig file, or absolute.
+
+    Returns
+    -------
+    str
+        Text in TOML.
+
+    Examples
+    --------
+    >>> guess = Guess(
+    ...     file="a.csv", layout=None, columns={"time": "t", "force": "F"}, units={"force": "kN"}
+    ... )
+    >>> print(guessed_rig(guess, "a.csv").partition("[data]")[2])
+    <BLANKLINE>
+    file = "a.csv"
+    # The force between its samples: "first" (linear) if it is measured, "zero" if
+    # commanded.
+    hold = "first"
+    columns = { time = "t", force = "F" }
+    units = { force = "kN" }
+    <BLANKLINE>
+    """
+    return "\n".join([*_head(guess, file), *_mechanism(guess), *_data(guess, file), ""])
+
+
+def _head(guess: Guess, file: str | Path) -> Iterator[str]:
+    name = Path(file).name
+    yield f"# Written by `stickslip init` from what {name} seems to hold:"
+    yield "#"
+    yield from (f"#   {line}" for line in str(guess).replace("\t", " ").splitlines())
+    yield "#"
+    yield "# Numbers are in SI units, or text with a unit. Correct what is wrong; then run"
+    yield "# `stickslip check` and `stickslip select` with this file."
+    yield ""
+    yield f"title = {_toml(Path(file).stem)}"
+    yield ""
+
+
+def _mechanism(guess: Guess) -> Iterator[str]:
+    turning = guess.turning
+    yield "[mechanism]"
+    what = "moment of inertia" if turning else "mass"
+    yield f'type = "axis"  # one {what} with friction; `stickslip models` lists the others'
+    unit, example = ("kg m^2", "0.02 kg m^2") if turning else ("kg", "5 kg")
+    if "time" in guess.columns and _drive(guess):
+        yield f"# assumed: the {what} is not known and is fitted; the search begins at this value."
+        yield f'# If it is known, write it without vary: inertia = "{example}"'
+        yield f'inertia = {{ value = "1 {unit}", vary = true }}'
+    else:
+        yield f"# assumed: the file cannot tell the {what}."
+        yield f'inertia = "1 {unit}"'
+    yield '# With the normal force, as in load = "50 N", levels of friction become coefficients.'
+    yield ""
+
+
+def _drive(guess: Guess) -> str:
+    """Return what drives the axis: a force, a current, or nothing that was recorded."""
+    return next((name for name in ("force", "current") if name in guess.columns), "")
+
+
+def _data(guess: Guess, file: str | Path) -> Iterator[str]:
+    yield "[data]"
+    yield f"file = {_toml(str(file))}"
+    if _drive(guess) and "time" in guess.columns:
+        yield '# The force between its samples: "first" (linear) if it is measured, "zero" if'
+        yield "# commanded."
+        yield f"hold = {_toml(guess.hold)}"
+    if guess.repair:
+        yield f"repair = {_toml(list(guess.repair))}"
+    yield f"columns = {_inline(guess.columns)}"
+    if guess.units:
+        yield f"units = {_inline(guess.units)}"
+    if "current" in guess.columns:
+        unit = "N m/A" if guess.turning else "N/A"
+        yield f'motor_constant = "1 {unit}"  # assumed: replace it by that of the data sheet'
+    counts = {name: unit for name, unit in guess.units.items() if is_of(unit, "count")}
+    if counts:
+        step = "0.001 rad/count" if guess.turning else "0.001 mm/count"
+        gains = _inline(dict.fromkeys(counts, step))
+        yield f"gain = {gains}  # assumed: replace it by the resolution of the encoder"
+    if guess.layout is not None and guess.layout != Layout():
+        yield ""
+        yield "[data.layout]"
+        for one in fields(Layout):
+            value = getattr(guess.layout, one.name)
+            if value != one.default:
+                yield f"{one.name} = {_toml(value)}"
+
+
+def _inline(table: Mapping[str, Any]) -> str:
+    return f"{{ {', '.join(f'{key} = {_toml(value)}' for key, value in table.items())} }}"
+
+
+def _toml(value: Any) -> str:
+    import tomlkit
+
+    return tomlkit.item(list(value) if isinstance(value, tuple) else value).as_string()

@@ -1,0 +1,384 @@
+"""Units as people write them, and the factors between them."""
+
+import functools
+import math
+import re
+from collections.abc import Mapping
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any, Final
+
+from stickslip.errors import ParameterError
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = [
+    "NUMBER_WITH_UNIT",
+    "exact_factor",
+    "factor",
+    "is_of",
+    "is_pint",
+    "is_pixel",
+    "is_unit",
+    "number_in",
+    "pint_magnitude",
+    "shown",
+]
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NAME = r"[^\W\d_%°⁻¹²³]+"
+_FACTOR = rf"{_NAME}(?:\^?[-−]?\d|[⁻¹²³]+)?|%|°"
+# The grammar is closed, so that no text can make the unit library compute powers of powers.
+_UNIT = rf"(?:1\s*/\s*)?(?:{_FACTOR})(?:(?:\s*[*·⋅/]\s*|\s+)(?:{_FACTOR}))*"
+NUMBER_WITH_UNIT: Final = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.*?)?\s*")
+
+LONGEST: Final = 100
+"""Characters of a number with its unit at most."""
+_POWER = re.compile(rf"(?P<name>{_NAME})(?P<power>\^?[-−]?\d|[⁻¹²³]+)?")
+_RAISED: Final = str.maketrans("⁻−¹²³", "--123")
+
+WRITTEN: Final[Mapping[str, str]] = {
+    alias: name
+    for name, aliases in {
+        "kgf": "kp kilopond",
+        "revolution": "rev revs Rev U Umdr Umdrehung Umdrehungen r",
+        "rpm": "RPM Upm UPM",
+        "count": "cnt cnts inc incs Inc Ink Inkr Inkremente increment increments tick ticks"
+        " pulse pulses Impulse digit digits",
+        "second": "sek Sek Sekunde Sekunden Sec",
+        "minute": "Minute Minuten",
+        "degree": "Grad degs",
+        "radian": "Rad",
+        "newton": "Newton",
+        "meter": "Meter",
+        "ampere": "Ampere",
+        "kilogram": "Kg KG",
+        "kilonewton": "KN",
+    }.items()
+    for alias in aliases.split()
+}
+"""Names of units that the unit library does not know, or takes for others: to it, U is an amount
+of an enzyme and Grad a thousand million radians."""
+_JOINED: Final = re.compile(
+    r"(?P<force>(?:[mckdMµμu]|da)?N|kp|kgf|kg|g|A|V)(?P<length>[mckdµμu]?m)?(?P<time>s)?"
+)
+"""Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
+_TEMPERATURES: Final = ("°C", "°F", "degC", "degF")
+"""Units with a zero of their own, which are not converted."""
+_PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
+"""What means revolutions per minute where a speed of rotation is wanted."""
+_ROTATION: Final = ("rad/s", "radian/second")
+
+
+def shown(value: object) -> str:
+    """Return a value as it should stand in a message, shortened."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = f"{value:g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def factor(unit: str, target: str | None) -> float:
+    """Return by what numbers in `unit` are to be multiplied to be in `target`, or in SI.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of the numbers.
+    target : str or None
+        Unit of the result; SI if None.
+
+    Returns
+    -------
+    float
+        The factor.
+
+    Examples
+    --------
+    >>> factor("mm", "m"), factor("Ncm", "N m"), factor("kp", "N"), factor("deg/s", "rad/s")
+    (0.001, 0.01, 9.80665, 0.017453292519943295)
+
+    Per minute means revolutions where a speed of rotation is wanted, and a frequency elsewhere:
+
+    >>> factor("1/min", "rad/s") == factor("U/min", "rad/s"), factor("1/min", "Hz")
+    (True, 0.016666666666666666)
+    """
+    return float(exact_factor(unit, target))
+
+
+def is_of(unit: str, target: str) -> bool:
+    """Whether a unit is of the same kind as another one.
+
+    Parameters
+    ----------
+    unit : str
+        A unit.
+    target : str
+        The unit that it is compared with.
+
+    Returns
+    -------
+    bool
+        Whether one can be converted into the other.
+
+    Examples
+    --------
+    >>> is_of("deg", "rad"), is_of("deg", "m"), is_of("counts", "1")
+    (True, False, False)
+    """
+    try:
+        exact_factor(unit, target)
+    except ParameterError:
+        return False
+    return True
+
+
+def is_pixel(unit: str) -> bool:
+    """Whether a unit is the distance of points in a picture, which has no length of its own.
+
+    Examples
+    --------
+    >>> is_pixel("px"), is_of("px", "m")
+    (True, False)
+    """
+    return unit in {"px", "pixel", "pixels"}
+
+
+def is_pint(value: object) -> bool:
+    """Whether something is a quantity of the unit library, of any registry.
+
+    Examples
+    --------
+    >>> import pint
+    >>> is_pint(pint.UnitRegistry().Quantity(35, "mm")), is_pint(35)
+    (True, False)
+    """
+    return hasattr(value, "magnitude") and hasattr(value, "to_base_units")
+
+
+def pint_magnitude(value: Any, target: str) -> Any:
+    """Return what a quantity of the unit library holds, in another unit.
+
+    Parameters
+    ----------
+    value : pint.Quantity
+        One number, or an array.
+    target : str
+        Unit of the result.
+
+    Returns
+    -------
+    float or array
+        Number or numbers in that unit.
+
+    Raises
+    ------
+    ParameterError
+        If its unit is of another kind.
+
+    Examples
+    --------
+    >>> import pint
+    >>> unit = pint.UnitRegistry()
+    >>> pint_magnitude(unit.Quantity(35, "mm"), "m")
+    0.035
+    >>> pint_magnitude(unit.Quantity([0.0, 90.0], "deg"), "rad").round(3).tolist()
+    [0.0, 1.571]
+    """
+    registry, held, unit = _registry(), value.magnitude, str(value.units)
+    try:
+        one = registry.Quantity(Decimal(1), registry.parse_units(unit))
+    except Exception:
+        # a unit of a registry of the caller's, which only that can convert
+        base = value.to_base_units()
+        held, one = (
+            base.magnitude,
+            registry.Quantity(Decimal(1), registry.parse_units(str(base.units))),
+        )
+    if not one._is_multiplicative:
+        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
+    try:
+        scale = _converted(one, target, unit)
+    except ParameterError as error:
+        raise ParameterError(f"{error}, got {shown(str(value))}") from None
+    if hasattr(held, "__len__") or not math.isfinite(held):
+        return held * float(scale)
+    return float(Decimal(str(held)) * scale)
+
+
+def number_in(value: Any, unit: str) -> float:
+    """Return a text with a unit, or a quantity of the unit library, as a number.
+
+    Parameters
+    ----------
+    value : str or pint.Quantity
+        What was given.
+    unit : str
+        Unit of the result; ``"1"`` for a pure number.
+
+    Returns
+    -------
+    float
+        The number.
+
+    Raises
+    ------
+    ParameterError
+        If it is neither, or its unit is of another kind.
+
+    Examples
+    --------
+    >>> number_in("35 mm", "m"), number_in("10 %", "1"), number_in("3 kgcm²", "kg m^2")
+    (0.035, 0.1, 0.0003)
+    >>> number_in("35", "m")
+    Traceback (most recent call last):
+    stickslip.errors.ParameterError: has no unit, got '35': write "35 m", or the number in SI ...
+    """
+    if not isinstance(value, str):
+        held = pint_magnitude(value, unit)
+        if not isinstance(held, float):
+            raise ParameterError(f"must be one number, got {shown(str(value))}")
+        return held
+    found = NUMBER_WITH_UNIT.fullmatch(value) if len(value) <= LONGEST else None
+    example = "10 %" if unit == "1" else f"1 {unit}"
+    if found is None:
+        raise ParameterError(
+            f'must be a number or text with a unit such as "{example}", got {shown(value)}'
+        )
+    number, own = found["number"], found["unit"]
+    if own is None and unit != "1":
+        raise ParameterError(
+            f'has no unit, got {shown(value)}: write "{number} {unit}", or the number in SI units'
+            " without quotes"
+        )
+    if not math.isfinite(float(number)):
+        return float(number)
+    try:
+        return float(Decimal(number) * exact_factor(own or "1", unit))
+    except ParameterError as error:
+        raise ParameterError(
+            f'{error}, got {shown(value)}; write for example "{example}"'
+        ) from None
+
+
+@functools.cache
+def _registry() -> "pint.UnitRegistry[Any]":
+    import pint
+
+    # Decimals make "35 mm" the same float as 0.035.
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+@functools.cache
+def exact_factor(unit: str, target: str | None) -> Decimal:
+    """Return by what numbers in `unit` are to be multiplied, as `factor`, as a decimal.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of the numbers.
+    target : str or None
+        Unit of the result; SI if None.
+
+    Returns
+    -------
+    Decimal
+        The factor.
+    """
+    if unit == target:
+        return Decimal(1)
+    if target in _ROTATION and _plain(unit) in _PER_MINUTE:
+        unit = "rpm"
+    one = _one(unit)
+    if target is None:
+        return Decimal(one.to_base_units().magnitude)
+    return _converted(one, target, unit)
+
+
+def _converted(one: Any, target: str, unit: str) -> Decimal:
+    """Return one of a unit in another one of its kind, or say that it is of another."""
+    wanted = _one(target)
+    # Radians have no dimension, but 1 rad/s is not 1 Hz and an angle is no coefficient.
+    same_kind = one.dimensionality == wanted.dimensionality and _counted(one) == _counted(wanted)
+    if not same_kind:
+        kind = "a pure number or in %" if target == "1" else f"in {target} or a unit of that kind"
+        raise ParameterError(f"must be {kind}, not in {unit}")
+    return Decimal(one.to(wanted.units).magnitude)
+
+
+def _one(unit: str) -> Any:
+    registry = _registry()
+    if unit == "1":
+        return registry.Quantity(Decimal(1), "")
+    if re.fullmatch(_UNIT, unit) is None:
+        raise ParameterError(f"has an unreadable unit {shown(unit)}")
+    try:
+        # To the unit library px is that of web pages, which has a length.
+        found = registry.parse_units("pixel" if is_pixel(unit) else _plain(unit))
+        one = registry.Quantity(Decimal(1), found)
+    except Exception:
+        # Whatever the unit library says, it cannot say where in the file.
+        raise ParameterError(f"has an unknown unit {shown(unit)}") from None
+    if not one._is_multiplicative:
+        raise ParameterError(f"has a unit with an offset zero: {shown(unit)}")
+    return one
+
+
+@functools.cache
+def _plain(unit: str) -> str:
+    """Return a unit as the unit library spells it.
+
+    Examples
+    --------
+    >>> _plain("min⁻¹"), _plain("1/Ncm"), _plain("U/min")
+    ('min**-1', '1/(N*cm)', 'revolution/min')
+    """
+    text = unit.replace("·", "*").replace("⋅", "*").replace("°", "deg")
+    text = re.sub(r"\s*([*/])\s*", r"\1", text)
+    return re.sub(r"\s+", "*", _POWER.sub(_spelled, text))
+
+
+def _spelled(found: re.Match[str]) -> str:
+    """Return one factor: an alias by its name, a product with marks, a power in ASCII."""
+    name = WRITTEN.get(found["name"], found["name"])
+    power = (found["power"] or "").translate(_RAISED).lstrip("^")
+    joined = _JOINED.fullmatch(name)
+    parts = [part for part in joined.groups() if part] if joined and not _is_known(name) else []
+    exponent = f"**{power}" if power else ""
+    if len(parts) < 2:
+        return name + exponent
+    parts = [WRITTEN.get(part, part) for part in parts]
+    return f"({'*'.join(parts)}{exponent})"
+
+
+def _is_known(name: str) -> bool:
+    """Whether what looks like a product is a unit of its own, such as mg or gs."""
+    if "N" in name:  # to the unit library Nm is a textile's number of yarn
+        return False
+    try:
+        _registry().parse_units(name)
+    except Exception:
+        return False
+    return True
+
+
+def _counted(one: Any) -> tuple[Any, Any]:
+    """Return the powers of what has no dimension, but is no pure number either."""
+    powers = one.to_root_units()._units
+    return powers.get("radian", 0), powers.get("count", 0)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of something.
+
+    Examples
+    --------
+    >>> is_unit("U/min"), is_unit("Weg"), is_unit("1")
+    (True, False, False)
+    """
+    if text in ("1", *_TEMPERATURES):
+        return text != "1"
+    try:
+        return _one(text) is not None
+    except ParameterError:
+        return is_pixel(text)
