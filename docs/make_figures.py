@@ -6,6 +6,7 @@
 import math
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -190,18 +191,23 @@ def report() -> None:
 
     def draw(figure: Figure, _narrow: bool) -> None:
         figure.set_layout_engine("none")
-        figure.text(0.02, 0.955, found["verdict"], fontsize=13, weight="bold", color=INK, va="top")
-        said = "  ".join(line for line in found["settles"])
-        figure.text(0.02, 0.875, said, fontsize=9, color=MUTED, va="top")
-        left = figure.add_axes((0.075, 0.13, 0.38, 0.62))
+        verdict_lines = textwrap.wrap(found["verdict"], 88)
+        figure.text(
+            0.02, 0.96, "\n".join(verdict_lines), fontsize=13, weight="bold", color=INK, va="top"
+        )
+        next_lines = textwrap.wrap(f"Measure next: {found['measure_next'][0]}", 150)
+        figure.text(0.02, 0.84, "\n".join(next_lines), fontsize=9, color=MUTED, va="top")
+        left = figure.add_axes((0.075, 0.12, 0.38, 0.54))
         plot_friction_map(fits, ax=left)
-        right = figure.add_axes((0.68, 0.13, 0.30, 0.62))
+        right = figure.add_axes((0.68, 0.12, 0.30, 0.54))
         plot_scores(verdict, ax=right)
+        right.set_xscale("log")
+        right.set_xlim(0.01, 20.0)
 
     card(
         "report.svg",
         draw,
-        (880, 380),
+        (880, 420),
         "Verdict, friction map and held-out errors of eleven laws fitted to a record of an axis",
     )
 
