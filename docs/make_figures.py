@@ -1,6 +1,6 @@
 """Draw the figures of the README and of the documentation, and make the record of the README.
 
-``python docs/make_figures.py`` makes all of them, ``python docs/make_figures.py cart report`` these.
+``python docs/make_figures.py`` makes all of them, ``python docs/make_figures.py cart`` one.
 """
 
 import math

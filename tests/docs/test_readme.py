@@ -30,13 +30,6 @@ SESSIONS = [
     if kind == "console"
 ]
 (CHAIN,) = (text for kind, text in BLOCKS if kind == "sh" and text.startswith("stickslip "))
-(OWN,) = (
-    text
-    for kind, text in BLOCK.findall(
-        (ROOT / "docs" / "tutorials" / "selection-to-cart.md").read_text(encoding="utf-8")
-    )
-    if kind == "sh" and text.startswith("stickslip ")
-)
 
 
 @pytest.fixture(autouse=True)
@@ -88,7 +81,7 @@ def test_commands_print_the_lines_that_are_shown(
         assert number in printed
 
 
-def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
+def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -97,33 +90,23 @@ def test_the_chain_leads_from_a_selection_to_the_page_of_a_cart(
         with pytest.raises(SystemExit) as left:
             main(shlex.split(line.removeprefix("stickslip ")))
         assert not left.value.code, line
-    readme = " ".join(README.split())
-    said = re.search(r"moves (\S+) mm per cycle, and (\S+) to (\S+) mm", readme)
-    verdict = re.search(r'the verdict says so: "(.*?)"', readme)
+    assert load_rig("stickslip-report/law.toml").estimates.covariance_of
+    said = re.search(r"moves (\S+) mm per cycle, and (\S+) to (\S+) mm", README)
     assert said is not None
-    assert verdict is not None
     printed = capsys.readouterr().out
-    assert verdict[1] in printed
     row = re.findall(r"cycle \d+ +(\S+) +(\S+) +(\S+)", printed)[-1]
     assert [f"{1e3 * float(number):.1f}" for number in row[1:]] == [said[2], said[3]]
-    page = (tmp_path / "stickslip-run" / "index.html").read_text(encoding="utf-8")
+    for folder in ("stickslip-report", "stickslip-run"):
+        page = (tmp_path / folder / "index.html").read_text(encoding="utf-8")
+        assert "This section could not be produced" not in page
     assert f"The cart moves {said[1]}" in page.replace("\N{NO-BREAK SPACE}", " ")
-    assert "This section could not be produced" not in page
 
 
-def test_the_same_way_leads_from_three_travels_of_an_own_block_to_a_cart(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "docs").symlink_to(ROOT / "docs")
-    for line in OWN.splitlines():
-        with pytest.raises(SystemExit) as left:
-            main(shlex.split(line.removeprefix("stickslip ")))
-        assert not left.value.code, line
-    assert load_rig("own-report/law.toml").estimates.covariance_of
-    for page in ("own-report", "stickslip-run"):
-        text = (tmp_path / page / "index.html").read_text(encoding="utf-8")
-        assert "This section could not be produced" not in text
+def test_what_the_demonstration_says_is_quoted() -> None:
+    quoted = re.search(r'`stickslip demo` says "(.*?)"', " ".join(README.split()))
+    assert quoted is not None
+    said = (ROOT / "tests" / "golden" / "paper" / "select.txt").read_text(encoding="utf-8")
+    assert quoted[1] in " ".join(said.split())
 
 
 @pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))
