@@ -1,12 +1,15 @@
 """The README is pasted by newcomers: what it shows must be what happens."""
 
 import contextlib
+import importlib.util
 import io
 import re
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from tests.support import wide_only
 
@@ -107,6 +110,19 @@ def test_what_the_demonstration_says_is_quoted() -> None:
     assert quoted is not None
     said = (ROOT / "tests" / "golden" / "paper" / "select.txt").read_text(encoding="utf-8")
     assert quoted[1] in " ".join(said.split())
+
+
+def test_the_record_is_the_one_that_the_script_of_the_figures_makes() -> None:
+    spec = importlib.util.spec_from_file_location("make_figures", ROOT / "docs/make_figures.py")
+    assert spec is not None
+    assert spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    expected = made.record()
+    stored = pd.read_csv(made.RECORD)
+    assert list(stored) == list(expected)
+    # rounded to 0.001; the last digit may differ on other processors
+    np.testing.assert_allclose(stored, expected, rtol=0, atol=1.5e-3)
 
 
 @pytest.mark.parametrize("target", sorted(set(LINK.findall(README))))
