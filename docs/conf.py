@@ -18,6 +18,7 @@ extensions = [
     "generated",
     "mathml",
     "myst_nb",
+    "notebooks",
     "numpydoc",
     "records",
     "sidebar",

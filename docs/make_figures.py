@@ -1,16 +1,47 @@
-"""Draw the figures of the README into docs/figures/: python docs/make_figures.py."""
+"""Draw the figures of the README and of the documentation, and make the record of the README.
 
+``python docs/make_figures.py`` makes all of them, ``python docs/make_figures.py cart`` one.
+"""
+
+import math
 import re
+import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
-from stickslip import Axis, Capsule, Coulomb, FixedStep, load_rig, select, simulate
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    CoulombViscous,
+    FixedStep,
+    Measurement,
+    PendulumCart,
+    RecordSettings,
+    animate,
+    load_rig,
+    select,
+    simulate,
+)
 from stickslip.control import PID, closed_loop
-from stickslip.drives import Sine
-from stickslip.mechanisms import Torque
-from stickslip.plots import C1, DATA, SURFACE, Draw, Size, standalone_svg
+from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.plots import (
+    C1,
+    DATA,
+    INK,
+    MUTED,
+    SURFACE,
+    Draw,
+    Size,
+    plot_friction_map,
+    plot_scores,
+    standalone_svg,
+)
 from stickslip.plots.runs.closed_loop import LOOP_SIZES, draw_closed_loop
 from stickslip.plots.runs.fixed_step_comparison import draw_fixed_steps
 from stickslip.plots.selection.separation import SEPARATION_SIZES, draw_separation
@@ -18,6 +49,8 @@ from stickslip.plots.sweep_maps import draw_velocity_map
 from stickslip.sweep import average_velocity
 
 FOLDER = Path(__file__).parent / "figures"
+RECORD = Path(__file__).parent / "howto" / "files" / "axis.csv"
+"""The record of the README: synthetic, so that the true values are known."""
 PAD = 16
 """Of the card around a figure, which keeps it readable on dark pages [CSS px]."""
 
@@ -119,6 +152,76 @@ def hunting() -> None:
     )
 
 
+def record() -> pd.DataFrame:
+    """A carriage of 2.4 kg, its friction 4 N and 30 N s/m, an encoder with 20 um of noise."""
+    time = np.arange(400) / 100
+    force = (14.0 * np.sin(np.pi * time) + 6.0 * np.sin(3.2 * np.pi * time)).round(3)
+    drive = Sampled(times=tuple(time), values=tuple(force), hold="first")
+    law = CoulombViscous(kinetic_coefficient=4.0, viscous_coefficient=30.0)
+    run = simulate(Axis(inertia=2.4, drive=drive), law, t_end=float(time[-1]))
+    noise = np.random.default_rng(0).normal(0.0, 2e-5, time.size)
+    position = (1e3 * (run.at(time)["x"] + noise)).round(3)
+    return pd.DataFrame({"time [s]": time, "position [mm]": position, "force [N]": force})
+
+
+def axis_record() -> None:
+    """Write the record of the README."""
+    record().to_csv(RECORD, index=False, lineterminator="\n")
+
+
+def report() -> None:
+    """What `stickslip select` says of the record of the README, as its page shows it."""
+    table = record()
+    measured = Measurement(
+        time=table["time [s]"].to_numpy(),
+        position=1e-3 * table["position [mm]"].to_numpy(),
+        force=table["force [N]"].to_numpy(),
+    )
+    verdict = select(
+        Axis(inertia=1.0),
+        None,
+        measured,
+        vary=["friction.*", "mechanism.inertia"],
+        settings=RecordSettings(hold="first"),
+    )
+    found = verdict.to_dict()
+    fits = {one.title: one.fit for one in verdict.candidates if one.name == "viscous"}
+    assert verdict.best is not None
+    fits = {verdict.best.title: verdict.best.fit} | fits
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        figure.set_layout_engine("none")
+        verdict_lines = textwrap.wrap(found["verdict"], 88)
+        figure.text(
+            0.02, 0.96, "\n".join(verdict_lines), fontsize=13, weight="bold", color=INK, va="top"
+        )
+        next_lines = textwrap.wrap(f"Measure next: {found['measure_next'][0]}", 150)
+        figure.text(0.02, 0.84, "\n".join(next_lines), fontsize=9, color=MUTED, va="top")
+        left = figure.add_axes((0.075, 0.12, 0.38, 0.6))
+        plot_friction_map(fits, ax=left)
+        right = figure.add_axes((0.68, 0.12, 0.30, 0.6))
+        plot_scores(verdict, ax=right)
+        right.set_xscale("log")
+        right.set_xlim(0.01, 20.0)
+
+    card(
+        "report.svg",
+        draw,
+        (880, 420),
+        "Verdict, friction map and held-out errors of eleven laws fitted to a record of an axis",
+    )
+
+
+def cart() -> None:
+    """A cart that a swinging pendulum drives forward, with its stick and slip."""
+    swing = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
+    driven = PendulumCart(
+        cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=swing)
+    )
+    run = simulate(driven, Coulomb(kinetic_coefficient=0.2), t_end=3 * float(swing.period))
+    animate(run, driven, FOLDER / "cart.gif", fps=15, speed=0.5, size=(800, 340))
+
+
 BOXES = (
     # centre, half width, text, whether it is a question
     (150, 30, "record and mechanism", False),
@@ -181,10 +284,13 @@ def choices() -> None:
     )
 
 
+DRAWN = (choices, reversal, separation, chatter, hunting, axis_record, report, cart)
+"""In the order in which they are made."""
+
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    choices()
-    reversal()
-    separation()
-    chatter()
-    hunting()
+    known = {one.__name__: one for one in DRAWN}
+    if unknown := sorted(set(sys.argv[1:]) - set(known)):
+        sys.exit(f"Unknown: {', '.join(unknown)}. There are {', '.join(known)}.")
+    for name in sys.argv[1:] or known:
+        known[name]()
