@@ -68,7 +68,7 @@ class Kernel:
         """Run from time 0 to the end; the record stays here until the next run."""
         self.w[:] = self._base
         self.whole[:] = self._fresh
-        self.log, self.events = self.runner.kernels.enter_run(
+        self.log, self.events = self.runner.run(
             self.w, self.whole, *self._tables, self.t_end, tolerance,
             self.inputs.time_scale / 6.0, LIMIT, self.log, self.events,
         )  # fmt: skip
@@ -123,7 +123,7 @@ class Kernel:
             self.runner.kernels.enter_sense(
                 self.log, int(self.whole[STEPS]), self.events,
                 int(self.whole[EVENTS]), end, self._tables[0], slopes, own,
-                along.quantities, w, self.runner.whole(), out,
+                along.quantities, w, self.runner.whole(), out, 0,
             )  # fmt: skip
             return np.reshape(out, shape)
 

@@ -30,9 +30,9 @@ BRISTLES = LuGre(
 )
 
 
-@pytest.mark.parametrize("t_end", [0, -1.0, math.nan, math.inf, "1", None, True], ids=repr)
+@pytest.mark.parametrize("t_end", [0, -1.0, math.nan, math.inf, "1 m", None, True], ids=repr)
 def test_an_end_time_that_is_no_time_is_refused(t_end):
-    with pytest.raises(ParameterError, match=r"t_end.* above 0 s.*, got "):
+    with pytest.raises(ParameterError, match=r"t_end.*(above 0 s.*, got |got '1 m'.*above 0 s)"):
         simulate(BLOCK, LAW, t_end=t_end)
 
 
@@ -61,7 +61,7 @@ def test_a_start_of_the_wrong_length_is_refused_and_names_the_states(y0):
         simulate(BLOCK, LAW, t_end=1.0, y0=y0)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, "0", None, True], ids=repr)
+@pytest.mark.parametrize("value", [math.nan, math.inf, None, True], ids=repr)
 def test_a_start_that_is_no_number_is_refused(value):
     with pytest.raises(ParameterError, match=r"y0.*v\b.*number, got "):
         simulate(BLOCK, LAW, t_end=1.0, y0={"v": value})

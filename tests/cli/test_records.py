@@ -90,8 +90,8 @@ def test_options_say_what_a_rig_without_data_does_not(run, write, axis_record):
     plain = json.loads(out)
     assert told["best"] == plain["best"] == "coulomb-viscous"
     scores = [[c["score"] for c in one["candidates"]] for one in (told, plain)]
-    # the file is written with 18 digits, the gain undone to rounding
-    assert scores[0] == pytest.approx(scores[1], rel=1e-6)
+    # the file is written with 18 digits, the gain undone to rounding; a fit ends near its minimum
+    assert scores[0] == pytest.approx(scores[1], rel=1e-4)
 
 
 def test_a_second_record_is_only_judged_by(run, write):

@@ -85,7 +85,7 @@ def test_a_pattern_leaves_out_what_is_fixed():
         (LAW, {"inertai": 1.0}, UnknownNameError, "parameter in fixed 'inertai'"),
         (["inertia", LAW], {"inertia": 1.0}, InputError, "inertia is in both vary and fixed"),
         (LAW, {"inertia": -1.0}, ParameterError, "Axis.inertia (J) must be"),
-        (LAW, {"viscous_coefficient": "1"}, ParameterError, "must be a number"),
+        (LAW, {"viscous_coefficient": "1"}, ParameterError, "has no unit, got '1'"),
         (LAW, {"inertia": 1.0, "mechanism.inertia": 1.0}, InputError, "inertia twice"),
         (LAW, ["inertia"], InputError, "fixed takes values by name"),
         ({"inertia"}, None, InputError, "vary takes a name or a list of names"),

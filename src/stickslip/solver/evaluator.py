@@ -56,9 +56,7 @@ class Equations:
         """Load the piece of the drives that holds at a time; times mostly go forwards."""
         begun = self.piece * self.width
         first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
-        piece = piece_at(self.table, first, t, self.whole)
-        if piece != self.piece:
-            self.load(piece)
+        self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
 
     def _put(self, y: Sequence[Any]) -> None:
         first, n = self.whole[Y], self.sizes.states
