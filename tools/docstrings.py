@@ -31,6 +31,7 @@ SUBPACKAGES = (
     "drives",
     "errors",
     "experiments",
+    "exports",
     "formulation",
     "friction",
     "identification",

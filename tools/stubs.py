@@ -13,6 +13,7 @@ PACKAGES = (
     "stickslip",
     "stickslip.drives",
     "stickslip.experiments",
+    "stickslip.exports",
     "stickslip.friction",
     "stickslip.identification",
     "stickslip.mechanisms",

@@ -24,6 +24,7 @@ HOMES = {
     "check": "experiments",
     "compare_trials": "identification",
     "ensemble": "simulation",
+    "export": "exports",
     "fit": "routes",
     "inverse_dynamics": "identification",
     "load_measurement": "experiments",

@@ -4,6 +4,7 @@ from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
+from stickslip.exports import export as export
 from stickslip.friction import Coulomb as Coulomb
 from stickslip.friction import CoulombViscous as CoulombViscous
 from stickslip.friction import CoulombViscousStatic as CoulombViscousStatic
@@ -88,6 +89,7 @@ __all__ = [
     "check",
     "compare_trials",
     "ensemble",
+    "export",
     "fit",
     "inverse_dynamics",
     "load_measurement",

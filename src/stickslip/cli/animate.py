@@ -23,7 +23,6 @@ from stickslip.cli.law_choice import (
     rig_and_friction,
 )
 from stickslip.cli.progress import Drawing
-from stickslip.cli.simulate import start_of
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
 from stickslip.friction import Laws
@@ -92,7 +91,7 @@ def run(
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
     law = friction_of(chosen)
     end = rig.t_end if t_end is None else t_end
-    start = start_of(rig, law)
+    start = rig.start(law)
     seen = simulate(rig.mechanism, law, t_end=end, y0=start, throw=False)
     count = frame_times(seen, rig.mechanism, fps=look.fps, speed=look.speed).size
     output.parent.mkdir(parents=True, exist_ok=True)

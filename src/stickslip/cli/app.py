@@ -244,10 +244,10 @@ def simulate(
     t_end: EndTime = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Export the run to this CSV or Parquet file."),
+        typer.Option("-o", "--output", help="Write the run to this CSV or Parquet file."),
     ] = None,
     samples: Annotated[
-        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows in the export.")
+        int, typer.Option("--samples", min=2, help="Number of evenly spaced rows of the run.")
     ] = 1001,
     fixed_step: Annotated[
         float | None,
@@ -293,7 +293,7 @@ def simulate(
 ) -> None:
     """Simulate the rig with one friction law.
 
-    Prints the events and the certificate; exports the run and writes a report on request.
+    Prints the events and the certificate; writes the run and a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
     """
@@ -314,6 +314,88 @@ def simulate(
     )
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json, enforce=enforce)
     start(rig, changes or [], settings, output)
+
+
+@app.command()
+def export(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Rig file (TOML) with a law, such as the law.toml of `stickslip select` or of"
+            " `stickslip fit -o law.toml`.",
+        ),
+    ],
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to",
+            metavar="TARGET",
+            help="c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf,"
+            " csv (lookup table) or json.",
+        ),
+    ],
+    law: Annotated[
+        str | None, typer.Option("--law", help="Which law, if the file has several.")
+    ] = None,
+    contact: Annotated[
+        str | None,
+        typer.Option("--contact", help="Whose law, if contacts have laws of their own."),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option("--name", help="Name of the program. Default: that of the law."),
+    ] = None,
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            "--rig",
+            metavar="FILE",
+            help="Rig file (TOML) on which the law is used: mjcf and urdf then say what their"
+            " simplified friction changes of its motion.",
+        ),
+    ] = None,
+    load: Annotated[
+        str | None,
+        typer.Option(
+            "--load",
+            metavar="FORCE",
+            help="Normal force for mjcf, urdf and csv. Default: that of the mechanism at rest.",
+        ),
+    ] = None,
+    law_load: LawLoad = None,
+    largest_speed: Annotated[
+        str | None,
+        typer.Option(
+            "--largest-speed",
+            metavar="SPEED",
+            help="End of the range of speeds for mjcf, urdf and csv. Default: that of the motion of"
+            " --rig, or of the fit.",
+        ),
+    ] = None,
+    allow_import: AllowImport = False,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")] = Path(
+        "stickslip-export"
+    ),
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Export a friction law to another program.
+
+    Writes the law as source code, as friction of a joint, as a table or as a document.
+    """
+    from stickslip.cli.export import Wanted, run
+
+    wanted = Wanted(
+        law=law,
+        contact=contact,
+        name=name,
+        rig=rig,
+        load=load,
+        law_load=law_load,
+        largest_speed=largest_speed,
+    )
+    run(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 
 
 @app.command()

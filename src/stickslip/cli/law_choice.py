@@ -26,6 +26,7 @@ from stickslip.routes import AnyRoute, Law
 __all__ = [
     "ChosenLaw",
     "LawAsked",
+    "check_named",
     "estimates_of",
     "friction_content",
     "friction_of",
@@ -286,7 +287,7 @@ def _rig_and_law(
             f"--law {asked.law} is the law of one contact, but {rig.mechanism.name} has"
             f" {', '.join(names)}: write the values into tables such as [friction.{names[0]}]."
         )
-    _check_named(Path(file["path"]))
+    check_named(Path(file["path"]))
     source = load_rig(file["path"], allow_import=allow_import)
     load = _load(asked.load)
     found = carried(source, rig.mechanism, law=file["law"], load=load)
@@ -306,7 +307,7 @@ def _of(law: str, key: str) -> str:
     return key if "." in rest else f"{FRICTION}{law}.{rest}"
 
 
-def _check_named(file: Path) -> None:
+def check_named(file: Path) -> None:
     """Refuse the law of a selection that named none, with what to do next."""
     if file.name == "law.toml" and not file.exists() and file.with_name("verdict.json").exists():
         raise InputError(

@@ -1,7 +1,7 @@
 """``stickslip simulate``."""
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -36,7 +36,7 @@ from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import fixed, number, printable, residue
-from stickslip.friction import FrictionLaw, Laws, bristle_names
+from stickslip.friction import Laws
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -47,7 +47,7 @@ from stickslip.trajectory import Event, Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Settings", "check_table", "run", "start_of", "table_bytes"]
+__all__ = ["Settings", "check_table", "run", "table_bytes"]
 
 CRITERIA_FAILED = 4
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
@@ -72,7 +72,7 @@ class Settings:
     t_end: float | None
     """Last time [s]; that of the rig if None."""
     samples: int
-    """Number of evenly spaced rows of the export."""
+    """Number of evenly spaced rows of the run's file."""
     fixed_step: float | None
     """Step of a fixed-step integrator [s]; events are located exactly if None."""
     method: str
@@ -114,7 +114,7 @@ def run(
     as_json: bool,
     enforce: bool,
 ) -> None:
-    """Simulate, export, show; then draw the page.
+    """Simulate, write the run, show; then draw the page.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def run(
     settings : Settings
         Law, end time, integrator and ensemble.
     output : Path or None
-        CSV or Parquet file of the export; none is written if None.
+        CSV or Parquet file of the run; none is written if None.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
     force : bool
@@ -161,7 +161,7 @@ def run(
     if not as_json:
         _show(ran, settings)
         if output is not None:
-            stdout().print(f"\nExported: {output}", markup=False)
+            stdout().print(f"\nWritten: {output}", markup=False)
     page_code = 0
     if settings.report is not None:
         kept = "The result of the run is not affected."
@@ -195,7 +195,7 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     if settings.ensemble is not None and chosen.estimates is None:
         raise InputError(NO_ESTIMATES.format("as --law law.toml"))
     t_end = rig.t_end if settings.t_end is None else settings.t_end
-    start = start_of(rig, chosen.law)
+    start = rig.start(chosen.law)
     wanted = settings.report is None and settings.ensemble is None
     run = simulate(
         rig.mechanism,
@@ -240,7 +240,7 @@ def _band(
             count=settings.ensemble,
             seed=settings.seed,
             times=np.linspace(*run.span, settings.samples),
-            y0=start_of(rig, friction),
+            y0=rig.start(friction),
             progress=progress,
         )
 
@@ -267,7 +267,7 @@ def _ran_by_contact(
         rig.mechanism,
         friction,
         t_end=t_end,
-        y0=start_of(rig, friction),
+        y0=rig.start(friction),
         throw=settings.report is None and settings.ensemble is None,
     )
     remarks = () if isinstance(chosen, Laws) else chosen.remarks
@@ -338,29 +338,6 @@ def _page(ran: Ran, settings: Settings) -> str:
             digests=digests,
         )
     )
-
-
-def start_of(rig: Rig, law: FrictionLaw | Laws) -> Mapping[str, float]:
-    """Return how the first trial, or else the rig, begins; bristles that no law has are left out.
-
-    Parameters
-    ----------
-    rig : Rig
-        The rig, perhaps with trials.
-    law : FrictionLaw or Laws
-        The friction law, or the laws by contact.
-
-    Returns
-    -------
-    mapping of str to float
-        Initial values of states [SI] by name; the others are 0.
-    """
-    initial = dict(rig.initial)
-    if rig.measurement is not None:
-        initial |= rig.measurement.records()[0].initial
-    bristles = bristle_names(tuple(one.name for one in rig.mechanism.contacts()), law)
-    known = (*rig.mechanism.coordinates, *rig.mechanism.rates, *bristles)
-    return {name: value for name, value in initial.items() if name in known}
 
 
 def _solver(settings: Settings) -> Solver | None:

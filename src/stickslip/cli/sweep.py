@@ -16,7 +16,7 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.law_choice import LawAsked, rig_and_law
 from stickslip.cli.progress import Drawing
-from stickslip.cli.simulate import check_table, start_of, table_bytes
+from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.errors import InputError
 from stickslip.formatting import number, printable
 from stickslip.sweep import VelocityMap, average_velocity
@@ -72,7 +72,7 @@ def run(
     axes = _axes(vary)
     rig, chosen = rig_and_law(path, changes, asked, allow_import=allow_import)
     law = chosen.law
-    start = start_of(rig, law)
+    start = rig.start(law)
     with Drawing("Running") as progress:
         found = average_velocity(
             rig.mechanism, law, axes, cycles=cycles, settle=settle, y0=start, progress=progress

@@ -13,7 +13,14 @@ from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.travels import scale_of
-from stickslip.friction import BristleLaw, FrictionLaw, Laws, law_type, laws
+from stickslip.friction import (
+    BristleLaw,
+    FrictionLaw,
+    Laws,
+    bristle_names,
+    law_type,
+    laws,
+)
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
 
@@ -310,6 +317,33 @@ class Rig:
                 **measurement.parameter_uncertainties,
             },
         )
+
+    def start(self, law: FrictionLaw | Laws) -> dict[str, float]:
+        """Return how the first trial, or else the rig, begins; bristles of other laws are left out.
+
+        Parameters
+        ----------
+        law : FrictionLaw or Laws
+            The friction law, or the laws by contact.
+
+        Returns
+        -------
+        dict of str to float
+            Initial values of states [SI] by name; the others are 0.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, SpringBlock
+        >>> rig = Rig(mechanism=SpringBlock(mass=1.0), initial={"v": 0.5})
+        >>> rig.start(Coulomb(kinetic_coefficient=0.2))
+        {'v': 0.5}
+        """
+        initial = dict(self.initial)
+        if self.measurement is not None:
+            initial |= self.measurement.records()[0].initial
+        bristles = bristle_names(tuple(one.name for one in self.mechanism.contacts()), law)
+        known = (*self.mechanism.coordinates, *self.mechanism.rates, *bristles)
+        return {name: value for name, value in initial.items() if name in known}
 
     def _known(self) -> str:
         """Return the names of the laws, by contact where contacts have their own."""

@@ -1,7 +1,20 @@
 """From a law and a mechanism to the text of a self-contained numeric module."""
 
+from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
 from stickslip.formulation.model import Model, formulate
 from stickslip.formulation.modes import PAINLEVE
+from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 
-__all__ = ["PAINLEVE", "JointTorques", "Model", "formulate"]
+__all__ = [
+    "PAINLEVE",
+    "Block",
+    "JointTorques",
+    "Model",
+    "Switchboard",
+    "Syntax",
+    "Traced",
+    "collapsed",
+    "expression",
+    "formulate",
+]

@@ -242,7 +242,8 @@ class Traced:
             return self._new(b ** int(exponent))
         n = expression(exponent)
         if b.is_Number:
-            return self._new(se.exp(n * se.RealDouble(math.log(float(b)))))
+            positive = float(b) > 0.0
+            return self._new(se.exp(n * math.log(float(b))) if positive else se.Integer(0))
         return self._new(se.Piecewise((b**n, b > 0), (se.Integer(0), True)))
 
 

@@ -1,0 +1,284 @@
+"""How C, MATLAB and Modelica write a program: the differences as data, and one printer for all."""
+
+import re
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+from stickslip.exports.program import (
+    Assign,
+    Branch,
+    Call,
+    Constant,
+    Function,
+    Leave,
+    Repeat,
+    Statement,
+    assigned,
+)
+from stickslip.formulation import Block, Syntax
+
+__all__ = ["MATLAB", "MODELICA", "C", "Language", "Written", "contains", "written"]
+
+WIDTH: Final = 96
+SAME: Final = {name: name for name in ("exp", "sqrt", "sin", "cos", "tanh", "atan", "log")}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Language:
+    """What differs between languages below the heads of functions."""
+
+    syntax: Syntax
+    """Expressions, assignments and branches."""
+    chained: str
+    """Head of a branch that stands elsewhere in another, with its ``{condition}``."""
+    joined: str
+    """What stands between the name of the program and that of a function."""
+    single: str
+    """A call with one result: ``{name}``, ``{function}``, ``{arguments}``."""
+    several: tuple[str, ...]
+    """Lines of a call with several results, which are ``{names}``; a line with ``{name}`` stands
+    for each of them."""
+    repeat: tuple[str, str]
+    """Head and end of what is repeated so many ``{times}``."""
+    leave: str
+    """What ends it before."""
+    constant: str
+    """Definition of a constant: ``{name}``, ``{value}``, ``{unit}``, ``{text}``."""
+    declaration: str
+    """Declaration of ``{names}``; none if empty."""
+    many: bool = False
+    """Whether one declaration takes several names."""
+
+
+C: Final = Language(
+    syntax=Syntax(
+        functions=SAME,
+        power="pow({base}, {exponent})",
+        assign="{name} = {value};",
+        branch="if ({condition}) {{",
+        otherwise="} else {",
+        end="}",
+    ),
+    chained="}} else if ({condition}) {{",
+    joined="{program}_{function}",
+    single="{name} = {function}({arguments});",
+    several=(
+        "{{",
+        "    const {function}_result result = {function}({arguments});",
+        "    {name} = result.{output};",
+        "}}",
+    ),
+    repeat=("for (int turn = 0; turn < {times}; turn++) {{", "}"),
+    leave="break;",
+    constant="const double {name} = {value}; /* [{unit}] {text} */",
+    declaration="double {names};",
+    many=True,
+)
+MATLAB: Final = Language(
+    syntax=Syntax(
+        functions=SAME,
+        power="power({base}, {exponent})",
+        assign="{name} = {value};",
+        branch="if {condition}",
+        otherwise="else",
+        end="end",
+    ),
+    chained="elseif {condition}",
+    joined="{program}_{function}",
+    single="{name} = {function}({arguments});",
+    several=("[{names}] = {function}({arguments});",),
+    repeat=("for turn = 1:{times}", "end"),
+    leave="break",
+    constant="{name} = {value}; % [{unit}] {text}",
+    declaration="",
+)
+MODELICA: Final = Language(
+    syntax=Syntax(
+        functions=SAME,
+        power="({base})^({exponent})",
+        assign="{name} := {value};",
+        branch="if {condition} then",
+        otherwise="else",
+        end="end if;",
+    ),
+    chained="elseif {condition} then",
+    joined="{function}",
+    single="{name} := {function}({arguments});",
+    several=("({names}) := {function}({arguments});",),
+    repeat=("for turn in 1:{times} loop", "end for;"),
+    leave="break;",
+    constant='constant Real {name}(unit="{unit}") = {value} "{text}";',
+    declaration="Real {names};",
+)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Written:
+    """A function's inside in a language."""
+
+    constants: tuple[str, ...]
+    """Definitions of the parameters that it uses."""
+    declarations: tuple[str, ...]
+    """Declarations of its variables, results excluded where the language declares them."""
+    statements: tuple[str, ...]
+    """What it does."""
+
+
+def written(
+    function: Function,
+    language: Language,
+    program: str,
+    constants: Sequence[Constant],
+    functions: Mapping[str, Function],
+    *,
+    results: bool,
+    depth: int = 1,
+) -> Written:
+    """Return what stands inside of a function.
+
+    Parameters
+    ----------
+    function : Function
+        The function.
+    language : Language
+        The language.
+    program : str
+        Name of the program.
+    constants : sequence of Constant
+        Parameters of the law.
+    functions : mapping of str to Function
+        All functions of the program by name, for the results of calls.
+    results : bool
+        Whether results are declared like other variables.
+    depth : int
+        Levels of indentation.
+
+    Returns
+    -------
+    Written
+        Lines.
+    """
+    block = Block(language.syntax, depth)
+    _Writer(block=block, language=language, program=program, functions=functions).write(
+        function.body
+    )
+    lines = tuple(block.lines)
+    own = {one.name for one in function.outputs}
+    kept = [name for name in dict.fromkeys(assigned(function.body)) if results or name not in own]
+    names = [*kept, *block.temporaries]
+    indent = "    " * depth
+    used = [one for one in constants if contains(lines, one.name)]
+    return Written(
+        constants=tuple(
+            indent
+            + language.constant.format(
+                name=one.name, value=repr(one.value), unit=one.unit, text=one.meaning
+            )
+            for one in used
+        ),
+        declarations=_declared(names, language, indent),
+        statements=lines,
+    )
+
+
+def contains(lines: Sequence[str], name: str) -> bool:
+    """Return whether a line contains a name as a word.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        The lines.
+    name : str
+        The name.
+
+    Returns
+    -------
+    bool
+        Whether one does.
+    """
+    word = re.compile(rf"\b{name}\b")
+    return any(word.search(line) for line in lines)
+
+
+def _declared(names: Sequence[str], language: Language, indent: str) -> tuple[str, ...]:
+    if not language.declaration or not names:
+        return ()
+    rows = textwrap.wrap(", ".join(names), WIDTH) if language.many else list(names)
+    return tuple(indent + language.declaration.format(names=row.rstrip(",")) for row in rows)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Writer:
+    """Writes statements into a block."""
+
+    block: Block
+    language: Language
+    program: str
+    functions: Mapping[str, Function]
+
+    def write(self, body: Sequence[Statement]) -> None:
+        for one in body:
+            if isinstance(one, Assign):
+                texts = self.block.scope(list(one.values))
+                for name, text in zip(one.names, texts, strict=True):
+                    self.block.assign(name, text)
+            elif isinstance(one, Branch):
+                self._branch(one)
+            elif isinstance(one, Repeat):
+                self._repeat(one)
+            elif isinstance(one, Leave):
+                self.block.line(self.language.leave)
+            else:
+                self._call(one)
+
+    def _repeat(self, one: Repeat) -> None:
+        head, end = self.language.repeat
+        self.block.line(head.format(times=one.times))
+        self._indented(one.body)
+        self.block.line(end)
+
+    def _branch(self, one: Branch, *, chained: bool = False) -> None:
+        """Write a branch; one that alone stands elsewhere in another goes on as its chain."""
+        left, right = self.block.scope([one.left, one.right])
+        syntax = self.language.syntax
+        head = self.language.chained if chained else syntax.branch
+        self.block.line(head.format(condition=f"{left} < {right}"))
+        self._indented(one.yes)
+        if len(one.no) == 1 and isinstance(one.no[0], Branch) and _is_plain(one.no[0]):
+            self._branch(one.no[0], chained=True)
+        elif one.no:
+            self.block.line(syntax.otherwise)
+            self._indented(one.no)
+        if not chained:
+            self.block.line(syntax.end)
+
+    def _indented(self, body: Sequence[Statement]) -> None:
+        self.block.depth += 1
+        self.write(body)
+        self.block.depth -= 1
+
+    def _call(self, one: Call) -> None:
+        arguments = ", ".join(self.block.scope(list(one.arguments)))
+        called = self.language.joined.format(program=self.program, function=one.function)
+        pairs = list(zip(one.names, self.functions[one.function].outputs, strict=True))
+        for form in self.language.several if len(pairs) > 1 else (self.language.single,):
+            for name, output in pairs if "{name}" in form else pairs[:1]:
+                self.block.line(
+                    form.format(
+                        name=name,
+                        output=output.name,
+                        names=", ".join(one.names),
+                        function=called,
+                        arguments=arguments,
+                    )
+                )
+
+
+def _is_plain(one: Branch) -> bool:
+    """Whether the condition of a branch needs no temporaries."""
+    return all(e.is_Symbol or e.is_Number or (-e).is_Symbol for e in (one.left, one.right))

@@ -1,0 +1,172 @@
+"""Modelica: a package with the functions of a law, and a model of a body that sticks and slips."""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import ClassVar, final
+
+from typing_extensions import override
+
+from stickslip.exports.base import Export, Target
+from stickslip.exports.identifiers import identifier
+from stickslip.exports.languages import MODELICA
+from stickslip.exports.program import Function, Variable
+from stickslip.exports.programs import Source, commented
+from stickslip.exports.subject import Subject
+from stickslip.quantities import turned
+
+__all__ = ["Modelica", "modelica_unit"]
+
+DEPTH = 2
+
+
+def modelica_unit(unit: str) -> str:
+    """Return a unit as Modelica writes it.
+
+    Examples
+    --------
+    >>> [modelica_unit(unit) for unit in ("N s^2/m^2", "kg m^2", "1/m", "")]
+    ['N.s2/m2', 'kg.m2', '1/m', '1']
+    """
+    return re.sub(r"\^", "", unit).replace(" ", ".") or "1"
+
+
+def _safe(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', "'")
+
+
+@final
+class Modelica(Target):
+    """A package with functions and a model."""
+
+    name: ClassVar[str] = "modelica"
+    title: ClassVar[str] = "Modelica"
+
+    @override
+    def export(self, subject: Subject) -> Export:
+        source = Source(subject=subject, language=MODELICA, safe=_safe, needed=("slip",))
+        text = "\n".join(_package(source)) + "\n"
+        return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
+
+
+def _package_name(source: Source) -> str:
+    """Return the name of the package, which begins with a capital in Modelica."""
+    words = source.subject.name.split("_")
+    return identifier("".join(f"{word[:1].upper()}{word[1:]}" for word in words))
+
+
+def _package(source: Source) -> Iterator[str]:
+    name = _package_name(source)
+    yield f'package {name} "Friction law of the package stickslip"'
+    yield from commented([*source.subject.header()], "  // ")
+    for one in source.functions:
+        yield ""
+        yield from _function(source, one)
+    yield ""
+    yield from _model(source)
+    yield f"end {name};"
+
+
+def _function(source: Source, function: Function) -> Iterator[str]:
+    inside = source.inside(function, results=False, depth=DEPTH)
+    yield f'    function {function.name} "{_safe(function.summary)}"'
+    for kind, variables in (("input", function.inputs), ("output", function.outputs)):
+        yield from (f"        {kind} {_declared(one)}" for one in variables)
+    constants = [re.sub(r'unit="([^"]*)"', _as_modelica, line) for line in inside.constants]
+    if constants or inside.declarations:
+        yield "    protected"
+        yield from (*constants, *inside.declarations)
+    yield "    algorithm"
+    for one in function.inputs:
+        if one.positive:
+            yield f'        assert({one.name} > 0.0, "{one.name} must be above 0 {one.unit}");'
+    yield from inside.statements
+    yield f"    end {function.name};"
+
+
+def _as_modelica(match: re.Match[str]) -> str:
+    return f'unit="{modelica_unit(match.group(1))}"'
+
+
+def _declared(one: Variable) -> str:
+    unit = f'(unit="{modelica_unit(one.unit)}")' if one.unit else ""
+    return f'Real {one.name}{unit} "{_safe(one.meaning)}";'
+
+
+def _model(source: Source) -> Iterator[str]:
+    """Yield a body with one coordinate, whose friction is the law."""
+    law = source.subject.equations
+    units = {
+        name: modelica_unit(turned(unit, source.subject.turning))
+        for name, unit in (("mass", "kg"), ("v", "m/s"), ("x", "m"), ("force", "N"))
+    }
+    yield from (
+        '    model Body "Body under an applied force and friction, which sticks and slips"',
+        f'        parameter Real mass(unit="{units["mass"]}") = 1.0 "mass or moment of inertia";',
+        f'        parameter Real v_start(unit="{units["v"]}") = 0.0 "velocity at the start";',
+        f'        input Real applied(unit="{units["force"]}") "force on the body but friction";',
+        '        input Real load(unit="N") "normal force";',
+        f'        Real x(unit="{units["x"]}", start=0.0, fixed=true) "displacement";',
+        f'        Real v(unit="{units["v"]}", start=v_start, fixed=true) "slip velocity";',
+        *(
+            f'        Real {z}(unit="{units["x"]}", start=0.0, fixed=true) "bristle state";'
+            for z in law.bristles
+        ),
+        f'        Real force(unit="{units["force"]}") "friction force";',
+        *(_held(law.bristles) if law.holds else _free(law.bristles)),
+        "    end Body;",
+    )
+
+
+def _free(bristles: tuple[str, ...]) -> Iterator[str]:
+    """Yield the equations of a body that bristles alone hold."""
+    arguments = ", ".join(("v", *bristles, "load"))
+    rates = [f"{z}_rate" for z in bristles]
+    yield from (
+        *(f'        Real {rate} "time derivative of a bristle state";' for rate in rates),
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = applied - force;",
+        f"        force = friction({arguments});",
+        f"        {_results(rates)} = rates({arguments});",
+        *(f"        der({z}) = {rate};" for z, rate in zip(bristles, rates, strict=True)),
+    )
+
+
+def _held(bristles: tuple[str, ...]) -> Iterator[str]:
+    """Yield the equations of a body that rests exactly, and the events between rest and slip."""
+    rates = [f"{z}_rate" for z in bristles]
+    arguments = ", ".join(("direction*v", *(f"direction*{z}" for z in bristles), "sense", "load"))
+    yield from (
+        '        Real along "friction force along the direction of slip";',
+        *(f'        Real {rate} "rate along the direction of slip";' for rate in rates),
+        '        Real sense "1 or -1: the direction of slip, the last one at rest";',
+        "        Integer direction(start=if v_start > 0.0 then 1 else if v_start < 0.0 then -1 else"
+        " 0,",
+        '            fixed=true) "1 forward, -1 backward, 0 at rest";',
+        "    equation",
+        "        der(x) = v;",
+        "        mass*der(v) = if direction == 0 then 0.0 else applied - force;",
+        "        force = if direction == 0 then applied else direction*along;",
+        "        sense = if direction < 0 then -1.0 else 1.0;",
+        f"        {_results(('along', *rates))} = slip({arguments});",
+        *(
+            f"        der({z}) = if direction == 0 then 0.0 else direction*{z}_rate;"
+            for z in bristles
+        ),
+        "        when pre(direction) == 0 and applied > break_away(1.0, load) then",
+        "            direction = 1;",
+        "        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, load) then",
+        "            direction = -1;",
+        "        elsewhen pre(direction) == 1 and v < 0.0 then",
+        "            direction = if -applied > break_away(-1.0, load) then -1 else 0;",
+        "            reinit(v, 0.0);",
+        "        elsewhen pre(direction) == -1 and v > 0.0 then",
+        "            direction = if applied > break_away(1.0, load) then 1 else 0;",
+        "            reinit(v, 0.0);",
+        "        end when;",
+    )
+
+
+def _results(names: Sequence[str]) -> str:
+    """Return the left side of an equation with the results of a function."""
+    return names[0] if len(names) == 1 else f"({', '.join(names)})"

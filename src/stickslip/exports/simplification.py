@@ -1,0 +1,214 @@
+"""Dry and viscous friction of a joint in place of a law, what that leaves, and what it changes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, ClassVar, Final, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.experiments import Rig
+from stickslip.exports.subject import Subject
+from stickslip.formatting import quantity
+from stickslip.friction import BristleLaw, SetValuedLaw, bristles_of, towards
+from stickslip.maths import Scalar
+from stickslip.mechanisms import slip_names
+from stickslip.quantities import Quantity, turned
+from stickslip.simulation import simulate
+
+__all__ = ["JointFriction", "Simplified", "simplified", "steady_force"]
+
+SPEEDS: Final = 2001
+"""Speeds in each direction at which the law is compared with its simplification."""
+TIMES: Final = 2001
+"""Times at which two runs are compared."""
+LEAST: Final = 1e-6
+"""Smallest speed over the largest: what sliding begins with."""
+SAME: Final = 1e-9
+"""Relative difference below which two forces count as equal."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class JointFriction(SetValuedLaw):
+    """Friction of a joint in simulators: one level, whatever the load, and a viscous part."""
+
+    name: ClassVar[str] = "joint-friction"
+    title: ClassVar[str] = "Joint friction"
+    formula: ClassVar[str] = r"F = f \operatorname{sgn} v + d v, \quad |F| \le f \text{ at rest}"
+    sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = ("level", "damping")
+
+    level: Annotated[float, Quantity("f", "N", low=0)]
+    """Friction force at any speed, and its largest at rest."""
+    damping: Annotated[float, Quantity("d", "N s/m", low=0)]
+    """Growth of the friction force with the speed."""
+
+    @override
+    def sliding(self, speed: Scalar, load: Scalar) -> Scalar:
+        return self.level + self.damping * speed + 0.0 * load
+
+    @override
+    def break_away(self, load: Scalar) -> Scalar:
+        return self.level + 0.0 * load
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Simplified:
+    """A law as a joint of a simulator has it."""
+
+    joint: JointFriction
+    """Level and damping, by least squares over both directions."""
+    load: float
+    """Normal force of both [N]."""
+    largest_speed: float
+    """End of the range over which they are compared [m/s]."""
+    largest: float
+    """Largest difference of the forces [N]."""
+    rms: float
+    """Root mean square of the difference, all speeds alike [N]."""
+    lost: tuple[str, ...]
+    """What the joint cannot have, in sentences."""
+    effect: tuple[str, ...]
+    """What it changes on a rig, in sentences; empty without one."""
+
+
+def steady_force(
+    subject: Subject, velocity: NDArray[np.float64], load: float
+) -> NDArray[np.float64]:
+    """Return the friction force of steady sliding.
+
+    Parameters
+    ----------
+    subject : Subject
+        The law.
+    velocity : array (n,)
+        Slip velocities [m/s].
+    load : float
+        Normal force [N].
+
+    Returns
+    -------
+    array (n,)
+        Friction forces [N].
+    """
+    law = subject.law
+    assert subject.equations is not None  # refuses what is no law
+    of = law.steady if isinstance(law, BristleLaw) else law.force  # type: ignore[attr-defined]  # all others have it
+    return np.asarray([float(of(float(v), load)) for v in velocity])
+
+
+def simplified(subject: Subject) -> Simplified:
+    """Return level and damping of a joint for a law, with what they leave.
+
+    Parameters
+    ----------
+    subject : Subject
+        The law, with load and range of speeds.
+
+    Returns
+    -------
+    Simplified
+        The simplification.
+
+    Raises
+    ------
+    InputError
+        If no load or no range of speeds is known.
+
+    Examples
+    --------
+    >>> from stickslip import Stribeck
+    >>> law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
+    >>> found = simplified(Subject(law=law, name="law", load=10.0, largest_speed=1.0))
+    >>> round(found.joint.level, 3), round(found.largest, 2), round(found.rms, 3)
+    (2.018, 0.98, 0.066)
+    """
+    from scipy.optimize import nnls
+
+    load, most = subject.needed_load(), subject.needed_speed()
+    speed = np.linspace(LEAST * most, most, SPEEDS)
+    velocity = np.concatenate([-speed[::-1], speed])
+    force = steady_force(subject, velocity, load)
+    table = np.column_stack([np.sign(velocity), velocity / most])
+    (level, at_most), _ = nnls(table, force)
+    residual = force - table @ np.array([level, at_most])
+    joint = JointFriction(level=float(level), damping=float(at_most / most))
+    return Simplified(
+        joint=joint,
+        load=load,
+        largest_speed=most,
+        largest=float(np.abs(residual).max()),
+        rms=float(np.sqrt(np.mean(residual**2))),
+        lost=tuple(_lost(subject, joint, speed, load)),
+        effect=() if subject.rig is None else _effect(subject, subject.rig, joint),
+    )
+
+
+def _lost(
+    subject: Subject, joint: JointFriction, speed: NDArray[np.float64], load: float
+) -> Iterator[str]:
+    """Yield what a joint with one level cannot have."""
+    law, turning = subject.law, subject.turning
+    unit, speed_unit = turned("N", turning), turned("m/s", turning)
+    ahead = steady_force(subject, speed, load)
+    back = -steady_force(subject, -speed, load)
+    scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), joint.level)
+    same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
+    levels = [float(towards(law, side).break_away(load)) for side in (1, -1)]
+    for level in dict.fromkeys(levels):
+        if abs(level - joint.level) > SAME * scale:
+            yield (
+                f"Static friction: rest holds {quantity(level, unit)}, with the joint's friction"
+                f" {quantity(joint.level, unit)}."
+            )
+    for forces in (ahead,) if same else (ahead, back):
+        drop = float(forces[0] - forces.min())
+        if drop > SAME * scale:
+            yield (
+                f"Friction that falls with speed (Stribeck): by {quantity(drop, unit)} up to"
+                f" {quantity(float(speed[forces.argmin()]), speed_unit)}."
+            )
+    if not same:
+        most = float(np.abs(ahead - back).max())
+        yield f"Different friction in the two directions: by up to {quantity(most, unit)}."
+    if bristles_of(law):
+        yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
+    if float(towards(law, 1).break_away(2.0 * load)) > levels[0]:
+        yield (
+            f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
+            if subject.levels == "per load"
+            else "Dependence on the normal force, which was not known."
+        )
+
+
+def _effect(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[str, ...]:
+    """Return what the joint changes of the motion of a rig, both computed exactly."""
+    mechanism, law = rig.mechanism, subject.law
+    if len(mechanism.contacts()) != 1:
+        raise InputError(
+            f"{rig.path or rig.heading} has {len(mechanism.contacts())} contacts; the effect of a"
+            " joint's friction is computed for rigs with one: leave --rig out."
+        )
+    slip, rate = slip_names(mechanism)
+    law_run, joint_run = (
+        simulate(mechanism, one, t_end=rig.t_end, y0=rig.start(one)) for one in (law, joint)
+    )
+    t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
+    true, changed = law_run.at(t), joint_run.at(t)
+    length, unit = partial(quantity, unit=true.units[slip]), true.units[rate]
+    apart = np.abs(changed[slip] - true[slip])
+    end, other = (float(one[slip][-1]) for one in (true, changed))
+    fastest, faster = (float(np.abs(one[rate]).max()) for one in (true, changed))
+    return (
+        f"On {rig.path or rig.heading}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
+        f" ends at {length(end)} with the law and at {length(other)} with the joint's friction,"
+        f" {length(other - end)} apart.",
+        f"Their largest distance is {length(float(apart.max()))}, at"
+        f" {quantity(float(t[apart.argmax()]), 's')}; the largest speeds are"
+        f" {quantity(fastest, unit)} and {quantity(faster, unit)}.",
+    )

@@ -1,0 +1,146 @@
+"""What is exported: a law, how well it is known, and where it is from."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from typing import Final, final
+
+from stickslip.errors import InputError
+from stickslip.experiments import LawEstimates, Levels, Rig, levels_at, unit_on
+from stickslip.exports.equations import Equations, equations_of
+from stickslip.exports.program import Constant
+from stickslip.formatting import printable
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.quantities import Quantity, turned
+
+__all__ = ["Subject"]
+
+LOAD_TEXT: Final = {
+    "per load": "Levels are over the normal force: the load is the normal force in N.",
+    "forces": "Levels are forces in N, because no normal force was known: the load is 1.",
+    "torques": "Levels are torques in N m, because no normal force was known: the load is 1.",
+}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Subject:
+    """A law that is exported."""
+
+    law: FrictionLaw
+    """The law with its values."""
+    name: str
+    """Name of the program, which all languages accept."""
+    estimates: LawEstimates | None = None
+    """How well it is known, if its file says so."""
+    mechanism: Mechanism | None = None
+    """The mechanism on which it was fitted, if there is one."""
+    source: str = ""
+    """Where it is from, in words; empty if it was given as an object."""
+    load: float | None = None
+    """Normal force [N] at which tables and joints have their friction, if it is known."""
+    largest_speed: float | None = None
+    """End of the range of use [m/s] or [rad/s], if it is known."""
+    rig: Rig | None = None
+    """A rig on which the effect of a simplification is computed."""
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations of the law."""
+        return equations_of(self.law)
+
+    @property
+    def levels(self) -> Levels:
+        """What levels of the law are."""
+        if self.estimates is not None:
+            return self.estimates.levels
+        return "per load" if self.mechanism is None else levels_at(self.mechanism)
+
+    @property
+    def turning(self) -> bool:
+        """Whether the contact slips by an angle."""
+        if self.mechanism is None or len(self.mechanism.contacts()) != 1:
+            return self.levels == "torques"
+        slip = slip_of(self.mechanism)
+        return self.mechanism.units[self.mechanism.coordinates.index(slip)] == "rad"
+
+    def unit(self, quantity: Quantity) -> str:
+        """Return the unit in which a parameter of the law reads."""
+        if self.mechanism is not None and len(self.mechanism.contacts()) == 1:
+            return unit_on(self.mechanism, quantity)
+        return turned(quantity.unit, self.turning)
+
+    def constants(self) -> tuple[Constant, ...]:
+        """Return the parameters with units and with how well they are known."""
+        return tuple(
+            Constant(
+                name=one.identifier,
+                value=one.value,
+                unit=self.unit(one.quantity),
+                meaning=", ".join(filter(None, (one.name.replace("_", " "), self.known(one.name)))),
+            )
+            for one in self.equations.parameters
+        )
+
+    def known(self, name: str) -> str:
+        """Return how well a parameter is known, in words; empty where nothing is said of it."""
+        known = self.estimates
+        if known is None:
+            return ""
+        if name in known.intervals:
+            low, high = known.intervals[name]
+            return f"{known.interval}: {low:.6g} to {high:.6g}"
+        if name in known.not_identified:
+            return f"not identified: {printable(known.not_identified[name])}"
+        return "not fitted" if name in known.not_fitted else ""
+
+    def header(self) -> Iterator[str]:
+        """Yield what every target says of the law, line by line."""
+        title, release = printable(self.law.title), version("stickslip")
+        yield f"{title} friction ({printable(self.law.name)}), exported by stickslip {release}."
+        if self.source:
+            yield f"Source: {printable(self.source)}"
+        yield f"Law (LaTeX): {printable(self.law.formula)}"
+        yield "Parameters in SI units:"
+        for one in self.constants():
+            yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
+        yield LOAD_TEXT[self.levels]
+        if self.estimates is not None and self.estimates.largest_speed is not None:
+            unit = turned("m/s", self.turning)
+            yield (
+                f"Fitted at speeds up to {self.estimates.largest_speed:.6g} {unit}; the law is"
+                " extrapolated beyond."
+            )
+
+    def needed_load(self) -> float:
+        """Return the load of tables and joints.
+
+        Raises
+        ------
+        InputError
+            If none is known.
+        """
+        if self.load is not None:
+            return self.load
+        raise InputError(
+            "this target has friction at one normal force, and that of the law's mechanism is not"
+            ' known: give it, as --load "50 N" (in Python load=50.0).'
+        )
+
+    def needed_speed(self) -> float:
+        """Return the end of the range of use [m/s].
+
+        Raises
+        ------
+        InputError
+            If none is known.
+        """
+        if self.largest_speed is not None:
+            return self.largest_speed
+        raise InputError(
+            "this target has friction over a range of speeds, and neither the law's file nor a rig"
+            ' says which: give its end, as --largest-speed "0.5 m/s" (in Python'
+            " largest_speed=0.5)."
+        )
