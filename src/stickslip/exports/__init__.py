@@ -7,6 +7,7 @@ HOMES = {
     "TARGETS": "registry",
     "Target": "base",
     "export": "verb",
+    "export_fmu": "fmu.export",
 }
 
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
