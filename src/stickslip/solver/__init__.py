@@ -31,6 +31,7 @@ INSIDE = {
     "gather": "drive_schedule",
     "notice": "compile.messages",
     "object_files": "compile.modules",
+    "reasons": "reducers",
     "run_ensemble": "ensembles",
     "status_of": "event_driven",
     "within_stops": "initial_states",

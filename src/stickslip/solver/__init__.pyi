@@ -26,6 +26,7 @@ from stickslip.solver.reducers import Min as Min
 from stickslip.solver.reducers import Output as Output
 from stickslip.solver.reducers import Samples as Samples
 from stickslip.solver.reducers import Sensitivity as Sensitivity
+from stickslip.solver.reducers import reasons as reasons
 from stickslip.solver.run import prepare as prepare
 
 __all__ = [

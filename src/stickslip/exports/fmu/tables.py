@@ -8,7 +8,8 @@ from stickslip.exports.fmu.variables import Variable
 from stickslip.formulation import PAINLEVE, Model
 from stickslip.kernels import enums, state_layout
 from stickslip.kernels.equations import WALLS_OF
-from stickslip.solver import status_of
+from stickslip.kernels.reducers import happened
+from stickslip.solver import reasons, status_of
 from stickslip.trajectory import Status
 
 __all__ = ["model_header"]
@@ -77,6 +78,7 @@ def model_header(
         f"#define N_VARIABLES {len(variables)}",
         _array("int64_t HEADER_NUMBERS", map(str, header)),
         _array("double TABLE", map(_real, table)),
+        _array("bool IS_EVENT", _are_events(model)),
         _array("struct variable VARIABLES", map(_row, variables)),
     ]
     endings = list(_endings(model))
@@ -91,6 +93,17 @@ def _slot(name: str, header: Sequence[int]) -> int:
     """Return a place in the vectors of a run; those of model-sized slots stand in the header."""
     place: int = getattr(state_layout, name)
     return place if name not in ("VALUES", "Y") else header[place]
+
+
+def _are_events(model: Model) -> Iterable[str]:
+    """Yield whether the fall of each guard is an event: switches without a name are none."""
+    names, header = reasons(model), list(model.sizes.header)
+    for guard in range(model.sizes.guards):
+        if model.contacts and guard < 2 * model.sizes.coordinates:
+            yield "1"
+        else:
+            row = [0.0, 0.0, 0.0, float(guard), 0.0, 0.0, 0.0]
+            yield str(int(names[happened(row, 0, header)] is not None))
 
 
 def _endings(model: Model) -> Iterable[str]:

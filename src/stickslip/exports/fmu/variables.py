@@ -9,7 +9,7 @@ from stickslip.drives import Drive, Sum
 from stickslip.experiments import unit_on
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity, parameters, shadow, turned
 from stickslip.solver import column_units
 
@@ -137,7 +137,7 @@ def variables_of(
                 name="mode", role="contact_mode", unit="1", description=MODE.format("Mode")
             )
         )
-    what = "Changes of mode, switches and impacts so far"
+    what = "Events so far: changes of mode and impacts"
     found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
     return tuple(found)
 
@@ -192,7 +192,7 @@ def _unit(
     if path.startswith("mechanism."):
         angular = set(mechanism.units) == {"rad"}
         return quantity.or_unit if quantity.or_unit and angular else quantity.unit
-    if len(mechanism.contacts()) == 1:
+    if has_one_slip(mechanism):
         return unit_on(mechanism, quantity)
     frictions = {c: u for c, u in units.items() if c.partition(":")[0] == "friction"}
     contact = path.split(".")[1]

@@ -264,8 +264,10 @@ static struct ending ending_of(int64_t status) {
 static void count_events(struct core *core, double until) {
     while (core->events_seen < core->whole[AT_EVENTS] &&
            core->events[core->events_seen * EVENT_COLUMNS] <= until) {
+        /* a guard below 0 is a change of mode; some switches of equations are no events */
+        const int64_t guard = (int64_t)core->events[core->events_seen * EVENT_COLUMNS + 3];
+        core->events_counted += guard < 0 || IS_EVENT[guard];
         core->events_seen++;
-        core->events_counted++;
     }
 }
 
@@ -364,7 +366,7 @@ static bool read_off(struct instance *self, struct core *core, double t) {
 /* Put a start onto its stop where it is beyond it by rounding; refuse it farther beyond. */
 static bool within_stops(struct instance *self) {
     struct core *core = &self->core;
-    const int64_t at = core->whole[AT_Y], to = core->whole[AT_VALUES];
+    const int64_t at = AT_Y, to = AT_VALUES;
     if (N_WALLS > 0) {
         equations(WALLS_OF, 0, 0, core->w[AT_TIME], core->w, SIZE, at, to);
     }
@@ -423,7 +425,7 @@ static bool initialized(struct instance *self) {
     core->w[AT_TIME] = core->time;
     for (int i = 0; i < N_VARIABLES; i++) {
         if (VARIABLES[i].role == STATE) {
-            core->w[core->whole[AT_Y] + VARIABLES[i].index] = core->values[i];
+            core->w[AT_Y + VARIABLES[i].index] = core->values[i];
         }
     }
     if (!within_stops(self)) {
