@@ -17,8 +17,7 @@ from stickslip.friction import BristleLaw, towards
 
 LOAD, MASS, PERIOD = 7.0, 2.0, 0.01
 VELOCITIES = (0.0, 1e-7, 3e-3, 0.04, 2.0, -1e-7, -3e-3, -0.04, -2.0)
-NAMES = ("direction_dependent", "stribeck_bent", "lugre_bent", "dahl_bent", "hostile", "two_bristles",
-         "lugre_held")  # fmt: skip
+NAMES = ("direction_dependent", "dahl_bent", "hostile", "two_bristles", "lugre_held")
 """Laws of every kind: what the languages share is tested in C for all laws."""
 
 

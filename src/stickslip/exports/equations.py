@@ -109,7 +109,7 @@ def equations_of(law: FrictionLaw) -> Equations:
     >>> from stickslip import CoulombViscous
     >>> found = equations_of(CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=3.0))
     >>> found.slip.ahead, found.slip.back, found.slip.rest
-    ((load*mu_k + velocity*sigma_2,), (-(load*mu_k - velocity*sigma_2),), (0,))
+    ((load*mu_k + sigma_2*velocity,), (-(load*mu_k - sigma_2*velocity),), (0,))
     """
     if not isinstance(law, SetValuedLaw | DirectionalLaw | BristleLaw):
         raise InputError(

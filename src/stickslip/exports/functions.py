@@ -168,7 +168,7 @@ class _Writer:
             inputs=(_variable("velocity"), *self.bristles, _variable("load")),
             outputs=(_variable("force"),),
             body=_loaded(_by_velocity(("force",), forces)),
-        )  # fmt: skip
+        )
 
     def _rates(self) -> Function:
         names, slip = tuple(self.slips[1:]), self.law.slip
@@ -285,8 +285,13 @@ class _Writer:
             pairs = zip(rates, slopes, strict=True)
             ahead, back = (Assign(names, (rate, slope)) for rate, slope in pairs)
             rest = Assign(names, (slip.rest[1 + place].subs({LOAD: NORMAL}), ZERO))
-            step = PERIOD * se.Symbol("rate") / (1 + PERIOD * se.Symbol("drop"))
-            return (*_loaded((_senses(ahead, back, rest),)), Assign((str(end),), (z + step,)))
+            drop = se.Symbol("drop")
+            step = PERIOD * se.Symbol("rate") / (1 + PERIOD * drop)
+            return (
+                *_loaded((_senses(ahead, back, rest),)),
+                Branch(drop, ZERO, (Assign(("drop",), (ZERO,)),)),
+                Assign((str(end),), (z + step,)),
+            )
         values = [one.subs({z: end}) for one in rates]
         rest = slip.rest[1 + place].subs({LOAD: NORMAL, z: end})
         ahead, back, still = (Assign(("rate",), (one,)) for one in (*values, rest))
@@ -426,15 +431,12 @@ class _Writer:
             )
             return (*moved, Assign(("sticks",), (ZERO,)), closing)
         at_rest = Call(("sense",), "departure", (APPLIED, LOAD))
-        stays = (
+        stays: Body = (
             Assign(("velocity_end", "displacement"), (ZERO, ZERO)),
             *(Assign((end,), (z,)) for end, z in zip(self.ends, self.states, strict=True)),
         )
         return (
-            _senses(
-                *(Assign(("sense",), (one,)) for one in (ONE, -ONE)),
-                at_rest,
-            ),
+            _senses(Assign(("sense",), (ONE,)), Assign(("sense",), (-ONE,)), at_rest),
             Branch(ZERO, sense * sense, self._moves(), stays),
             Assign(("sticks",), (ZERO,)),
             Branch(sense * sense, ONE, (Assign(("sticks",), (ONE,)),)),
@@ -461,14 +463,14 @@ class _Writer:
         sense, end = se.Symbol("sense"), se.Symbol("velocity_end")
         share, used, rest = map(se.Symbol, ("share", "used", "rest"))
         z_ends = tuple(map(se.Symbol, self.ends))
-        through = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
+        through: Body = (Assign(("displacement",), ((VELOCITY + end) * PERIOD / 2,)),)
         backwards = Branch(sense * end, ZERO, (Assign(("velocity_end",), (ZERO,)),))
         on: Body = (
             *self._sliding(ZERO, z_ends, rest),
             *((backwards,) if not self.states else ()),
             Assign(("displacement",), (se.Symbol("displacement") + end * rest / 2,)),
         )
-        passed = (
+        passed: Body = (
             Assign(("share",), (ZERO,)),
             Branch(ZERO, sense * VELOCITY, (Assign(("share",), (VELOCITY / (VELOCITY - end),)),)),
             Assign(("used", "rest"), (share * PERIOD, (1 - share) * PERIOD)),

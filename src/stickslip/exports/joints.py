@@ -14,8 +14,12 @@ from stickslip.quantities import turned
 
 __all__ = ["Mjcf", "Urdf"]
 
-TINY = 1e-9
-"""Share of an armature that the body has which carries it: it must have some inertia."""
+OF_BODY = 0.1
+"""Share of the inertia of an axis that the body has; the rest is armature.
+
+MuJoCo 4.0 takes the stiffness of its friction constraint from the bodies: with a share of 0.0005,
+friction hardly acts.
+"""
 
 
 def _safe(text: str) -> str:
@@ -35,7 +39,7 @@ def _sentences(subject: Subject, found: Simplified) -> Iterator[str]:
     yield from found.effect
 
 
-def _comment(subject: Subject, found: Simplified, more: tuple[str, ...]) -> Iterator[str]:
+def _comment(subject: Subject, found: Simplified, more: Sequence[str]) -> Iterator[str]:
     yield "<!--"
     lines = [*subject.header(), "The joint's friction is a simplification of this law.", *more]
     said = [f"- {line}" for line in _sentences(subject, found)]
@@ -74,16 +78,20 @@ class Mjcf(Target):
         found = simplified(subject)
         joint, name = found.joint, subject.name
         inertia, reflected = _inertia(subject)
-        armature = inertia if reflected else 0.0
-        body = TINY * inertia if reflected else inertia
+        body = OF_BODY * inertia if reflected else inertia
+        armature = inertia - body
         principal = " ".join([repr(body)] * 3)
         kind = "hinge" if subject.turning else "slide"
-        notes = (
-            "Copy frictionloss, damping and armature to the joint of your model."
-            + (" The armature is the whole inertia of the axis: lower it by that of your bodies."
-               if reflected else ""),
+        notes = [
+            "Copy frictionloss, damping and armature to the joint of your model.",
             "MuJoCo enforces frictionloss by a soft constraint: a loaded joint at rest creeps.",
-        )  # fmt: skip
+        ]
+        if reflected:
+            notes.append(
+                f"Armature and body share the inertia of the axis, {inertia!r}"
+                f" {turned('kg', subject.turning)}: divide it as in your model. With a light body"
+                " and a large armature, MuJoCo makes frictionloss too soft to act."
+            )
         lines = [
             f'<mujoco model="{name}">',
             *(f"  {line}" for line in _comment(subject, found, notes)),

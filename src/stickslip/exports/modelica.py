@@ -17,6 +17,7 @@ from stickslip.quantities import turned
 __all__ = ["Modelica", "modelica_unit"]
 
 DEPTH = 2
+STOPPED = "            reinit(v, 0.0);"
 
 
 def modelica_unit(unit: str) -> str:
@@ -43,7 +44,15 @@ class Modelica(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
-        source = Source(subject=subject, language=MODELICA, safe=_safe, needed=("slip",))
+        # tools integrate bristles themselves, and not all of them read the searches of `step`
+        held, bristles = subject.equations.holds, bool(subject.equations.bristles)
+        source = Source(
+            subject=subject,
+            language=MODELICA,
+            safe=_safe,
+            needed=("slip",) if held else (),
+            left_out=("step",) if bristles else (),
+        )
         text = "\n".join(_package(source)) + "\n"
         return Export(target=self.name, files={f"{_package_name(source)}.mo": text})
 
@@ -159,10 +168,10 @@ def _held(bristles: tuple[str, ...]) -> Iterator[str]:
         "            direction = -1;",
         "        elsewhen pre(direction) == 1 and v < 0.0 then",
         "            direction = if -applied > break_away(-1.0, load) then -1 else 0;",
-        "            reinit(v, 0.0);",
+        STOPPED,
         "        elsewhen pre(direction) == -1 and v > 0.0 then",
         "            direction = if applied > break_away(1.0, load) then 1 else 0;",
-        "            reinit(v, 0.0);",
+        STOPPED,
         "        end when;",
     )
 

@@ -30,13 +30,19 @@ class Source:
 
     needed: tuple[str, ...] = ()
     """Inner functions that what stands beside the functions calls."""
+    left_out: tuple[str, ...] = ()
+    """Functions that the language has no use for."""
 
     @cached_property
     def functions(self) -> tuple[Function, ...]:
         """All functions that are called or may be, each after those that it calls."""
         every = functions_of(self.subject.equations, turning=self.subject.turning)
-        asked = {*self.needed, *(name for one in every for name in called(one.body))}
-        return tuple(one for one in every if not one.inner or one.name in asked)
+        asked = {one.name for one in every if not one.inner} - set(self.left_out)
+        asked |= set(self.needed)
+        for one in reversed(every):  # each stands after those that it calls
+            if one.name in asked:
+                asked |= set(called(one.body))
+        return tuple(one for one in every if one.name in asked)
 
     @cached_property
     def constants(self) -> tuple[Constant, ...]:

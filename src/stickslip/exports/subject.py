@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import Final, final
 
 from stickslip.errors import InputError
-from stickslip.experiments import LawEstimates, Levels, Rig, levels_at, unit_on
+from stickslip.experiments import AT_UNIT_LOAD, LawEstimates, Levels, Rig
 from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
 from stickslip.formatting import printable
@@ -37,6 +37,8 @@ class Subject:
     """How well it is known, if its file says so."""
     mechanism: Mechanism | None = None
     """The mechanism on which it was fitted, if there is one."""
+    levels: Levels = "per load"
+    """What levels of the law are."""
     source: str = ""
     """Where it is from, in words; empty if it was given as an object."""
     load: float | None = None
@@ -52,13 +54,6 @@ class Subject:
         return equations_of(self.law)
 
     @property
-    def levels(self) -> Levels:
-        """What levels of the law are."""
-        if self.estimates is not None:
-            return self.estimates.levels
-        return "per load" if self.mechanism is None else levels_at(self.mechanism)
-
-    @property
     def turning(self) -> bool:
         """Whether the contact slips by an angle."""
         if self.mechanism is None or len(self.mechanism.contacts()) != 1:
@@ -68,9 +63,10 @@ class Subject:
 
     def unit(self, quantity: Quantity) -> str:
         """Return the unit in which a parameter of the law reads."""
-        if self.mechanism is not None and len(self.mechanism.contacts()) == 1:
-            return unit_on(self.mechanism, quantity)
-        return turned(quantity.unit, self.turning)
+        unit = quantity.unit
+        if self.levels != "per load" and not quantity.structural:
+            unit = AT_UNIT_LOAD.get(unit, unit)
+        return turned(unit, self.turning)
 
     def constants(self) -> tuple[Constant, ...]:
         """Return the parameters with units and with how well they are known."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried
-from stickslip.exports.base import Export
+from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried, levels_at
+from stickslip.exports.base import Export, Target
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.subject import Subject
@@ -89,9 +89,9 @@ def export(
     >>> law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.4)
     >>> found = export(law, "mjcf", name="slide", load=20.0, largest_speed=0.5)
     >>> found.remarks[0]
-    'Least squares over speeds up to 500 mm/s leave 0 N at most and 0 N rms.'
+    'Least squares over speeds up to 0.5 m/s leave 0 N at most and 0 N rms.'
     """
-    target = named(TARGETS, to, "target")
+    target: Target = named(TARGETS, to, "target")
     found = _taken(source, law, contact, rig, law_load)
     used = dataclasses.replace(
         found,
@@ -144,6 +144,7 @@ def _taken(
         name="",
         rig=rig,
         mechanism=None if rig is None else rig.mechanism,
+        levels="per load" if rig is None else levels_at(rig.mechanism),
     )
 
 
@@ -167,11 +168,14 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
     origin = Path(source.path).name
     if origin and source.digest:
         origin = f"{origin}, SHA-256 {source.digest}"
+    known = found.estimates
+    levels = levels_at(onto) if known is None else known.levels
     return Subject(
         law=found.law,
         name="",
-        estimates=found.estimates,
+        estimates=known,
         mechanism=onto,
+        levels=levels if law_load is None else "per load",
         source=origin,
         rig=rig,
     )
@@ -202,7 +206,8 @@ def _of_contact(
     own = None
     if known is not None and not isinstance(known.law, str) and contact in known.law:
         own = _estimates_of(known, contact)
-    return Subject(law=laws[contact], name="", estimates=own, mechanism=mechanism)
+    levels = levels_at(mechanism) if own is None else own.levels
+    return Subject(law=laws[contact], name="", estimates=own, mechanism=mechanism, levels=levels)
 
 
 def _estimates_of(known: LawEstimates, contact: str) -> LawEstimates:

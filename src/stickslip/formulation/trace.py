@@ -126,6 +126,8 @@ def expression(value: Any) -> se.Expr:
         raise TracingError(
             f"an equation contains {value!r}, which is neither a number nor a symbol"
         )
+    if not math.isfinite(value):
+        raise TracingError(f"an equation contains {value!r}, which is no finite number")
     top, bottom = float(value).as_integer_ratio()
     # 0.5 and its like stay exact, so that factors from energies cancel instead of piling up
     return (

@@ -1,0 +1,105 @@
+"""``stickslip export``: files, remarks, and one message for what cannot be done."""
+
+import json
+
+import pytest
+
+from stickslip.cli import main
+
+LAW = """
+title = "Slide"
+[mechanism]
+type = "spring-block"
+mass = "1 kg"
+stiffness = "100 N/m"
+compression = "100 mm"
+[friction.stribeck]
+kinetic_coefficient = 0.25
+static_coefficient = 0.35
+stribeck_velocity = "20 mm/s"
+[run]
+t_end = "2 s"
+[estimates]
+law = "stribeck"
+largest_speed = 0.7
+[estimates.intervals]
+kinetic_coefficient = [0.24, 0.26]
+"""
+
+
+@pytest.fixture
+def called(tmp_path, monkeypatch, capsys):
+    """Run commands in a folder with a law; return exit code, stdout and stderr on one line."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "law.toml").write_text(LAW, encoding="utf-8")
+
+    def call(*arguments):
+        try:
+            code = main(["export", *map(str, arguments)])
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        seen = capsys.readouterr()
+        return code, seen.out, " ".join(seen.err.split())
+
+    return call
+
+
+def test_files_go_into_a_folder_and_are_named(called, tmp_path):
+    code, out, _ = called("law.toml", "--to", "c", "--name", "my axis", "-o", "code")
+    assert code == 0
+    assert "C99: code/my_axis.h, code/my_axis.c" in out
+    assert "95 %: 0.24 to 0.26" in (tmp_path / "code" / "my_axis.c").read_text(encoding="utf-8")
+
+
+def test_a_joint_says_what_it_cannot_carry_and_what_that_changes(called):
+    code, out, _ = called("law.toml", "--to", "mjcf", "--rig", "law.toml", "--json")
+    assert code == 0
+    found = json.loads(out)
+    assert found["schema"] == "stickslip/export/1"
+    assert found["files"] == ["stickslip-export/stribeck.xml"]
+    assert any("falls with speed" in line for line in found["remarks"])
+    assert any(
+        line.startswith("On law.toml, simulated exactly to 2 s") for line in found["remarks"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("law.toml", "--to", "fortran"), "unknown target 'fortran'. Known: c, csv, json, matlab"),
+        (("law.json", "--to", "c"), "give the law.toml that `stickslip select` writes beside"),
+        (("none.toml", "--to", "c"), "none.toml does not exist"),
+        (("law.toml", "--to", "c", "--law", "dahl"), "dahl"),
+        (("law.toml", "--to", "csv", "--load", "3 kg"), "--load"),
+        (("law.toml", "--to", "csv", "--load", "-3 N"), "must be above 0 N"),
+        (("law.toml", "--to", "csv", "--largest-speed", "0 m/s"), "must be above 0 m/s"),
+        (("law.toml", "--to", "csv", "--law-load", "3 N"), "already coefficients"),
+        (("law.toml", "--to", "c", "--contact", "elbow"), "this is one law"),
+        (("law.toml", "--to", "c", "--name", "+"), "needs a letter or a digit"),
+        (("law.toml", "--to", "c", "-o", "law.toml"), "a folder is needed"),
+        (("law.toml", "--to", "c", "-o", "law.toml/x"), "cannot be written"),
+    ],
+)
+def test_what_cannot_be_done_is_one_message_and_exit_code_2(called, tmp_path, arguments, message):
+    code, out, err = called(*arguments)
+    assert code == 2
+    assert message in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["law.toml"]
+
+
+def test_files_are_not_replaced_without_force(called, tmp_path):
+    assert called("law.toml", "--to", "json", "-o", ".")[0] == 0
+    code, _, err = called("law.toml", "--to", "json", "-o", ".")
+    assert code == 2
+    assert "stribeck.json already exists; give --force" in err
+    assert called("law.toml", "--to", "json", "-o", ".", "--force")[0] == 0
+
+
+def test_a_selection_that_named_no_law_says_so(called, tmp_path):
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / "verdict.json").write_text("{}", encoding="utf-8")
+    code, _, err = called("report/law.toml", "--to", "c")
+    assert code == 2
+    assert "select recommended no law" in err

@@ -1,0 +1,159 @@
+"""MJCF and URDF: level and damping, what they leave, and what they change."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from tests.exports.laws import LAWS_EXPORTED
+from tests.support import example_of
+
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    DirectionDependent,
+    LuGre,
+    Pendulum,
+    Rig,
+    SpringBlock,
+    Stribeck,
+    export,
+    simulate,
+)
+from stickslip.errors import InputError
+from stickslip.exports.simplification import JointFriction, simplified
+from stickslip.exports.subject import Subject
+from stickslip.mechanisms import read_urdf
+
+LAW = CoulombViscous(kinetic_coefficient=0.2, viscous_coefficient=3.0)
+STRIBECK = Stribeck(
+    kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01, viscous_coefficient=3.0
+)
+
+
+def taken(law, load=10.0, largest_speed=0.5, rig=None):
+    return simplified(Subject(law=law, name="law", load=load, largest_speed=largest_speed, rig=rig))
+
+
+def test_coulomb_and_viscous_friction_leaves_nothing():
+    found = taken(LAW)
+    np.testing.assert_allclose([found.joint.level, found.joint.damping], [2.0, 3.0], rtol=1e-12)
+    assert found.largest < 1e-12
+    assert found.lost == ("Dependence on the normal force: the joint has the friction at 10 N.",)
+
+
+def test_level_and_damping_are_those_of_least_squares_with_neither_below_zero():
+    found = taken(STRIBECK)
+    v = np.linspace(5e-7, 0.5, 2001)
+    force = np.array([STRIBECK.sliding(one, 10.0) for one in v])
+    table = np.column_stack([np.ones_like(v), v])
+    (level, damping), *_ = np.linalg.lstsq(table, force, rcond=None)
+    np.testing.assert_allclose(
+        [found.joint.level, found.joint.damping], [level, damping], rtol=1e-9
+    )
+    left = force - table @ [level, damping]
+    assert found.largest == pytest.approx(np.abs(left).max(), rel=1e-9)
+    assert found.rms == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-9)
+    falling = Stribeck(kinetic_coefficient=0.1, static_coefficient=0.5, stribeck_velocity=0.5)
+    assert taken(falling).joint.damping == 0.0
+
+
+def test_each_thing_that_a_joint_cannot_have_is_said_with_its_size():
+    both = DirectionDependent(forward_kinetic_coefficient=0.2, backward_kinetic_coefficient=0.3)
+    said = {
+        "Static friction: rest holds 3 N": STRIBECK,
+        "falls with speed (Stribeck): by": STRIBECK,
+        "in the two directions: by up to 1 N": both,
+        "Bristles:": example_of(LuGre),
+        "the friction at 10 N": STRIBECK,
+    }
+    for words, law in said.items():
+        assert any(words in line for line in taken(law).lost), words
+    assert not any("Static" in line or "Stribeck" in line for line in taken(LAW).lost)
+
+
+def test_the_effect_on_a_rig_is_the_difference_of_two_exact_runs():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    rig = Rig(mechanism=block, t_end=2.0, path="block.toml")
+    found = export(STRIBECK, "mjcf", rig=rig)
+    (joint,) = re.findall(r'frictionloss="([^"]+)" damping="([^"]+)"', found.files["stribeck.xml"])
+    level, damping = map(float, joint)
+    plain = JointFriction(level=level, damping=damping)
+    ends = [simulate(block, law, t_end=2.0)["x"][-1] for law in (STRIBECK, plain)]
+    (said,) = (line for line in found.remarks if line.startswith("On block.toml"))
+    assert f"x ends at {ends[0]:.3f} m" in said
+    assert f"{ends[1]:.3f} m with the joint's friction" in said
+    written = " ".join(found.files["stribeck.xml"].split())
+    assert all(" ".join(line.split()) in written for line in found.remarks)
+
+
+def test_a_law_that_is_a_joint_already_changes_nothing_on_a_rig():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    found = export(LAW, "urdf", rig=Rig(mechanism=block, t_end=2.0))
+    (said,) = (line for line in found.remarks if line.startswith("Their largest distance"))
+    assert re.match(r"Their largest distance is (0|[0-9.]+ × 10⁻¹[⁴-⁹]) m, at", said), said
+
+
+@pytest.mark.parametrize("name", LAWS_EXPORTED)
+@pytest.mark.parametrize("target", ["mjcf", "urdf"])
+def test_files_are_well_formed_for_all_laws(name, target):
+    found = export(LAWS_EXPORTED[name], target, name=name, load=5.0, largest_speed=1.0)
+    (text,) = found.files.values()
+    (joint,) = (one for one in ElementTree.fromstring(text).iter("joint") if len(one.attrib) > 1)
+    assert joint.attrib["name"] == name
+
+
+def test_our_own_reader_takes_the_robot_back(tmp_path):
+    rig = Rig(mechanism=Axis(inertia=3.0, load=20.0), t_end=1.0)
+    found = export(LAW, "urdf", name="slide", rig=rig, largest_speed=1.0)
+    (path,) = found.save(tmp_path)
+    robot = read_urdf(path)
+    assert robot.levels == {"slide": pytest.approx(4.0)}
+
+
+def test_a_turning_joint_is_a_hinge_with_the_inertia_of_the_axis_as_armature():
+    rig = Rig(mechanism=Pendulum(mass=1.0, length=0.5), t_end=0.1)
+    text = export(LAW, "mjcf", rig=rig, largest_speed=1.0).files["coulomb_viscous.xml"]
+    assert 'type="hinge"' in text
+    axis = Rig(mechanism=Axis(inertia=3.0), t_end=0.1)
+    text = export(LAW, "mjcf", rig=axis, largest_speed=1.0).files["coulomb_viscous.xml"]
+    shares = re.findall(r' (?:armature|mass)="([^"]+)"', text)
+    assert sum(map(float, shares)) == pytest.approx(3.0)
+
+
+def test_a_load_or_a_range_of_speeds_that_is_not_known_is_asked_for():
+    with pytest.raises(InputError, match=r"--load .50 N. \(in Python load=50.0\)"):
+        export(LAW, "mjcf", largest_speed=1.0)
+    with pytest.raises(InputError, match="--largest-speed"):
+        export(LAW, "mjcf", load=5.0)
+
+
+def test_mujoco_slides_as_the_law_does_and_creeps_where_it_rests():
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
+    load, mass, start = 10.0, 2.0, 1.0
+    rig = Rig(mechanism=Axis(inertia=mass, load=load), t_end=0.1)
+    found = export(LAW, "mjcf", rig=rig, largest_speed=1.0)
+    model = mujoco.MjModel.from_xml_string(found.files["coulomb_viscous.xml"])
+    data = mujoco.MjData(model)
+    data.qvel[0] = start
+    end = 0.5
+    while data.time < end - 1e-9:
+        mujoco.mj_step(model, data)
+    true = simulate(Axis(inertia=mass, load=load), LAW, t_end=end, y0={"x": 0.0, "v": start})
+    # steps of a millisecond of first order, and a constraint that is soft
+    assert data.qvel[0] == pytest.approx(true["v"][-1], rel=0.02)
+    assert data.qpos[0] == pytest.approx(true["x"][-1], rel=0.02)
+
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 0.9 * 2.0
+    while data.time < 1.0:
+        mujoco.mj_step(model, data)
+    held = data.qpos[0]
+    while data.time < 2.0:
+        mujoco.mj_step(model, data)
+    creep = data.qpos[0] - held
+    assert creep > 0.0  # as the comment of the file says
+    data.ctrl[0] = 2.5 * 2.0
+    while data.time < 3.0:
+        mujoco.mj_step(model, data)
+    assert data.qpos[0] > 10.0 * creep
