@@ -2,6 +2,7 @@
 from stickslip.exports.base import Export as Export
 from stickslip.exports.base import Target as Target
 from stickslip.exports.fmu.export import export_fmu as export_fmu
+from stickslip.exports.identifiers import identifier as identifier
 from stickslip.exports.registry import TARGETS as TARGETS
 from stickslip.exports.verb import export as export
 

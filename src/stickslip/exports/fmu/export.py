@@ -172,7 +172,9 @@ def _token(text: str, *contents: bytes) -> str:
     for content in contents:
         digest.update(content)
     found = digest.hexdigest()
-    return "{" + "-".join(found[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32))) + "}"
+    return (
+        "{" + "-".join(found[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32))) + "}"
+    )
 
 
 def _zipped(contents: Mapping[str, bytes]) -> bytes:

@@ -151,4 +151,6 @@ def _real(number: float) -> str:
 def _text(words: str) -> str:
     """Return a text in C; letters outside ASCII as bytes of UTF-8."""
     plain = json.dumps(words, ensure_ascii=False)
-    return "".join(c if c.isascii() else '""'.join(f"\\x{b:02x}" for b in c.encode()) + '""' for c in plain)
+    return "".join(
+        c if c.isascii() else '""'.join(f"\\x{b:02x}" for b in c.encode()) + '""' for c in plain
+    )

@@ -55,7 +55,9 @@ def base_units(unit: str) -> dict[str, int]:
         for factor in side.split():
             parsed = _FACTOR.fullmatch(factor)
             if parsed is None or parsed["name"] not in _NAMED:
-                raise InputError(f"the unit {unit!r} has {factor!r}, which is no SI unit known here.")
+                raise InputError(
+                    f"the unit {unit!r} has {factor!r}, which is no SI unit known here."
+                )
             for base, power in _NAMED[parsed["name"]].items():
                 found[base] += sign * power * int(parsed["power"] or 1)
     return {base: power for base, power in found.items() if power}

@@ -101,7 +101,9 @@ def variables_of(
                 description=f"Drive {drive}, held over each communication step",
             )
         )
-    units = column_units(mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns])
+    units = column_units(
+        mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
+    )
     found += _parameters(mechanism, law, model, units, len(found))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
         found.append(
@@ -133,9 +135,7 @@ def variables_of(
         )
     if not model.contacts:
         found.append(
-            Variable(
-                name="mode", role="contact_mode", unit="1", description=MODE.format("Mode")
-            )
+            Variable(name="mode", role="contact_mode", unit="1", description=MODE.format("Mode"))
         )
     what = "Events so far: changes of mode and impacts"
     found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
@@ -185,9 +185,7 @@ def _parameters(
         )
 
 
-def _unit(
-    mechanism: Mechanism, path: str, quantity: Quantity, units: Mapping[str, str]
-) -> str:
+def _unit(mechanism: Mechanism, path: str, quantity: Quantity, units: Mapping[str, str]) -> str:
     """Return the unit of a parameter on a mechanism."""
     if path.startswith("mechanism."):
         angular = set(mechanism.units) == {"rad"}

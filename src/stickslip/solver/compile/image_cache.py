@@ -275,9 +275,7 @@ def image_of(name: str, kind: Processor | None = None) -> bytes | None:
     return content if seal == _seal(name, content) else None
 
 
-def keep_image(
-    name: str, content: bytes, *, warns: bool, kind: Processor | None = None
-) -> None:
+def keep_image(name: str, content: bytes, *, warns: bool, kind: Processor | None = None) -> None:
     """Keep object code in a file; a folder that cannot be written to is no obstacle.
 
     Parameters
