@@ -123,7 +123,7 @@ def run(
 def _refuse_foreign(to: str, wanted: Wanted) -> None:
     """Refuse options that the target has no use for."""
     if to == FMU:
-        named_alone = {
+        named_alone: dict[str, object] = {
             "--contact": wanted.contact,
             "--rig": wanted.rig,
             "--load": wanted.load,

@@ -78,6 +78,7 @@ def with_inputs(
 def _with_held(mechanism: Mechanism, name: str) -> Mechanism:
     """Return a mechanism whose drive of a name is held, and no other drive is."""
     own = mechanism.drives()
+    candidate: Mechanism
     for candidate in _replaced(mechanism, own[name]):
         drives = candidate.drives()
         others = (drives.get(other) is drive for other, drive in own.items() if other != name)
