@@ -25,7 +25,6 @@ HOMES = {
     "compare_trials": "identification",
     "ensemble": "simulation",
     "export": "exports",
-    "export_fmu": "exports",
     "fit": "routes",
     "inverse_dynamics": "identification",
     "load_measurement": "experiments",

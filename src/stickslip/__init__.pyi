@@ -5,7 +5,6 @@ from stickslip.experiments import check as check
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
 from stickslip.exports import export as export
-from stickslip.exports import export_fmu as export_fmu
 from stickslip.friction import Coulomb as Coulomb
 from stickslip.friction import CoulombViscous as CoulombViscous
 from stickslip.friction import CoulombViscousStatic as CoulombViscousStatic
@@ -91,7 +90,6 @@ __all__ = [
     "compare_trials",
     "ensemble",
     "export",
-    "export_fmu",
     "fit",
     "inverse_dynamics",
     "load_measurement",

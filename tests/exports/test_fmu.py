@@ -23,12 +23,12 @@ from stickslip import (
     SpringBlock,
     Stribeck,
     export,
-    export_fmu,
     simulate,
 )
 from stickslip.cli import main
 from stickslip.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.exports import export_fmu
 from stickslip.exports.fmu.inputs import with_inputs
 from stickslip.exports.fmu.units import base_units
 from stickslip.exports.fmu.variables import variables_of

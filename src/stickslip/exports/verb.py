@@ -93,7 +93,8 @@ def export(
     """
     if to == "fmu":
         raise InputError(
-            "an FMU is of a mechanism with its law: export_fmu(mechanism, law, path, t_end=...)."
+            "an FMU is of a mechanism with its law:"
+            " stickslip.exports.export_fmu(mechanism, law, path, t_end=...)."
         )
     target: Target = named(TARGETS, to, "target")
     found = _taken(source, law, contact, rig, law_load)

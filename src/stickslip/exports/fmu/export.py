@@ -93,6 +93,7 @@ def export_fmu(
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock
+    >>> from stickslip.exports import export_fmu
     >>> block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
     >>> law = Coulomb(kinetic_coefficient=0.25)
     >>> export_fmu(block, law, "block.fmu", t_end=1.0)  # doctest: +SKIP

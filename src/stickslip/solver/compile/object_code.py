@@ -110,7 +110,7 @@ class ObjectCode(ABC):
         image = image_of(self.name, kind)
         if image is not None:
             return image, False
-        image = _compiled(self.text(), kind or processor())
+        image = _compiled(self.text(), kind)
         keep_image(self.name, image, warns=self.seconds > LONG, kind=kind)
         return image, True
 
@@ -135,11 +135,11 @@ def _machine(kind: Processor) -> Any:
     return target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic")
 
 
-def _compiled(text: str, kind: Processor) -> bytes:
+def _compiled(text: str, kind: Processor | None = None) -> bytes:
     """Return the object code of a module."""
     from llvmlite import binding
 
-    machine = _machine(kind)
+    machine = _machine(kind or processor())
     module = binding.parse_assembly(text, binding.create_context())
     module.triple = machine.triple
     module.data_layout = str(machine.target_data)
