@@ -12,14 +12,10 @@ from pathlib import Path
 from stickslip.errors import CompilationError, InputError
 from stickslip.exports.fmu.description import Fmi
 
-__all__ = ["check_platform", "compiled", "folder_of"]
+__all__ = ["FOLDERS", "compiled", "compiler_here"]
 
-FOLDERS: Mapping[tuple[str, Fmi], str] = {
-    ("x86_64", 2): "linux64",
-    ("x86_64", 3): "x86_64-linux",
-    ("aarch64", 3): "aarch64-linux",
-}
-"""Folder of the binaries by processor and version of FMI, which 2.0 has for x86-64 alone."""
+FOLDERS: Mapping[Fmi, str] = {2: "linux64", 3: "x86_64-linux"}
+"""Folder of the binaries by version of FMI."""
 COMPILERS = ("cc", "gcc", "clang")
 FLAGS = (
     "-std=c99", "-O1", "-fPIC", "-shared", "-s", "-ffp-contract=off",
@@ -27,12 +23,7 @@ FLAGS = (
 )  # fmt: skip
 
 
-def folder_of(fmi: Fmi) -> str:
-    """Return the folder of the binaries of this platform in an FMU."""
-    return FOLDERS[platform.machine(), fmi]
-
-
-def check_platform(fmi: Fmi) -> str:
+def compiler_here() -> str:
     """Return the C compiler; refuse early where no binary can be made.
 
     Raises
@@ -40,10 +31,9 @@ def check_platform(fmi: Fmi) -> str:
     InputError
         If the platform is another one, or there is no C compiler.
     """
-    if sys.platform != "linux" or (platform.machine(), fmi) not in FOLDERS:
+    if sys.platform != "linux" or platform.machine() != "x86_64":
         raise InputError(
-            f"an FMU for FMI {fmi}.0 is made on Linux on x86-64"
-            f"{' or ARM 64' if fmi == 3 else ''}, and this is {platform.system()} on"
+            f"an FMU is made on Linux on x86-64, and this is {platform.system()} on"
             f" {platform.machine()}: export the rig on such a machine."
         )
     for name in COMPILERS:
@@ -78,7 +68,7 @@ def compiled(objects: Mapping[str, bytes], header: str, fmi: Fmi) -> bytes:
     CompilationError
         If the compiler fails.
     """
-    compiler = check_platform(fmi)
+    compiler = compiler_here()
     sources = files("stickslip.exports.fmu").joinpath("c")
     texts = {name: sources.joinpath(name).read_bytes() for name in ("instance.h", f"fmi{fmi}.c")}
     texts["model.h"] = header.encode()

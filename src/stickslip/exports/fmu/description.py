@@ -13,7 +13,7 @@ from stickslip.exports.fmu.variables import Variable
 __all__ = ["Fmi", "Heading", "model_description"]
 
 Fmi: TypeAlias = Literal[2, 3]
-FMI2_CAUSALITIES = {
+CAUSALITIES = {
     "independent": ("independent", "continuous", None),
     "input": ("input", "continuous", None),
     "parameter": ("parameter", "fixed", "exact"),
@@ -136,7 +136,7 @@ def _typed(variable: Variable) -> dict[str, str]:
 
 
 def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) -> None:
-    causality, variability, initial = FMI2_CAUSALITIES[variable.role]
+    causality, variability, initial = CAUSALITIES[variable.role]
     if variable.whole:
         variability = "discrete"
     common = {

@@ -11,12 +11,13 @@ from pathlib import Path
 from stickslip.documents import write_file
 from stickslip.drives import Sum
 from stickslip.errors import InputError
-from stickslip.exports.fmu.binary import check_platform, compiled, folder_of
+from stickslip.exports.fmu.binary import FOLDERS, compiled, compiler_here
 from stickslip.exports.fmu.description import Fmi, Heading, model_description
 from stickslip.exports.fmu.inputs import with_inputs
 from stickslip.exports.fmu.tables import model_header
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.exports.identifiers import identifier
+from stickslip.formatting import printable
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, PrintedForm
 from stickslip.mechanisms import Mechanism
@@ -88,7 +89,7 @@ def export_fmu(
     Raises
     ------
     InputError
-        If an argument cannot be used, this is no Linux, or there is no C compiler.
+        If an argument cannot be used, this is not Linux on x86-64, or there is no C compiler.
 
     Examples
     --------
@@ -108,7 +109,7 @@ def export_fmu(
         raise InputError(
             f"{target} already exists; give --force (in Python force=True) to replace it."
         )
-    check_platform(fmi)
+    compiler_here()
     stop = END.check("export_fmu", "t_end", t_end)
     solver = EventDriven() if solver is None else solver
     laws = check_pair(mechanism, law)
@@ -122,6 +123,12 @@ def export_fmu(
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     variables = variables_of(driven, laws, model, y0=start, inputs=found)
+    names = [one.name for one in variables]
+    twice = [one for one in inputs if names.count(one) > 1]
+    if twice:
+        raise InputError(
+            f"the input {twice[0]!r} has the name of another variable: name the drive by its path."
+        )
     settings = {
         "DEFAULT_STOP": stop,
         "LAST_TIME": stop if _ends(driven) else math.inf,
@@ -135,10 +142,10 @@ def export_fmu(
     header = model_header(model, variables, table=table, settings=settings, token=token)
     label = name if name is not None else target.stem
     heading = Heading(
-        name=label,
+        name=printable(label),
         identifier=identifier(label),
         token=token,
-        description=title or f"{mechanism.title}: {model.title}",
+        description=printable(title or model.title),
         stop=stop,
         tolerance=settings["TOLERANCE"],
     )
@@ -148,7 +155,7 @@ def export_fmu(
         _zipped(
             {
                 "modelDescription.xml": model_description(heading, variables, fmi),
-                f"binaries/{folder_of(fmi)}/{heading.identifier}.so": binary,
+                f"binaries/{FOLDERS[fmi]}/{heading.identifier}.so": binary,
             }
         ),
     )
