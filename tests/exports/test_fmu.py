@@ -1,6 +1,7 @@
 """FMUs give what the solver gives, at any communication step, and need no Python."""
 
 import ctypes
+import dataclasses
 import itertools
 import subprocess
 import sys
@@ -407,14 +408,20 @@ def test_inputs_are_found_by_name_or_by_place():
     driven, found = with_inputs(arm, ["torque-2"])  # though both have one object
     assert driven.drives()["torque-1"] is drive
     assert driven.drives()["torque-2"].value(0.25) == 0.0
+    idle = SerialArm(links=[dataclasses.replace(link, torque=None), link])
+    driven, found = with_inputs(idle, ["links.0.torque", "torque-2"])
+    assert found == {"links.0.torque": ("torque-1", 0.0), "torque-2": ("torque-2", 0.0)}
+    assert list(driven.drives()) == ["torque-1", "torque-2"]
 
 
 @pytest.mark.parametrize(
     ("mechanism", "names", "error", "words"),
     [
-        (SHOWN["capsule, prescribed"], ["drive"], InputError, "prescribed motion"),
+        (SHOWN["capsule, prescribed"], ["motor"], InputError, "prescribed motion"),
+        (SHOWN["capsule, prescribed"], ["drive.profile"], UnknownNameError, "drive.profile"),
         (BLOCK, ["push"], UnknownNameError, "unknown drive 'push'"),
         (BLOCK, ["drive", "drive"], InputError, "named twice"),
+        (CART, ["motor", "pendulum.drive"], InputError, "named twice"),
     ],
 )
 def test_what_cannot_be_an_input_is_refused(mechanism, names, error, words):

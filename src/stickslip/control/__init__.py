@@ -1,6 +1,5 @@
 """Feedback: controllers that sample and hold, and what friction makes of them."""
 
-from stickslip.control.actuation import place_of as place_of  # for other subpackages
 from stickslip.control.equations_of_motion import Dynamics, dynamics_at
 from stickslip.control.feedback_loop import ClosedLoop, Controller, closed_loop
 from stickslip.control.friction_compensation import FrictionCompensation, compensation

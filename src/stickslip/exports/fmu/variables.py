@@ -7,6 +7,7 @@ from typing import Any, Literal, TypeAlias, final
 
 from stickslip.drives import Drive, Sum
 from stickslip.experiments import unit_on
+from stickslip.exports.fmu.inputs import Input
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, has_one_slip
@@ -67,7 +68,7 @@ def variables_of(
     model: Model,
     *,
     y0: Sequence[float],
-    inputs: Mapping[str, tuple[str, float]],
+    inputs: Mapping[str, Input],
 ) -> tuple[Variable, ...]:
     """Return the variables of an FMU.
 
@@ -81,8 +82,8 @@ def variables_of(
         Their equations.
     y0 : sequence of float (n,)
         Initial states [SI].
-    inputs : mapping of str to (str, float)
-        Names of inputs, the drives that they are, and their values before the simulation.
+    inputs : mapping of str to Input
+        Drives that are told from outside, by the names of their variables.
 
     Returns
     -------
