@@ -267,7 +267,7 @@ def test_a_start_beyond_a_stop_is_refused_in_words(capsule, folder):
     slave = Slave(capsule, folder)
     with pytest.raises(Exception, match="failed"):
         slave.begin({"xi": 0.05})
-    assert slave.messages[-1] == "State 1 begins at 0.05, beyond its upper stop at 0.04."
+    assert slave.messages[-1] == "xi begins at 0.05, beyond its upper stop at 0.04."
     slave.close()
 
 

@@ -20,11 +20,11 @@ SLOTS = (
 )  # fmt: skip
 """Places in the vectors of a run."""
 SIZES = (
-    "SIZE", "N_STATES", "N_COLUMNS", "N_DRIVES", "N_WALLS", "MOST_EVENTS", "ROW_COLUMNS",
+    "SIZE", "N_STATES", "N_COLUMNS", "N_DRIVES", "MOST_EVENTS", "ROW_COLUMNS",
     "WALL_COLUMNS",
 )  # fmt: skip
 """Places of sizes in the whole numbers of a run."""
-ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE)
+ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE, Status.HELD)
 """How a run ends by itself, where it goes on no more but did not fail."""
 LEAST_TOLERANCE = 1e-13
 TOO_MANY = "The step took too many steps of the solver; results so far are kept."
@@ -68,6 +68,8 @@ def model_header(
         f"#define WALLS_OF {WALLS_OF}",
         f"#define STATUS_FULL {enums.FULL}",
         f"#define STATUS_END_TIME {enums.END_TIME}",
+        # stops are looked at before the coordinates are turned to those of the equations
+        f"#define N_STOPS {0 if header[state_layout.IS_TURNED] else header[state_layout.N_WALLS]}",
         f"#define MOST_STEPS {1_000_000}",
         f"#define LEAST_TOLERANCE {_real(LEAST_TOLERANCE)}",
         *(f"#define {name} {_real(value)}" for name, value in settings.items()),

@@ -367,16 +367,20 @@ static bool read_off(struct instance *self, struct core *core, double t) {
 static bool within_stops(struct instance *self) {
     struct core *core = &self->core;
     const int64_t at = AT_Y, to = AT_VALUES;
-    if (N_WALLS > 0) {
+    if (N_STOPS > 0) {
         equations(WALLS_OF, 0, 0, core->w[AT_TIME], core->w, SIZE, at, to);
     }
-    for (int i = 0; i < N_WALLS; i++) {
+    for (int i = 0; i < N_STOPS; i++) {
         const int64_t coordinate = core->whole[FIRST_TABLE + 2 * i];
         const double side = (double)core->whole[FIRST_TABLE + 2 * i + 1];
         const double stop = core->w[to + i * WALL_COLUMNS], place = core->w[at + coordinate];
         if (side * (place - stop) > 1e-12 * fmax(fabs(place), fabs(stop))) {
-            say(self, LEVEL_ERROR, "State %d begins at %.9g, beyond its %s stop at %.9g.",
-                (int)coordinate, place, side > 0 ? "upper" : "lower", stop);
+            int state = 0;
+            while (VARIABLES[state].role != STATE || VARIABLES[state].index != coordinate) {
+                state++;
+            }
+            say(self, LEVEL_ERROR, "%s begins at %.9g, beyond its %s stop at %.9g.",
+                VARIABLES[state].name, place, side > 0 ? "upper" : "lower", stop);
             return false;
         }
         if (side * (place - stop) > 0) {
