@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from tests.exports.fmus import SCRIPT, WAITS, Slave, column_names, held, need_tools
-from tests.support import SEVERAL, SHOWN
+from tests.support import RIGS, SEVERAL, SHOWN, examples, laws
 
 from stickslip import (
     Axis,
@@ -55,6 +57,8 @@ CHAIN = BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
 PUSHES = np.round(0.12 * np.sin(3.0 * WAITS * np.arange(41)), 3).tolist()
 END = 2.0
+NUMBERS = itertools.count()
+"""Of libraries, which a process loads by their names."""
 
 
 @pytest.fixture(scope="module")
@@ -527,4 +531,23 @@ def test_the_command_writes_an_fmu_of_a_rig_file(rig, folder, capsys):
     slave = Slave(target / "rig.fmu", folder).begin()
     slave.step(END)
     assert slave.got("x")[0] == simulate(BLOCK, COULOMB, t_end=END)["x"][-1]
+    slave.close()
+
+
+@pytest.mark.slow
+@examples(40)
+@given(data=st.data())
+def test_random_rigs_give_the_bits_of_the_engine(folder, data):
+    mechanism = data.draw(RIGS[data.draw(st.sampled_from(sorted(RIGS)))])
+    law = data.draw(laws(LAWS[data.draw(st.sampled_from(sorted(LAWS)))]))
+    run = simulate(mechanism, law, t_end=END, throw=False)
+    path = made(folder, f"random-{next(NUMBERS)}", mechanism, law, force=True)
+    slave = Slave(path, folder).begin(stopTime=END)
+    names = column_names(slave)
+    for t in np.linspace(0.0, END, data.draw(st.integers(2, 60)))[1:]:
+        if t > run.span[1]:
+            break
+        slave.step(float(t))
+        seen = run.at(np.array([t]))
+        assert slave.got(*names) == [seen[name][0] for name in names]
     slave.close()
