@@ -66,7 +66,7 @@ def test_a_joint_says_what_it_cannot_carry_and_what_that_changes(called):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("law.toml", "--to", "fortran"), "unknown target 'fortran'. Known: c, csv, json, matlab"),
+        (("law.toml", "--to", "fortran"), "unknown target 'fortran'. Known: c, csv, fmu, json"),
         (("law.json", "--to", "c"), "give the law.toml that `stickslip select` writes beside"),
         (("none.toml", "--to", "c"), "none.toml does not exist"),
         (("law.toml", "--to", "c", "--law", "dahl"), "dahl"),

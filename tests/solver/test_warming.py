@@ -39,7 +39,7 @@ def warmed(tmp_path_factory):
     """Warm up a folder with a copy of the kernels that all tests share, one pair first."""
     folder = tmp_path_factory.mktemp("warm")
     KERNELS.load()
-    (file,) = image_cache.cache_directory().glob(f"{KERNELS.name}.*")
+    (file,) = image_cache.cache_directory().glob(f"{KERNELS.name}.{image_cache._processor()}.*")
     shutil.copy2(file, folder)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))

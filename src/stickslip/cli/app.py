@@ -416,7 +416,7 @@ def export(
             "--to",
             metavar="TARGET",
             help="c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf,"
-            " csv (lookup table) or json.",
+            " csv (lookup table) or json; fmu (the whole rig with its law, for co-simulation).",
         ),
     ],
     law: Annotated[
@@ -457,6 +457,18 @@ def export(
             " --rig, or of the fit.",
         ),
     ] = None,
+    fmi: Annotated[
+        int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
+    ] = 3,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="DRIVE",
+            help="Drive of the rig that becomes an input of the fmu (repeatable).",
+        ),
+    ] = None,
+    t_end: EndTime = None,
     allow_import: AllowImport = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")] = Path(
         "stickslip-export"
@@ -465,9 +477,10 @@ def export(
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Export a friction law to another program.
+    """Export a friction law to another program, or a rig with its law as an FMU.
 
-    Writes the law as source code, as friction of a joint, as a table or as a document.
+    Writes the law as source code, as friction of a joint, as a table or as a document. An FMU has
+    the solver inside and needs no Python; making one takes Linux and a C compiler.
     """
     from stickslip.cli.export import Wanted, run
 
@@ -479,6 +492,9 @@ def export(
         load=load,
         law_load=law_load,
         largest_speed=largest_speed,
+        fmi=fmi,
+        inputs=tuple(inputs or ()),
+        t_end=t_end,
     )
     run(file, to, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
 

@@ -4,15 +4,23 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.cli.console import document, print_json, refuse_overwriting, stdout
-from stickslip.cli.law_choice import check_named
+from stickslip.cli.law_choice import (
+    LawAsked,
+    check_named,
+    friction_of,
+    friction_title,
+    rig_and_friction,
+)
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, load_rig, read_number
-from stickslip.exports import TARGETS, export
+from stickslip.exports import TARGETS, export, export_fmu, identifier
 from stickslip.quantities import Quantity, named
 
 __all__ = ["Wanted", "run"]
 
 SPEED = Quantity("v_max", "m/s", above=0, or_unit="rad/s")
+FMU = "fmu"
+"""The target that takes a rig with its law."""
 BESIDE = (".json", ".html", ".csv")
 """Of a report, none of which is a rig file."""
 
@@ -35,6 +43,12 @@ class Wanted:
     """Normal force at which levels that are forces were fitted."""
     largest_speed: str | None
     """End of the range of speeds."""
+    fmi: int = 3
+    """Version of the standard of an FMU."""
+    inputs: tuple[str, ...] = ()
+    """Drives that become inputs of an FMU."""
+    t_end: float | None = None
+    """End of the simulation of an FMU [s]; that of the rig if None."""
 
 
 def run(
@@ -54,7 +68,7 @@ def run(
     path : Path
         Rig file (TOML) with the law.
     to : str
-        Name of the target.
+        Name of the target; ``"fmu"`` takes the whole rig.
     wanted : Wanted
         The law and its use.
     output : Path
@@ -71,13 +85,18 @@ def run(
     InputError
         If the file has no law, or the target needs what is not known.
     """
-    target = named(TARGETS, to, "target")
+    known = named({**TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in BESIDE:
         raise InputError(
             f"export takes a TOML file with a law, got {path}: give the law.toml that `stickslip"
             f" select` writes beside its report, as {path.with_name('law.toml')}."
         )
     check_named(path)
+    _refuse_foreign(to, wanted)
+    if known is None:
+        _export_fmu(path, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
+        return
+    target = known
     refuse_overwriting(output, output, force=True)
     found = export(
         load_rig(path, allow_import=allow_import),
@@ -99,6 +118,56 @@ def run(
     console.print(f"{target.title}: {', '.join(map(str, files))}", markup=False)
     for remark in found.remarks:
         console.print(f"  {remark}", markup=False)
+
+
+def _refuse_foreign(to: str, wanted: Wanted) -> None:
+    """Refuse options that the target has no use for."""
+    if to == FMU:
+        named_alone: dict[str, object] = {
+            "--contact": wanted.contact,
+            "--rig": wanted.rig,
+            "--load": wanted.load,
+            "--largest-speed": wanted.largest_speed,
+        }
+        cure = "such options are of targets for a law alone."
+    else:
+        named_alone = {
+            "--input": wanted.inputs or None,
+            "--t-end": wanted.t_end,
+            "--fmi": None if wanted.fmi == Wanted.fmi else wanted.fmi,
+        }
+        cure = "such options are of --to fmu."
+    given = [option for option, value in named_alone.items() if value is not None]
+    if given:
+        raise InputError(f"--to {to} does not take {', '.join(given)}: {cure}")
+
+
+def _export_fmu(
+    path: Path, wanted: Wanted, output: Path, *, allow_import: bool, force: bool, as_json: bool
+) -> None:
+    """Export a rig with its law as an FMU: into a file, or into a folder."""
+    name = wanted.name if wanted.name is not None else path.stem
+    file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
+    refuse_overwriting(file, file.parent, force=force)
+    asked = LawAsked(law=wanted.law, load=wanted.law_load)
+    rig, chosen = rig_and_friction(path, (), asked, allow_import=allow_import)
+    law = friction_of(chosen)
+    export_fmu(
+        rig.mechanism,
+        law,
+        file,
+        t_end=rig.t_end if wanted.t_end is None else wanted.t_end,
+        y0=rig.start(law),
+        inputs=wanted.inputs,
+        fmi=2 if wanted.fmi == 2 else 3,
+        name=name,
+        title=f"{rig.heading}: {friction_title(chosen)}",
+        force=force,
+    )
+    if as_json:
+        print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
+        return
+    stdout().print(f"FMU for FMI {wanted.fmi}.0, co-simulation: {file}", markup=False)
 
 
 def _number(option: str, text: str | None, quantity: Quantity) -> float | None:

@@ -24,6 +24,7 @@ INSIDE = {
     "BEGINNING": "base",
     "DRIVES": "registry",
     "PROFILES": "registry",
+    "Straight": "base",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

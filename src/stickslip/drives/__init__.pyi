@@ -2,6 +2,7 @@
 from stickslip.drives.base import BEGINNING as BEGINNING
 from stickslip.drives.base import Drive as Drive
 from stickslip.drives.base import Piece as Piece
+from stickslip.drives.base import Straight as Straight
 from stickslip.drives.base import Sum as Sum
 from stickslip.drives.elementary import PiecewiseAffine as PiecewiseAffine
 from stickslip.drives.elementary import PiecewiseLinear as PiecewiseLinear

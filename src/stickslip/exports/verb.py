@@ -91,6 +91,11 @@ def export(
     >>> found.remarks[0]
     'Least squares over speeds up to 0.5 m/s leave 0 N at most and 0 N rms.'
     """
+    if to == "fmu":
+        raise InputError(
+            "an FMU is of a mechanism with its law:"
+            " stickslip.exports.export_fmu(mechanism, law, path, t_end=...)."
+        )
     target: Target = named(TARGETS, to, "target")
     found = _taken(source, law, contact, rig, law_load)
     used = dataclasses.replace(

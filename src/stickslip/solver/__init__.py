@@ -30,7 +30,11 @@ INSIDE = {
     "column_units": "base",
     "gather": "drive_schedule",
     "notice": "compile.messages",
+    "object_files": "compile.modules",
+    "reasons": "reducers",
     "run_ensemble": "ensembles",
+    "status_of": "event_driven",
+    "within_stops": "initial_states",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

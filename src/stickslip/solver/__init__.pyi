@@ -2,6 +2,7 @@
 from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
 from stickslip.solver.compile.messages import notice as notice
+from stickslip.solver.compile.modules import object_files as object_files
 from stickslip.solver.compile.precompile import Progress as Progress
 from stickslip.solver.compile.precompile import WarmUp as WarmUp
 from stickslip.solver.compile.precompile import warm_up as warm_up
@@ -11,9 +12,11 @@ from stickslip.solver.ensembles import run_ensemble as run_ensemble
 from stickslip.solver.evaluator import Equations as Equations
 from stickslip.solver.event_driven import BareRun as BareRun
 from stickslip.solver.event_driven import EventDriven as EventDriven
+from stickslip.solver.event_driven import status_of as status_of
 from stickslip.solver.fixed_step import FixedStep as FixedStep
 from stickslip.solver.fixed_step import Method as Method
 from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
+from stickslip.solver.initial_states import within_stops as within_stops
 from stickslip.solver.reducers import EventCount as EventCount
 from stickslip.solver.reducers import EventTimes as EventTimes
 from stickslip.solver.reducers import Final as Final
@@ -23,6 +26,7 @@ from stickslip.solver.reducers import Min as Min
 from stickslip.solver.reducers import Output as Output
 from stickslip.solver.reducers import Samples as Samples
 from stickslip.solver.reducers import Sensitivity as Sensitivity
+from stickslip.solver.reducers import reasons as reasons
 from stickslip.solver.run import prepare as prepare
 
 __all__ = [

@@ -17,11 +17,14 @@ import stat
 import tempfile
 import warnings
 from pathlib import Path
+from typing import TypeAlias
 
 import platformdirs
 
 __all__ = [
+    "Processor",
     "cache_directory",
+    "common_processor",
     "has_image",
     "image_of",
     "is_writable",
@@ -30,6 +33,8 @@ __all__ = [
     "processor",
 ]
 
+Processor: TypeAlias = tuple[str, str, str]
+"""A kind of processor: triple, name and features, as LLVM calls them."""
 HAS_MODES = os.name == "posix"
 """Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
@@ -185,14 +190,8 @@ def is_writable() -> bool:
 
 
 @functools.cache
-def processor() -> tuple[str, str, str]:
-    """Return the kind of processor that is compiled for: this one, or that of ``STICKSLIP_CPU``.
-
-    Returns
-    -------
-    triple, name, features : str
-        As LLVM calls them.
-    """
+def processor() -> Processor:
+    """Return the kind of processor that is compiled for: this one, or that of ``STICKSLIP_CPU``."""
     from llvmlite import binding
 
     name = os.environ.get("STICKSLIP_CPU") or binding.get_host_cpu_name()
@@ -200,14 +199,25 @@ def processor() -> tuple[str, str, str]:
     return binding.get_process_triple(), name, own
 
 
+def common_processor() -> Processor:
+    """Return what all processors of this platform can do, for code that other machines run."""
+    triple, _, _ = processor()
+    return triple, "x86-64" if triple.startswith("x86_64") else "generic", ""
+
+
+def _label(kind: Processor) -> str:
+    """Return a short name of a kind of processor."""
+    return hashlib.sha256("\n".join(kind).encode()).hexdigest()[:12]
+
+
 @functools.cache
 def _processor() -> str:
-    """Return a short name of the kind of processor."""
-    return hashlib.sha256("\n".join(processor()).encode()).hexdigest()[:12]
+    """Return a short name of the kind of processor that this process compiles for."""
+    return _label(processor())
 
 
-def _image(folder: Path, name: str) -> Path:
-    return folder / f"{name}.{_processor()}.image"
+def _image(folder: Path, name: str, kind: Processor | None = None) -> Path:
+    return folder / f"{name}.{_processor() if kind is None else _label(kind)}.image"
 
 
 def _seal(name: str, content: bytes) -> bytes:
@@ -215,21 +225,36 @@ def _seal(name: str, content: bytes) -> bytes:
     return hashlib.sha256(name.encode() + content).digest()
 
 
-def has_image(name: str) -> bool:
-    """Whether there is a file of object code of this name, for this kind of processor."""
+def has_image(name: str, kind: Processor | None = None) -> bool:
+    """Whether there is a file of object code of this name, for a kind of processor.
+
+    Parameters
+    ----------
+    name : str
+        Name of the object code.
+    kind : Processor, optional
+        Kind of processor; that of this process if not given.
+
+    Returns
+    -------
+    bool
+        Whether there is one.
+    """
     try:
-        return _image(_trusted(_resolved(cache_directory())), name).exists()
+        return _image(_trusted(_resolved(cache_directory())), name, kind).exists()
     except OSError:
         return False
 
 
-def image_of(name: str) -> bytes | None:
+def image_of(name: str, kind: Processor | None = None) -> bytes | None:
     """Return the object code of a name, unless it is absent, damaged, or may be another's.
 
     Parameters
     ----------
     name : str
         Name of the object code, which says all that it depends on but the processor.
+    kind : Processor, optional
+        Kind of processor; that of this process if not given.
 
     Returns
     -------
@@ -238,7 +263,7 @@ def image_of(name: str) -> bytes | None:
     """
     try:
         folder = _made_folder()
-        path = _image(folder, name)
+        path = _image(folder, name, kind)
         if not path.exists() and not path.is_symlink():
             return None
         _refuse_foreign_file(path)
@@ -250,7 +275,7 @@ def image_of(name: str) -> bytes | None:
     return content if seal == _seal(name, content) else None
 
 
-def keep_image(name: str, content: bytes, *, warns: bool) -> None:
+def keep_image(name: str, content: bytes, *, warns: bool, kind: Processor | None = None) -> None:
     """Keep object code in a file; a folder that cannot be written to is no obstacle.
 
     Parameters
@@ -261,9 +286,11 @@ def keep_image(name: str, content: bytes, *, warns: bool) -> None:
         The object code.
     warns : bool
         Whether to warn if there is no such file afterwards.
+    kind : Processor, optional
+        Kind of processor; that of this process if not given.
     """
     try:
-        _write(_image(_made_folder(), name), _seal(name, content) + content)
+        _write(_image(_made_folder(), name, kind), _seal(name, content) + content)
     except OSError as error:
         if warns:
             _warn(cache_directory(), error.strerror or str(error))

@@ -21,6 +21,7 @@ __all__ = [
     "is_loaded",
     "load",
     "load_compiled",
+    "object_files",
     "plain_equations",
     "waiting",
 ]
@@ -104,6 +105,28 @@ def load_compiled(model: Model) -> Tier:
     return Tier(_entries(), equations.address, KERNELS.addresses["enter_contacts"])
 
 
+def object_files(model: Model, *, common: bool) -> dict[str, bytes]:
+    """Return the machine code of a model and of the kernels as files that a linker takes.
+
+    Parameters
+    ----------
+    model : Model
+        Equations of a mechanism with a law.
+    common : bool
+        Whether it runs on all processors of this platform, or else on those like this one.
+
+    Returns
+    -------
+    dict of str to bytes
+        Object code by file name: the entries of the kernels, and ``equations``.
+    """
+    waiting(common=common)
+    return {
+        "kernels.o": KERNELS.image(common=common),
+        "equations.o": code_of(model).image(common=common),
+    }
+
+
 @functools.cache
 def _entries() -> Any:
     return KERNELS.functions()
@@ -114,7 +137,13 @@ def is_loaded(model: Model) -> bool:
     return KERNELS.is_ready() and code_of(model).is_ready()
 
 
-def waiting() -> None:
-    """Tell who watches that the kernels have to be compiled, and how long it takes."""
-    if not KERNELS.is_ready() and not KERNELS.is_kept():
+def waiting(*, common: bool = False) -> None:
+    """Tell who watches that the kernels have to be compiled, and how long it takes.
+
+    Parameters
+    ----------
+    common : bool, optional
+        Whether for all processors of this platform, or else for this one.
+    """
+    if not KERNELS.is_kept(common=common) and (common or not KERNELS.is_ready()):
         notice(f"Compiling {KERNELS.title} (about {KERNELS.seconds:.0f} s, once) ...")

@@ -16,6 +16,8 @@ from typing import Any
 from stickslip.errors import CompilationError
 from stickslip.solver.compile import translation
 from stickslip.solver.compile.image_cache import (
+    Processor,
+    common_processor,
     has_image,
     image_of,
     keep_image,
@@ -65,9 +67,9 @@ class ObjectCode(ABC):
         """Whether it is in this process."""
         return self in _loaded
 
-    def is_kept(self) -> bool:
-        """Whether there is a file of it for this kind of processor."""
-        return has_image(self.name)
+    def is_kept(self, *, common: bool = False) -> bool:
+        """Whether there is a file of it for this kind of processor, or for all of the platform."""
+        return has_image(self.name, common_processor() if common else None)
 
     @property
     def addresses(self) -> Mapping[str, int]:
@@ -82,14 +84,35 @@ class ObjectCode(ABC):
         with _LOCK:
             if self.is_ready() and self.is_kept():
                 return False
-            image = image_of(self.name)
-            compiled = image is None
-            if image is None:
-                image = _compiled(self.text())
-                keep_image(self.name, image, warns=self.seconds > LONG)
+            image, compiled = self._image(None)
             if not self.is_ready():
                 _loaded[self] = _linked(self.name, image, self.symbols)
             return compiled
+
+    def image(self, *, common: bool) -> bytes:
+        """Return the object code itself, which a linker takes.
+
+        Parameters
+        ----------
+        common : bool
+            Whether it runs on all processors of this platform, or else on those like this one.
+
+        Returns
+        -------
+        bytes
+            A relocatable object file that may lie anywhere in memory.
+        """
+        with _LOCK:
+            return self._image(common_processor() if common else None)[0]
+
+    def _image(self, kind: Processor | None) -> tuple[bytes, bool]:
+        """Return the object code for a kind of processor, and whether it had to be compiled."""
+        image = image_of(self.name, kind)
+        if image is not None:
+            return image, False
+        image = _compiled(self.text(), kind)
+        keep_image(self.name, image, warns=self.seconds > LONG, kind=kind)
+        return image, True
 
 
 @functools.cache
@@ -100,23 +123,23 @@ def maker() -> str:
 
 
 @functools.cache
-def _machine() -> Any:
-    """Return LLVM's description of this kind of processor."""
+def _machine(kind: Processor) -> Any:
+    """Return LLVM's description of a kind of processor."""
     from llvmlite import binding
 
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    triple, name, features = processor()
+    triple, name, features = kind
     target = binding.Target.from_triple(triple)
     # Code that may lie anywhere in memory, far from the C library.
     return target.create_target_machine(cpu=name, features=features, opt=3, reloc="pic")
 
 
-def _compiled(text: str) -> bytes:
+def _compiled(text: str, kind: Processor | None = None) -> bytes:
     """Return the object code of a module."""
     from llvmlite import binding
 
-    machine = _machine()
+    machine = _machine(kind or processor())
     module = binding.parse_assembly(text, binding.create_context())
     module.triple = machine.triple
     module.data_layout = str(machine.target_data)
@@ -132,7 +155,7 @@ def _compiled(text: str) -> bytes:
 def _linker() -> Any:
     from llvmlite import binding
 
-    return binding.create_lljit_compiler(_machine(), use_jit_link=True)
+    return binding.create_lljit_compiler(_machine(processor()), use_jit_link=True)
 
 
 def _linked(name: str, image: bytes, symbols: Sequence[str]) -> tuple[Mapping[str, int], Any]:

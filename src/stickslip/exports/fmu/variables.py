@@ -1,0 +1,248 @@
+"""The variables of an FMU: time, inputs, parameters, states and what a run records."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias, final
+
+from stickslip.drives import Drive, Sum
+from stickslip.experiments import unit_on
+from stickslip.exports.fmu.inputs import Input
+from stickslip.formulation import Model
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, has_one_slip
+from stickslip.quantities import Quantity, parameters, shadow, turned
+from stickslip.solver import column_units
+
+__all__ = ["Role", "Variable", "variables_of"]
+
+Role: TypeAlias = Literal[
+    "independent",
+    "input",
+    "parameter",
+    "constant",
+    "state",
+    "column",
+    "contact_mode",
+    "event_count",
+]
+MODE = "{}: 0 stick, 1 and -1 slip, 2 and -2 at a hard stop, 3 without load"
+SHIFT = 1.01
+"""Factor by which a parameter is moved to see what depends on it."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """A variable of an FMU; its value reference is its place in the list."""
+
+    name: str
+    """Name, flat: as columns and parameters are called."""
+    role: Role
+    """What it is to the engine."""
+    index: int = 0
+    """Place of the input in a row of the drives' table, place of the parameter in the vector of a
+    run, or index of the state or column."""
+    start: float = 0.0
+    """Value before the simulation [SI]."""
+    unit: str = ""
+    """SI unit; empty where it is not known, ``"1"`` for a pure number."""
+    description: str = ""
+    """What it is, in words."""
+    quantity: Quantity = field(default_factory=lambda: Quantity(""))
+    """Allowed range."""
+    at_least: int = -1
+    """Reference of a variable that it must not fall below; -1 if there is none."""
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is a whole number."""
+        return self.role in ("contact_mode", "event_count") or (
+            self.role == "column" and self.name.partition(":")[0] == "mode"
+        )
+
+
+def variables_of(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    *,
+    y0: Sequence[float],
+    inputs: Mapping[str, Input],
+) -> tuple[Variable, ...]:
+    """Return the variables of an FMU.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
+    model : Model
+        Their equations.
+    y0 : sequence of float (n,)
+        Initial states [SI].
+    inputs : mapping of str to Input
+        Drives that are told from outside, by the names of their variables.
+
+    Returns
+    -------
+    tuple of Variable
+        The variables, whose places are their value references.
+    """
+    found = [Variable(name="time", role="independent", unit="s", description="Time")]
+    for name, (drive, start) in inputs.items():
+        found.append(
+            Variable(
+                name=name,
+                role="input",
+                index=1 + 3 * model.drives.index(drive),
+                start=start,
+                unit=_drive_unit(mechanism, drive),
+                description=f"Drive {drive}, held over each communication step",
+            )
+        )
+    units = column_units(
+        mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
+    )
+    found += _parameters(mechanism, law, model, units, len(found))
+    for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
+        found.append(
+            Variable(
+                name=state,
+                role="state",
+                index=index,
+                start=float(value),
+                unit=units[state],
+                description=_state_words(mechanism, state),
+            )
+        )
+    for index, column in enumerate(model.columns):
+        kind, _, contact = column.partition(":")
+        where = f" at the contact {contact}" if contact else ""
+        words = {
+            "friction": f"Friction{where}, against its slip",
+            "normal_force": f"Normal force{where}",
+            "mode": MODE.format(f"Mode{where}"),
+        }
+        found.append(
+            Variable(
+                name=column,
+                role="column",
+                index=index,
+                unit=units[column],
+                description=words.get(kind, f"Effort of the guided coordinate: {column}"),
+            )
+        )
+    if not model.contacts:
+        found.append(
+            Variable(name="mode", role="contact_mode", unit="1", description=MODE.format("Mode"))
+        )
+    what = "Events so far: changes of mode and impacts"
+    found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
+    return tuple(found)
+
+
+def _state_words(mechanism: Mechanism, state: str) -> str:
+    if state in mechanism.coordinates:
+        return f"Coordinate {state}"
+    if state in mechanism.rates:
+        coordinate = mechanism.coordinates[mechanism.rates.index(state)]
+        return f"Rate of {coordinate}"
+    return f"Bristle deflection {state}"
+
+
+def _parameters(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    model: Model,
+    units: Mapping[str, str],
+    first: int,
+) -> Iterator[Variable]:
+    """Yield the parameters of the equations; those that tables were made with are constants."""
+    known = {
+        path: (quantity, value)
+        for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
+        for path, quantity, value in parameters(root, prefix)
+    }
+    paths = dict(zip(model.parameter_paths, model.places, strict=True))
+    references = {path: first + i for i, path in enumerate(paths)}
+    for path, place in paths.items():
+        quantity, value = known[path]
+        parent, _, last = path.rpartition(".")
+        symbol = f" ({quantity.symbol})" if quantity.symbol else ""
+        owner = "of the mechanism" if path.startswith("mechanism.") else "of the friction law"
+        fixed = path.startswith("mechanism.") and _shapes_tables(mechanism, path, value)
+        least = "" if quantity.at_least is None else f"{parent}.{quantity.at_least}"
+        yield Variable(
+            name=path,
+            role="constant" if fixed else "parameter",
+            index=place,
+            start=float(value),
+            unit=_unit(mechanism, path, quantity, units),
+            description=f"{last.replace('_', ' ')}{symbol} {owner}",
+            quantity=quantity,
+            at_least=references.get(least, -1),
+        )
+
+
+def _unit(mechanism: Mechanism, path: str, quantity: Quantity, units: Mapping[str, str]) -> str:
+    """Return the unit of a parameter on a mechanism."""
+    if path.startswith("mechanism."):
+        angular = set(mechanism.units) == {"rad"}
+        return quantity.or_unit if quantity.or_unit and angular else quantity.unit
+    if has_one_slip(mechanism):
+        return unit_on(mechanism, quantity)
+    frictions = {c: u for c, u in units.items() if c.partition(":")[0] == "friction"}
+    contact = path.split(".")[1]
+    own = [unit for column, unit in frictions.items() if column.partition(":")[2] == contact]
+    return turned(quantity.unit, all(unit == "N m" for unit in own or frictions.values()))
+
+
+def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:
+    """Whether a parameter stands in what is made before a run: tables, starts, largest steps."""
+    other = value * SHIFT if value else SHIFT - 1.0
+    before = _made_before(mechanism, path, value)
+    return any(_made_before(mechanism, path, one) != before for one in (other, math.nan))
+
+
+def _made_before(mechanism: Mechanism, path: str, value: float) -> Any:
+    """Return what is made before a run with one parameter of another value."""
+    own = {name: number for name, _, number in parameters(mechanism, "mechanism")}
+    own[path] = value
+    twin = shadow(mechanism, "mechanism", own.__getitem__)
+    try:
+        return (
+            [[(one.time_scale(), list(one.pieces(1.0))) for one in _parts(drive)]
+             for drive in twin.drives().values()],
+            dict(twin.start()),
+        )  # fmt: skip
+    except (ArithmeticError, ValueError, TypeError) as error:
+        return repr(error)
+
+
+def _parts(drive: Drive) -> Iterator[Drive]:
+    if isinstance(drive, Sum):
+        for part in drive.parts:
+            yield from _parts(part)
+    else:
+        yield drive
+
+
+def _drive_unit(mechanism: Mechanism, name: str) -> str:
+    """Return the unit of a drive that is a force, a torque or a load; empty for others."""
+    q = dict.fromkeys(mechanism.coordinates, 0.0)
+    still = dict.fromkeys(mechanism.drives(), 0.0)
+    pushed = {**still, name: 1.0}
+    before, after = (mechanism.forces(0.0, q, q, drives) for drives in (still, pushed))
+    moved = {
+        coordinate: float(after.get(coordinate, 0.0)) - float(before.get(coordinate, 0.0))
+        for coordinate in mechanism.coordinates
+    }
+    unit = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    kinds = {unit[one] for one, change in moved.items() if abs(abs(change) - 1.0) < 1e-9}
+    if len(kinds) == 1:
+        return "N m" if kinds == {"rad"} else "N"
+    loads = (mechanism.loads(0.0, q, q, drives) for drives in (still, pushed))
+    first, second = loads
+    return "N" if not any(moved.values()) and dict(first) != dict(second) else ""
