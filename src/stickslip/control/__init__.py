@@ -1,5 +1,6 @@
 """Feedback: controllers that sample and hold, and what friction makes of them."""
 
+from stickslip.control.actuation import place_of
 from stickslip.control.equations_of_motion import Dynamics, dynamics_at
 from stickslip.control.feedback_loop import ClosedLoop, Controller, closed_loop
 from stickslip.control.friction_compensation import FrictionCompensation, compensation
@@ -19,4 +20,5 @@ __all__ = [
     "compensation",
     "dynamics_at",
     "limit_cycle",
+    "place_of",
 ]
