@@ -70,7 +70,9 @@ def torques(count: int, steps: int) -> Array:
 def starts(count: int) -> Array:
     """Return the states at which the carts begin (count, 4)."""
     found = np.zeros((count, 4))
-    found[:, 1] = np.random.default_rng(SEED + 1).uniform(-CART.start_spread, CART.start_spread, count)
+    found[:, 1] = np.random.default_rng(SEED + 1).uniform(
+        -CART.start_spread, CART.start_spread, count
+    )
     return found
 
 
@@ -130,7 +132,7 @@ def by_mujoco(
             told = np.broadcast_to(actions[:, None, None] * CART.effort_limit, (count, substeps, 1))
             state[:] = pool.rollout(model, workers, state, np.ascontiguousarray(told))[0][:, -1]
 
-        return timed(name, step, torques(count, steps), lambda: state[:, 1].copy())
+        return timed(name, step, torques(count, steps), state[:, 1].copy)
 
 
 def run(count: int = COUNT, steps: int = STEPS, threads: int | None = None) -> Section:

@@ -11,6 +11,7 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
+    "stickslip.adapters",
     "stickslip.drives",
     "stickslip.experiments",
     "stickslip.friction",

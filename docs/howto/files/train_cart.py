@@ -57,7 +57,9 @@ def scores(envs, policies, seed):
     for step in range(envs.task.steps):
         actions = act(each, step * envs.task.period, seen)
         seen, _, terminated, truncated, info = envs.step(actions[:, None])
-        travel, work = (np.where(over, old, info[k]) for k, old in (("travel", travel), ("work", work)))
+        travel, work = (
+            np.where(over, old, info[k]) for k, old in (("travel", travel), ("work", work))
+        )
         fallen = terminated & ~over
         travel[fallen] -= FELL
         over |= terminated | truncated

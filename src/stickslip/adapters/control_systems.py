@@ -1,5 +1,6 @@
 """Mechanisms and laws for python-control: nonlinear systems, describing functions."""
 
+import itertools
 import math
 from collections.abc import Mapping
 from typing import Any, final
@@ -78,8 +79,8 @@ def to_nonlinear_system(
     Input is the command of a drive, outputs are the states. Where the body slips faster than
     `speed`, the equations are those of `simulate`. Slower, friction is a straight line between its
     values at both ends: a body that friction would hold creeps instead, at most at `speed`, and
-    neither sticks nor breaks away. Switches of the law and saturations jump, and hard stops, lift-off
-    and other limits are ignored: `simulate` and `closed_loop` have them exactly.
+    neither sticks nor breaks away. Switches of the law and saturations jump, and hard stops,
+    lift-off and other limits are ignored: `simulate` and `closed_loop` have them exactly.
 
     Parameters
     ----------
@@ -210,7 +211,7 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
         parts = (0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.5 * math.pi)
         pieces = [
             quad(along, a, b, epsrel=FEW, epsabs=0.0, limit=200)[0]
-            for a, b in zip(parts[:-1], parts[1:], strict=True)
+            for a, b in itertools.pairwise(parts)
         ]
         return 2.0 * math.fsum(pieces) / (math.pi * amplitude)
 

@@ -29,7 +29,7 @@ PICTURE = (880, 400)
 """Width and height of a picture [px]."""
 
 
-def _spaces(task: MotorTask) -> tuple[Box, Box]:
+def _spaces(task: MotorTask) -> tuple[Any, Any]:
     """Return the spaces of observations and actions."""
     bounds = task.observation_bounds
     one = np.ones(1)
@@ -41,7 +41,7 @@ def _given(options: Mapping[str, Any] | None) -> Mapping[str, float] | None:
     state = (options or {}).get("state")
     if state is not None and not isinstance(state, Mapping):
         raise InputError(
-            "options['state'] must give states by name, as {'theta': 0.1}, got" f" {state!r}."
+            f"options['state'] must give states by name, as {{'theta': 0.1}}, got {state!r}."
         )
     return state
 
@@ -83,9 +83,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         self._travel = self._work = 0.0
 
     @override
-    def reset(
-        self, *, seed: int | None = None, options: Info | None = None
-    ) -> tuple[Array, Info]:
+    def reset(self, *, seed: int | None = None, options: Info | None = None) -> tuple[Array, Info]:
         super().reset(seed=seed)
         start = self._steps.start(self.np_random, _given(options))
         self._steps.begin([0], start[None])
@@ -130,7 +128,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         return self.task.trajectory(self._start, self._actions)
 
     @override
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> Any:
         if self.render_mode is None:
             return None
         from stickslip.plots import picture_of
@@ -141,12 +139,12 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
 
 @final
-class MotorVectorEnvironment(VectorEnv[Array, Array, Array]):
+class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
     """Many mechanisms of one task, which step in one call of machine code.
 
-    Mechanism i is seeded with ``seed + i`` and does what a `MotorEnvironment` of that seed does. One
-    whose episode is over begins anew in the next step, and its action is ignored. There is nothing
-    to render.
+    Mechanism i is seeded with ``seed + i`` and does what a `MotorEnvironment` of that seed does.
+    One whose episode is over begins anew in the next step, and its action is ignored. There is
+    nothing to render.
 
     Examples
     --------
@@ -183,7 +181,8 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, Array]):
         render_mode : str, optional
             None: there is nothing to render.
         """
-        if not (isinstance(num_envs, int | np.integer) and num_envs >= 1):
+        told: object = num_envs
+        if not (isinstance(told, int | np.integer) and told >= 1):
             raise InputError(f"num_envs must be a whole number above 0, got {num_envs!r}.")
         if render_mode is not None:
             raise InputError(
@@ -216,23 +215,20 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, Array]):
     """Whether all have begun."""
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
+        """Make the generators: of all anew, or of those that have a seed."""
+        if seed is None and self._generators:
+            return
         if seed is None or isinstance(seed, int | np.integer):
-            if seed is not None or not self._generators:
-                super().reset(seed=seed)
-                first = self.np_random_seed if seed is None else int(seed)
-                seeds: list[int | None] = list(range(first, first + self.num_envs))
-            else:
-                return
-        else:
-            seeds = list(seed)
-        if len(seeds) != self.num_envs:
+            super().reset(seed=seed)
+            first = int(self.np_random.integers(2**31)) if seed is None else int(seed)
+            seed = range(first, first + self.num_envs)
+        if len(seed) != self.num_envs:
             raise InputError(
-                f"seed must be one number or {self.num_envs} of them, got {len(seeds)}."
+                f"seed must be one number or {self.num_envs} of them, got {len(seed)}."
             )
-        made = [gymnasium.utils.seeding.np_random(s)[0] for s in seeds]
-        old = self._generators or made
-        told = zip(seeds, made, old, strict=True)
-        self._generators = [b if s is None else a for s, a, b in told]
+        made = [gymnasium.utils.seeding.np_random(one)[0] for one in seed]
+        told = zip(seed, made, self._generators or made, strict=True)
+        self._generators = [old if one is None else new for one, new, old in told]
 
     def _begin(self, rows: NDArray[np.intp], given: Mapping[str, float] | None = None) -> None:
         if not rows.size:

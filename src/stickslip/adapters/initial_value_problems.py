@@ -38,8 +38,7 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair, initial_state
-from stickslip.solver import Equations, gather
-from stickslip.solver.event_driven import status_of
+from stickslip.solver import Equations, gather, status_of
 from stickslip.trajectory import Status
 
 if TYPE_CHECKING:

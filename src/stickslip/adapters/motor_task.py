@@ -26,6 +26,9 @@ __all__ = ["CAPSULE", "CART", "MotorTask", "Stepped", "Steps", "task_of"]
 Array = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 
+SOLVER = EventDriven(tolerance=1e-9)
+"""Of tasks that name none: looser tolerances save no time, since periods are single steps."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +71,7 @@ class MotorTask(Parametrised):
     """Time after which an episode is truncated."""
     start_spread: Annotated[float, Quantity("q_0", "rad", low=0, or_unit="m")] = 0.0
     """Largest distance from 0 at which the inner body begins; each place up to it is as likely."""
-    solver: EventDriven = EventDriven(tolerance=1e-9)
+    solver: EventDriven = SOLVER
     """Tolerance, and most steps of a period."""
 
     @override
@@ -362,7 +365,7 @@ class Steps:
             If an action is no number.
         """
         task = self.task
-        efforts = np.asarray(actions, dtype=np.float64)
+        efforts: Array = np.array(actions, dtype=np.float64)
         if efforts.shape != (self.count,):
             raise InputError(
                 f"actions must have the shape ({self.count}, 1), a share of the largest effort for"
@@ -375,7 +378,7 @@ class Steps:
                 f"the action{which} must be a number from -1 to 1, the share of the largest effort,"
                 " got nan."
             )
-        efforts = np.clip(efforts, -1.0, 1.0) * task.effort_limit
+        efforts = np.multiply(np.clip(efforts, -1.0, 1.0), task.effort_limit, dtype=np.float64)
         before = self._runs.states
         self._done += 1
         self._runs.advance(self._done * task.period, efforts)
@@ -383,7 +386,9 @@ class Steps:
         x, _, q, w = task.places
         moved = after - before
         work = np.maximum(efforts * moved[:, q], 0.0)
-        beyond = (np.abs(after[:, q]) > task.position_limit) | (np.abs(after[:, w]) > task.rate_limit)
+        beyond = (np.abs(after[:, q]) > task.position_limit) | (
+            np.abs(after[:, w]) > task.rate_limit
+        )
         return Stepped(
             observations=self._seen(after),
             rewards=moved[:, x] - task.work_weight * work,

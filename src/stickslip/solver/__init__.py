@@ -32,6 +32,7 @@ INSIDE = {
     "gather": "drive_schedule",
     "notice": "compile.messages",
     "run_ensemble": "ensembles",
+    "status_of": "event_driven",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -11,8 +11,10 @@ from stickslip.solver.ensembles import run_ensemble as run_ensemble
 from stickslip.solver.evaluator import Equations as Equations
 from stickslip.solver.event_driven import BareRun as BareRun
 from stickslip.solver.event_driven import EventDriven as EventDriven
+from stickslip.solver.event_driven import status_of as status_of
 from stickslip.solver.fixed_step import FixedStep as FixedStep
 from stickslip.solver.fixed_step import Method as Method
+from stickslip.solver.incremental_ensemble import IncrementalEnsemble as IncrementalEnsemble
 from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
 from stickslip.solver.reducers import EventCount as EventCount
 from stickslip.solver.reducers import EventTimes as EventTimes

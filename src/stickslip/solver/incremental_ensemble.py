@@ -3,14 +3,15 @@
 import itertools
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
@@ -83,13 +84,10 @@ class IncrementalEnsemble:
         self._p, self._cap = inputs.p, inputs.time_scale / 6.0
         self._tolerance, self._most = solver.tolerance_for(law), int(solver.max_steps)
         header = model.sizes.header
-        self._width, self._y = kept_size(header), POLYNOMIAL + header[Y] - NUMBERS
+        self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
         self._kept = np.zeros((count, self._width))
         self._wholes = np.zeros((count, len(header)), dtype=np.int64)
         self._wholes[:, STATUS] = enums.STEP_TOO_SMALL  # nothing that could go on
-        self._places = dict(
-            zip(model.parameter_paths, (p + POLYNOMIAL - NUMBERS for p in model.places), strict=True)
-        )
         self._work()
 
     def _work(self) -> None:
@@ -104,6 +102,7 @@ class IncrementalEnsemble:
         self._pool = ThreadPoolExecutor(max(1, shares - 1))  # starts no thread before it has work
         self._bounds = runner.vector([math.inf] * max(2 * runner.header[N_DRIVES], 1))
 
+    @override
     def __getstate__(self) -> dict[str, Any]:
         """Pickle numbers only: code and threads belong to a process."""
         left = ("_runner", "_fresh", "_shares", "_pool", "_bounds")
@@ -129,7 +128,7 @@ class IncrementalEnsemble:
     def running(self) -> NDArray[np.bool_]:
         """Whether each run can go on (count,)."""
         codes = self._wholes[:, STATUS]
-        return (codes == enums.RUNNING) | (codes == enums.END_TIME)
+        return np.isin(codes, (enums.RUNNING, enums.END_TIME))
 
     def status(self, row: int) -> Status:
         """Return how the last stretch of a run ended."""
@@ -139,7 +138,6 @@ class IncrementalEnsemble:
         self,
         rows: Sequence[int] | NDArray[np.intp],
         states: Array,
-        parameters: Mapping[str, Array] | None = None,
     ) -> None:
         """Let some runs begin anew at time 0.
 
@@ -149,27 +147,16 @@ class IncrementalEnsemble:
             Their indices.
         states : array (m, n)
             State of each at time 0: coordinates, rates, bristles [SI].
-        parameters : mapping of str to array, optional
-            Parameters by full path, as ``friction.kinetic_coefficient``, with values (m,) [SI];
-            others are those of mechanism and law.
 
         Raises
         ------
-        UnknownNameError
-            If there is no such parameter.
         InputError
-            If a state or a parameter is not finite.
+            If a state is not finite.
         """
-        values = dict(parameters or {})
-        for name, numbers in {"states": states, **values}.items():
-            if not np.isfinite(numbers).all():
-                raise InputError(f"{name} must be finite, got {np.asarray(numbers)!r}.")
+        if not np.isfinite(states).all():
+            raise InputError(f"states must be finite, got {states!r}.")
         self._kept[rows] = self._fresh
         self._wholes[rows] = self._runner.header
-        for path, column in values.items():
-            if path not in self._places:
-                raise UnknownNameError("parameter", path, list(self._places))
-            self._kept[rows, self._places[path]] = column
         self._kept[rows, self._y : self._y + len(self.model.states)] = states
 
     def advance(self, untils: Array, values: Array) -> None:
