@@ -171,8 +171,7 @@ def test_a_pickled_environment_goes_on_as_the_first_does():
 @pytest.mark.slow
 def test_processes_of_their_own_do_the_same():
     told = actions(30, 3)
-    makers = [lambda: gymnasium.make("stickslip.adapters.environments:stickslip/Cart-v0")] * 3
-    apart = gymnasium.vector.AsyncVectorEnv(makers, context="spawn")
+    apart = gymnasium.vector.AsyncVectorEnv([MotorEnvironment] * 3, context="spawn")
     try:
         found = played(apart, told, seed=4)
     finally:

@@ -137,7 +137,7 @@ def to_nonlinear_system(
         )
     return control.NonlinearIOSystem(
         _Field(told, laws, model, entry, speed),
-        inputs=[place.name],
+        inputs=[place.name.replace(".", "_")],  # python-control allows no dots
         outputs=list(model.states),
         states=list(model.states),
         name=name or mechanism.name,

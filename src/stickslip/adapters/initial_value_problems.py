@@ -51,6 +51,8 @@ EventFunction: TypeAlias = Callable[[float, Sequence[float]], float]
 
 MOST = 100_000
 """Stretches after which `ModeProblem.solve` gives up."""
+FINE = 200
+"""Steps that `ModeProblem.solve` takes at least."""
 INACTIVE = 1.0
 """Value of a guard that the mode does not have."""
 
@@ -255,7 +257,7 @@ class ModeProblem:
         method: str = "DOP853",
         rtol: float = 1e-10,
         atol: float = 1e-12,
-        max_step: float = math.inf,
+        max_step: float | None = None,
     ) -> ModeSolution:
         """Integrate by `scipy.integrate.solve_ivp` to the end, anew after each event.
 
@@ -265,8 +267,10 @@ class ModeProblem:
             Method of `solve_ivp`; ``"Radau"`` for laws with bristles.
         rtol, atol : float
             Tolerances of `solve_ivp`.
-        max_step : float
-            Longest step [s]: two events of one guard within a step are missed.
+        max_step : float, optional
+            Longest step [s]; a two-hundredth of `t_end` if not given. SciPy looks for events
+            between the ends of steps, so it misses two of one kind within a step: where a body is
+            held, nothing else keeps steps short.
 
         Returns
         -------
@@ -280,6 +284,7 @@ class ModeProblem:
         """
         from scipy.integrate import solve_ivp
 
+        longest = self.t_end / FINE if max_step is None else max_step
         times, states, modes = [np.array([self.t])], [self.y[None]], [np.array([self.mode])]
         evaluations = 0
         for _ in range(MOST):
@@ -287,7 +292,7 @@ class ModeProblem:
                 break
             found = solve_ivp(
                 self.fun, (self.t, self.stop), self.y, method=method, rtol=rtol, atol=atol,
-                max_step=max_step, events=self.events,
+                max_step=longest, events=self.events,
             )  # fmt: skip
             if found.status < 0:
                 raise SimulationError(f"solve_ivp failed at t = {found.t[-1]:g} s: {found.message}")

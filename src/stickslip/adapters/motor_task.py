@@ -381,7 +381,8 @@ class Steps:
         efforts = np.multiply(np.clip(efforts, -1.0, 1.0), task.effort_limit, dtype=np.float64)
         before = self._runs.states
         self._done += 1
-        self._runs.advance(self._done * task.period, efforts)
+        untils = np.multiply(self._done, task.period, dtype=np.float64)
+        self._runs.advance(untils, efforts)
         after = self._runs.states
         x, _, q, w = task.places
         moved = after - before
