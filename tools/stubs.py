@@ -12,6 +12,7 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
     "stickslip.adapters",
+    "stickslip.control",
     "stickslip.drives",
     "stickslip.experiments",
     "stickslip.friction",

@@ -7,6 +7,7 @@ HOMES = {
     "CART": "motor_task",
     "DescribingFunction": "control_systems",
     "ModeProblem": "initial_value_problems",
+    "ModeSolution": "initial_value_problems",
     "MotorEnvironment": "environments",
     "MotorTask": "motor_task",
     "MotorVectorEnvironment": "environments",

@@ -5,6 +5,7 @@ from stickslip.adapters.control_systems import to_nonlinear_system as to_nonline
 from stickslip.adapters.environments import MotorEnvironment as MotorEnvironment
 from stickslip.adapters.environments import MotorVectorEnvironment as MotorVectorEnvironment
 from stickslip.adapters.initial_value_problems import ModeProblem as ModeProblem
+from stickslip.adapters.initial_value_problems import ModeSolution as ModeSolution
 from stickslip.adapters.initial_value_problems import to_ivp as to_ivp
 from stickslip.adapters.motor_task import CAPSULE as CAPSULE
 from stickslip.adapters.motor_task import CART as CART
@@ -16,6 +17,7 @@ __all__ = [
     "CART",
     "DescribingFunction",
     "ModeProblem",
+    "ModeSolution",
     "MotorEnvironment",
     "MotorTask",
     "MotorVectorEnvironment",
