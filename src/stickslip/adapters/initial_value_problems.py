@@ -116,7 +116,24 @@ class ModeProblem:
         t_end: float,
         y0: Mapping[str, float] | Sequence[float] | None = None,
     ) -> None:
-        """Derive the equations; `to_ivp` says what the arguments are."""
+        """Derive the equations, and find the mode that holds at time 0.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves, with one contact.
+        law : FrictionLaw
+            Friction of the contact.
+        t_end : float
+            Last time [s].
+        y0 : mapping or sequence, optional
+            Initial states, as in `simulate`.
+
+        Raises
+        ------
+        InputError
+            If the law is a printed form, or there are several contacts.
+        """
         laws = check_pair(mechanism, law)
         if isinstance(laws, PrintedForm):
             raise InputError(
