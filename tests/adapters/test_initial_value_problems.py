@@ -109,6 +109,15 @@ def test_a_start_is_taken_and_a_table_is_given():
     assert isinstance(table, pd.DataFrame)
     assert [*table.columns] == ["t", "x", "v", "mode"]
     assert table["mode"].iloc[-1] == 0
+    data = solved.to_xarray()
+    assert data["v"].units == "m/s"
+    np.testing.assert_array_equal(data["x"], table["x"])
+
+
+def test_bristles_have_the_unit_of_a_length():
+    mechanism, law, _, settings = CASES["bristles"]
+    found = to_ivp(mechanism, law, t_end=0.01).solve(**settings)
+    assert [found.to_xarray()[name].units for name in found.names] == ["m", "m/s", "m"]
 
 
 @pytest.mark.parametrize(

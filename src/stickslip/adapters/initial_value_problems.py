@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, PrintedForm
@@ -38,11 +39,12 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair, initial_state
-from stickslip.solver import Equations, gather, status_of
+from stickslip.solver import Equations, column_units, gather, status_of
 from stickslip.trajectory import Status
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 __all__ = ["ModeProblem", "ModeSolution", "to_ivp"]
 
@@ -64,6 +66,8 @@ class ModeSolution:
 
     names: tuple[str, ...]
     """Names of the states."""
+    units: Mapping[str, str]
+    """SI unit of each."""
     t: Array
     """Times (n,) [s]; that of a change of mode stands twice, before and after it."""
     y: Array
@@ -87,6 +91,26 @@ class ModeSolution:
 
         columns = dict(zip(self.names, self.y.T, strict=True))
         return pd.DataFrame({"t": self.t, **columns, "mode": self.mode})
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return states and mode as an xarray Dataset over time, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        columns: dict[str, Any] = {
+            name: ("t", column, {"units": self.units[name]})
+            for name, column in zip(self.names, self.y.T, strict=True)
+        }
+        columns["mode"] = ("t", self.mode, {"units": "1"})
+        return xr.Dataset(
+            columns, {"t": ("t", self.t, {"units": "s"})}, {"status": self.status.value}
+        )
 
 
 @final
@@ -149,6 +173,8 @@ class ModeProblem:
                 f" {len(model.contacts)} ({', '.join(model.contacts)}): run it with simulate."
             )
         self.names, self.t_end = model.states, float(t_end)
+        bristles = model.states[2 * len(mechanism.coordinates) :]
+        self._units = column_units(mechanism, bristles)
         inputs = gather(mechanism, laws, model, self.t_end)
         equations = Equations(model, inputs)
         self._w, self._whole, self._table = equations.w, equations.whole, inputs.table.tolist()
@@ -330,6 +356,7 @@ class ModeProblem:
             )
         return ModeSolution(
             names=self.names,
+            units={name: self._units[name] for name in self.names},
             t=np.concatenate(times),
             y=np.concatenate(states),
             mode=np.concatenate(modes).astype(np.int8),
