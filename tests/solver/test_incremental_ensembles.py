@@ -9,8 +9,10 @@ import pytest
 from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
+from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
 from stickslip.results import Status
-from stickslip.solver import IncrementalEnsemble
+from stickslip.solver import IncrementalEnsemble, gather
+from stickslip.solver.backend import runner_of
 
 ZERO = Sampled(times=(0.0,), values=(0.0,))
 PERIOD, STEPS, COUNT = 0.02, 25, 33
@@ -102,3 +104,29 @@ def test_a_state_that_is_no_number_is_refused():
     runs = going(*CASES["series"])
     with pytest.raises(InputError, match="finite"):
         runs.begin([0], np.array([[np.nan, 0.0]]))
+
+
+def test_plain_python_gives_the_same_bits():
+    mechanism, law = CASES["series"]
+    runs = IncrementalEnsemble(mechanism, law, count=2, solver=EventDriven(), threads=1)
+    start = np.array([[0.1, 0.0], [0.0, 0.5]])
+    runs.begin([0, 1], start)
+    plain = runner_of(runs.model, compiled=False)
+    header = plain.header
+    whole = plain.wholes(header)
+    base = plain.working(gather(mechanism, law, runs.model, 0.0).p)
+    base = [*base[:POLYNOMIAL], *base[NUMBERS:]]
+    kept = [*base, *base]
+    place = POLYNOMIAL + header[Y] - NUMBERS
+    for row, state in enumerate(start.tolist()):
+        kept[row * len(base) + place : row * len(base) + place + 2] = state
+    wholes = [*header, *header]
+    room = (plain.zeros(header[SIZE]), whole, plain.zeros(4), plain.zeros(9000), plain.zeros(900))
+    for k in range(6):
+        forces, until = FORCES[k, :2], (k + 1) * PERIOD
+        runs.advance(np.full(2, until), forces)
+        told = (forces.tolist(), [until] * 2, [np.inf] * 2, 1e-12, np.inf, 1000, kept, wholes)
+        assert plain.kernels.enter_stretches(0, 2, *told, *room) == 2
+    for row in range(2):
+        found = kept[row * len(base) + place : row * len(base) + place + 2]
+        assert found == runs.states[row].tolist()
