@@ -229,6 +229,13 @@ def test_a_cart_that_lifts_off_ends_its_episode_there():
     assert np.array_equal(env.step(np.array([1.0]))[4]["state"], info["state"])
 
 
+def test_a_start_beyond_a_hard_stop_is_refused():
+    inside = dataclasses.replace(CAPSULE.mechanism, lower_stop=-0.01, upper_stop=0.01)
+    env = MotorEnvironment(dataclasses.replace(CAPSULE, mechanism=inside))
+    with pytest.raises(InputError, match="upper stop"):
+        env.reset(options={"state": {"xi": 0.015}})
+
+
 def test_an_episode_ends_beyond_the_limits_of_the_pendulum():
     env = MotorEnvironment(CART)
     env.reset(options={"state": {"theta": 1.0, "omega": 3.0}})
@@ -292,6 +299,9 @@ def test_other_laws_and_mechanisms_serve():
         (lambda: MotorVectorEnvironment(2).reset(seed=[1]), InputError, "seed"),
         (lambda: dataclasses.replace(CART, mechanism=Axis(inertia=1.0)), ParameterError, "motor"),
         (lambda: dataclasses.replace(CART, law=None), ParameterError, "law"),
+        (lambda: dataclasses.replace(CART, mechanism=None), ParameterError, "mechanism"),
+        (lambda: dataclasses.replace(CART, solver=None), ParameterError, "solver"),
+        (lambda: MotorVectorEnvironment(2, threads=0), InputError, "threads"),
         (lambda: dataclasses.replace(CART, period=0.0), ParameterError, "T_s"),
         (lambda: dataclasses.replace(CART, start_spread=2.0), ParameterError, "position_limit"),
         (lambda: begun(1.0), InputError, "by name"),

@@ -78,15 +78,18 @@ class MotorTask(Parametrised):
     def __post_init__(self) -> None:
         """Check the numbers, the mechanism and where episodes begin."""
         super().__post_init__()
-        kind = type(self.mechanism).__name__
+        for name, kind, example in (
+            ("mechanism", Mechanism, "a mechanism such as PendulumCart(...)"),
+            ("law", FrictionLaw, "a friction law such as Coulomb(...)"),
+            ("solver", EventDriven, "an EventDriven(...)"),
+        ):
+            given = getattr(self, name)
+            if not isinstance(given, kind):
+                raise ParameterError(f"MotorTask.{name} must be {example}, got {given!r}.")
         if self._motor is None or len(self.mechanism.coordinates) != 2:
             raise ParameterError(
                 "MotorTask.mechanism must have two coordinates and a motor between them, as"
-                f" PendulumCart and Capsule have, got {kind}."
-            )
-        if not isinstance(self.law, FrictionLaw):
-            raise ParameterError(
-                f"MotorTask.law must be a friction law such as Coulomb(...), got {self.law!r}."
+                f" PendulumCart and Capsule have, got {type(self.mechanism).__name__}."
             )
         if self.start_spread >= self.position_limit:
             raise ParameterError(

@@ -34,6 +34,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.event_driven import EventDriven, status_of
+from stickslip.solver.initial_states import within_stops
 from stickslip.solver.run import FIRST_ROWS
 from stickslip.trajectory import Status
 
@@ -76,7 +77,14 @@ class IncrementalEnsemble:
             Tolerance, and most steps of a stretch. Its tier has no effect: machine code is taken.
         threads : int, optional
             Threads that share the runs; one a processor if not given.
+
+        Raises
+        ------
+        InputError
+            If `threads` is below 1.
         """
+        if threads is not None and threads < 1:
+            raise InputError(f"threads must be at least 1, got {threads!r}.")
         self.mechanism, self.law, self.count, self.solver = mechanism, law, count, solver
         self.threads = threads
         self.model = model = formulate(mechanism, law)
@@ -151,13 +159,14 @@ class IncrementalEnsemble:
         Raises
         ------
         InputError
-            If a state is not finite.
+            If a state is not finite, or beyond a hard stop.
         """
         if not np.isfinite(states).all():
             raise InputError(f"states must be finite, got {states!r}.")
         self._kept[rows] = self._fresh
         self._wholes[rows] = self._runner.header
-        self._kept[rows, self._y : self._y + len(self.model.states)] = states
+        placed = [within_stops(self.mechanism, state) for state in states]
+        self._kept[rows, self._y : self._y + len(self.model.states)] = placed
 
     def advance(self, untils: Array, values: Array) -> None:
         """Go on with all runs that have not ended, the drives having constant values.
