@@ -84,6 +84,20 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
     @override
     def reset(self, *, seed: int | None = None, options: Info | None = None) -> tuple[Array, Info]:
+        """Begin an episode; return what is observed, and travel, work and states.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Of the generator, which goes on if not given.
+        options : dict, optional
+            ``{"state": {...}}`` has states by name at which the episode begins [SI].
+
+        Returns
+        -------
+        (array (3,), dict)
+            Observation [SI]; travel [m], work [J] and all states.
+        """
         super().reset(seed=seed)
         start = self._steps.start(self.np_random, _given(options))
         self._steps.begin([0], start[None])
@@ -93,6 +107,24 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
     @override
     def step(self, action: Array) -> tuple[Array, float, bool, bool, Info]:
+        """Hold an action for a period.
+
+        Parameters
+        ----------
+        action : array (1,)
+            Share of the largest effort, -1 to 1; what is beyond is clipped.
+
+        Returns
+        -------
+        (array (3,), float, bool, bool, dict)
+            Observation [SI], reward [m], whether the episode has ended, whether its time is over;
+            travel [m], work [J], all states, and where it has ended the reason, ``"ending"``.
+
+        Raises
+        ------
+        InputError
+            If no episode has begun, or the action is no number.
+        """
         if self._start is None:
             raise InputError("the environment has not begun: call reset() before step().")
         told = np.asarray(action, dtype=np.float64).reshape(-1)
@@ -129,6 +161,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
 
     @override
     def render(self) -> Any:
+        """Return the scene beside its time plots (400, 880, 3) in RGB; None without a mode."""
         if self.render_mode is None:
             return None
         from stickslip.plots import picture_of
@@ -195,6 +228,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._steps = Steps(self.task, self.num_envs, threads=threads)
         self._generators: list[np.random.Generator] = []
+        self._begun = False
         self._over = np.ones(self.num_envs, dtype=bool)
         self._travel, self._work = np.zeros(self.num_envs), np.zeros(self.num_envs)
 
@@ -202,6 +236,26 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: Info | None = None
     ) -> tuple[Array, Info]:
+        """Begin episodes; return what is observed, and travel and work of each.
+
+        Parameters
+        ----------
+        seed : int or sequence of int, optional
+            That of the first mechanism, or of each; generators go on where there is none.
+        options : dict, optional
+            ``"state"`` has states by name at which episodes begin [SI], ``"reset_mask"`` (count,)
+            says which ones begin anew, all if not given.
+
+        Returns
+        -------
+        (array (count, 3), dict)
+            Observations [SI]; travel [m] and work [J] of each.
+
+        Raises
+        ------
+        InputError
+            If there is not one seed for each, or a mask is given before all have begun.
+        """
         self._seed(seed)
         mask = (options or {}).get("reset_mask")
         rows = np.arange(self.num_envs) if mask is None else np.flatnonzero(mask)
@@ -210,9 +264,6 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         self._begin(rows, _given(options))
         self._begun = True
         return self._steps.observations, self._info()
-
-    _begun = False
-    """Whether all have begun."""
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
         """Make the generators: of all anew, or of those that have a seed."""
@@ -240,6 +291,24 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
 
     @override
     def step(self, actions: Array) -> tuple[Array, Array, Truths, Truths, Info]:
+        """Hold an action for a period in each; those whose episode is over begin anew instead.
+
+        Parameters
+        ----------
+        actions : array (count, 1)
+            Shares of the largest effort, -1 to 1; what is beyond is clipped.
+
+        Returns
+        -------
+        (array (count, 3), array (count,), array (count,), array (count,), dict)
+            Observations [SI], rewards [m], whether episodes have ended, whether their time is over;
+            travel [m] and work [J] of each.
+
+        Raises
+        ------
+        InputError
+            If they have not begun, or an action is no number.
+        """
         if not self._begun:
             raise InputError("the environments have not begun: call reset() before step().")
         told = np.asarray(actions, dtype=np.float64)
