@@ -10,7 +10,7 @@ HOME = "stickslip.adapters.environments"
 
 
 def register_environments() -> None:
-    """Tell Gymnasium the environments; it does so itself where the package is installed.
+    """Tell Gymnasium the environments, as importing `stickslip.gym` does.
 
     Raises
     ------
