@@ -23,6 +23,7 @@ from numpydoc.docscrape import NumpyDocString
 from tools import slots, structure
 
 SUBPACKAGES = (
+    "adapters",
     "catalogue",
     "cli",
     "control",

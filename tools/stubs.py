@@ -11,6 +11,8 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
+    "stickslip.adapters",
+    "stickslip.control",
     "stickslip.drives",
     "stickslip.experiments",
     "stickslip.exports",

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import stickslip
+import stickslip.adapters
 import stickslip.control
 import stickslip.drives
 import stickslip.outputs
@@ -29,7 +30,7 @@ ENTRIES = [
 NAMES = [name for name in stickslip.__all__ if name != "__version__"]
 NAMES += [
     f"{room}.{name}"
-    for room in ("control", "drives", "outputs", "results")
+    for room in ("adapters", "control", "drives", "outputs", "results")
     for name in getattr(stickslip, room).__all__
 ]
 

@@ -80,6 +80,15 @@ def test_an_interval_lies_between_the_quantiles_of_its_own_column():
     assert found.interval("mechanism.offset") == (0.0, 0.0)
 
 
+def test_draws_are_tables_with_a_column_for_each_path():
+    draws = np.arange(6.0).reshape(3, 2)
+    found = posterior.Posterior(paths=("mechanism.offset", "friction.level"), draws=draws, runs=7)
+    assert found.to_dataframe()["friction.level"].tolist() == [1.0, 3.0, 5.0]
+    data = found.to_xarray()
+    assert data["mechanism.offset"].values.tolist() == [0.0, 2.0, 4.0]
+    assert data.attrs == {"cancelled": 0, "runs": 7}
+
+
 @pytest.mark.parametrize("sampler", ["emcee", "dynesty"])
 def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(linear, sampler):
     pytest.importorskip(sampler)

@@ -73,6 +73,16 @@ def test_while_the_speed_stays_nothing_changes():
     np.testing.assert_allclose(run.coefficient, 0.6 - 0.004 * math.log(2.0), rtol=1e-15)
 
 
+def test_a_history_is_a_table_with_units():
+    run = simulate_velocity_steps(law(), stiffness=1e3, time=[0.0, 50.0], pull=[0.0, 1e-4])
+    table, data = run.to_dataframe(), run.to_xarray()
+    assert [*table.columns] == ["time", "coefficient", "velocity", "state"]
+    np.testing.assert_array_equal(table["velocity"], run.velocity)
+    assert {name: data[name].units for name in data} == {
+        "coefficient": "1", "velocity": "m/s", "state": "s",
+    }  # fmt: skip
+
+
 def test_a_stiff_spring_shows_the_direct_effect_at_once():
     run = simulate_velocity_steps(
         law(critical_distance=1.0), stiffness=1e9, time=[0.0, 10.0, 11.0], pull=[0, 1e-5, 2e-4]

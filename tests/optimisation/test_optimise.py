@@ -63,6 +63,14 @@ def test_spline_beats_the_three_phase_motion_within_the_same_limits(spline):
     assert spline.factor == spline.value / spline.three_phase.value
 
 
+def test_the_motions_that_were_compared_are_a_table(spline):
+    table = spline.to_dataframe().set_index("motion")
+    assert [*table.index] == ["best", "three-phase", "start"]
+    assert table.loc["best", spline.goal.name] == spline.value
+    assert table.loc["best", "work"] == spline.cycle.work
+    assert table.loc["best", "feasible"]
+
+
 def test_value_is_the_travel_of_a_run_of_its_own(spline, law):
     period = spline.cycle.period
     run = simulate(spline.mechanism, law, t_end=6 * period)

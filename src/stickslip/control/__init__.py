@@ -1,22 +1,26 @@
 """Feedback: controllers that sample and hold, and what friction makes of them."""
 
-from stickslip.control.equations_of_motion import Dynamics, dynamics_at
-from stickslip.control.feedback_loop import ClosedLoop, Controller, closed_loop
-from stickslip.control.friction_compensation import FrictionCompensation, compensation
-from stickslip.control.limit_cycles import LimitCycle, limit_cycle
-from stickslip.control.partial_feedback_linearisation import PartialLinearisation
-from stickslip.control.pid import PID
+from stickslip.lazy import attach
 
-__all__ = [
-    "PID",
-    "ClosedLoop",
-    "Controller",
-    "Dynamics",
-    "FrictionCompensation",
-    "LimitCycle",
-    "PartialLinearisation",
-    "closed_loop",
-    "compensation",
-    "dynamics_at",
-    "limit_cycle",
-]
+HOMES = {
+    "ClosedLoop": "feedback_loop",
+    "Controller": "feedback_loop",
+    "Dynamics": "equations_of_motion",
+    "FrictionCompensation": "friction_compensation",
+    "LimitCycle": "limit_cycles",
+    "PID": "pid",
+    "PartialLinearisation": "partial_feedback_linearisation",
+    "closed_loop": "feedback_loop",
+    "compensation": "friction_compensation",
+    "dynamics_at": "equations_of_motion",
+    "limit_cycle": "limit_cycles",
+}
+
+INSIDE = {
+    "place_of": "actuation",
+}
+"""Names that other subpackages use, and that are not part of the public interface."""
+
+__all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
+
+__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)

@@ -6,6 +6,7 @@ from stickslip.kernels.contacts.answers import answer as enter_contacts
 from stickslip.kernels.dense_evaluation import play as enter_play
 from stickslip.kernels.driver import run as enter_run
 from stickslip.kernels.sensitivities import sense as enter_sense
+from stickslip.kernels.stretches import stretches as enter_stretches
 
 __all__ = [
     "enter_batch",
@@ -14,4 +15,5 @@ __all__ = [
     "enter_play",
     "enter_run",
     "enter_sense",
+    "enter_stretches",
 ]

@@ -1,7 +1,7 @@
 """The best motion that was found, and what stands beside it."""
 
 import dataclasses
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
@@ -15,6 +15,9 @@ from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.problem import Goal, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Optimum"]
 
@@ -112,6 +115,27 @@ class Optimum:
             "cancelled": self.cancelled,
             "certified": self.run.certificate.certified,
         }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the motions that were compared as a pandas DataFrame, a row each.
+
+        Columns are the goal, whether all limits are kept, and numbers of the steady cycle in the
+        scenario that does worst [SI].
+        """
+        import pandas as pd
+
+        motions = {"best": self.best, "three-phase": self.three_phase, "start": self.start}
+        rows = [
+            {
+                "motion": name,
+                self.goal.name: motion.value,
+                "feasible": motion.feasible,
+                **(_cycle(min(motion.cycles, key=self.goal.value)) if motion.cycles else {}),
+            }
+            for name, motion in motions.items()
+            if motion is not None
+        ]
+        return pd.DataFrame(rows)
 
     def to_toml(self) -> str:
         """Return a rig file with the best motion, which `load_rig` and the command line read."""

@@ -123,6 +123,7 @@ INSIDE = {
     "loop_sizes": "laws.hysteresis",
     "map_points": "selection.fit_data",
     "panel_of": "selection.fit_data",
+    "picture_of": "animation.animation",
     "piece_sizes": "selection.prediction_excerpts",
     "plot_coefficient": "selection.fits",
     "plot_feature_errors": "selection.fits",

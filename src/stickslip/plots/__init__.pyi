@@ -2,6 +2,7 @@
 from stickslip.plots.animation.animation import animate as animate
 from stickslip.plots.animation.animation import draw_scene as draw_scene
 from stickslip.plots.animation.animation import frame_times as frame_times
+from stickslip.plots.animation.animation import picture_of as picture_of
 from stickslip.plots.animation.html_embedding import animation_html as animation_html
 from stickslip.plots.animation.video_encoding import encoder_of as encoder_of
 from stickslip.plots.core.helpers import Sizes as Sizes

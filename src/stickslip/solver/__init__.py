@@ -25,6 +25,7 @@ HOMES = {
 INSIDE = {
     "BareRun": "event_driven",
     "Equations": "evaluator",
+    "IncrementalEnsemble": "incremental_ensemble",
     "IncrementalRun": "incremental_run",
     "as_numbers": "ensembles",
     "column_units": "base",

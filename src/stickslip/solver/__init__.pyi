@@ -15,6 +15,7 @@ from stickslip.solver.event_driven import EventDriven as EventDriven
 from stickslip.solver.event_driven import status_of as status_of
 from stickslip.solver.fixed_step import FixedStep as FixedStep
 from stickslip.solver.fixed_step import Method as Method
+from stickslip.solver.incremental_ensemble import IncrementalEnsemble as IncrementalEnsemble
 from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
 from stickslip.solver.initial_states import within_stops as within_stops
 from stickslip.solver.reducers import EventCount as EventCount

@@ -1,16 +1,21 @@
 """A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
+from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number
 from stickslip.friction import RateState
 from stickslip.quantities import Quantity
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 __all__ = ["SliderHistory", "logarithms", "simulate_velocity_steps"]
 
@@ -20,6 +25,8 @@ STEEPEST = 300.0
 STEPS = 20_000
 """Steps between two asked times after which a run counts as failed."""
 
+UNITS = {"coefficient": "1", "velocity": "m/s", "state": "s"}
+"""Columns of a history, and their units."""
 STIFFNESS = Quantity("k", "1/m", above=0)
 
 
@@ -50,6 +57,28 @@ class SliderHistory:
     """Slip speed (n,) [m/s]."""
     state: Array
     """State theta (n,) [s], the age of the contacts; NaN without evolution."""
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the columns as a pandas DataFrame with the time in front."""
+        import pandas as pd
+
+        return pd.DataFrame({name: getattr(self, name) for name in ("time", *UNITS)})
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the columns as an xarray Dataset over time, with units.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        columns = {
+            name: ("time", getattr(self, name), {"units": unit}) for name, unit in UNITS.items()
+        }
+        return xr.Dataset(columns, {"time": ("time", self.time, {"units": "s"})})
 
     @override
     def __repr__(self) -> str:

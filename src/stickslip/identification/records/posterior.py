@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, final
+from typing import TYPE_CHECKING, Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from stickslip.errors import InputError, not_whole, renamed
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 __all__ = ["Posterior", "sample_posterior"]
 
@@ -76,6 +80,26 @@ class Posterior:
         column = self.draws[:, self.paths.index(full_path(path, self.paths))]
         low, high = np.quantile(column, [0.5 * (1.0 - level), 0.5 * (1.0 + level)])
         return float(low), float(high)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the draws as a pandas DataFrame, a column a path."""
+        import pandas as pd
+
+        return pd.DataFrame(self.draws, columns=list(self.paths))
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the draws as an xarray Dataset over ``draw``, a variable a path.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+        """
+        require_library("xarray", "xarray", "use to_dataframe")
+        import xarray as xr
+
+        columns = {path: ("draw", own) for path, own in zip(self.paths, self.draws.T, strict=True)}
+        return xr.Dataset(columns, attrs={"cancelled": int(self.cancelled), "runs": self.runs})
 
 
 @renamed

@@ -22,7 +22,7 @@ from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import SURFACE, house_style
 from stickslip.trajectory import Trajectory
 
-__all__ = ["ANIMATION_SIZE", "animate", "draw_scene", "frame_times"]
+__all__ = ["ANIMATION_SIZE", "animate", "draw_scene", "frame_times", "picture_of"]
 
 ANIMATION_SIZE: Final[Size] = (880, 400)
 NARROWEST: Final = 620.0
@@ -80,6 +80,30 @@ def draw_scene(
         stage.show(moments_of(run, mechanism, np.array([t]))[0])
 
     return draw
+
+
+def picture_of(run: Trajectory, mechanism: Drawn, t: float, *, size: Size) -> Pixels:
+    """Return what `draw_scene` draws as a picture (height, width, 3) in RGB.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    mechanism : Mechanism
+        What moves in it.
+    t : float
+        The moment [s].
+    size : tuple of float
+        Width and height [px].
+
+    Returns
+    -------
+    array (height, width, 3)
+        The picture.
+    """
+    check_scene(run, mechanism)
+    (pixels,) = frames(run, mechanism, np.array([t]), size=size, dpi=72.0, scene=None)
+    return pixels
 
 
 def animate(

@@ -1,0 +1,28 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip.adapters.control_systems import DescribingFunction as DescribingFunction
+from stickslip.adapters.control_systems import to_describing_function as to_describing_function
+from stickslip.adapters.control_systems import to_nonlinear_system as to_nonlinear_system
+from stickslip.adapters.environments import MotorEnvironment as MotorEnvironment
+from stickslip.adapters.environments import MotorVectorEnvironment as MotorVectorEnvironment
+from stickslip.adapters.initial_value_problems import ModeProblem as ModeProblem
+from stickslip.adapters.initial_value_problems import ModeSolution as ModeSolution
+from stickslip.adapters.initial_value_problems import to_ivp as to_ivp
+from stickslip.adapters.motor_task import CAPSULE as CAPSULE
+from stickslip.adapters.motor_task import CART as CART
+from stickslip.adapters.motor_task import MotorTask as MotorTask
+from stickslip.adapters.registration import register_environments as register_environments
+
+__all__ = [
+    "CAPSULE",
+    "CART",
+    "DescribingFunction",
+    "ModeProblem",
+    "ModeSolution",
+    "MotorEnvironment",
+    "MotorTask",
+    "MotorVectorEnvironment",
+    "register_environments",
+    "to_describing_function",
+    "to_ivp",
+    "to_nonlinear_system",
+]

@@ -1,0 +1,261 @@
+"""Mechanisms and laws for python-control: nonlinear systems, describing functions."""
+
+import itertools
+import math
+from collections.abc import Mapping
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.control import place_of
+from stickslip.display import require_library
+from stickslip.drives import Sampled
+from stickslip.errors import InputError
+from stickslip.formulation import Model, formulate
+from stickslip.friction import BristleLaw, DirectionalLaw, Friction, PrintedForm, SetValuedLaw
+from stickslip.kernels.state_layout import CAN_STICK, NUMBERS, SLIP
+from stickslip.mechanisms import Mechanism
+from stickslip.simulation import check_pair
+from stickslip.solver import Equations, gather
+
+require_library("control", "control")
+
+import control  # noqa: E402  # after the message of where to get it
+
+__all__ = ["DescribingFunction", "to_describing_function", "to_nonlinear_system"]
+
+Array = NDArray[np.float64]
+FEW = 1e-12
+"""Relative error of the integrals of a describing function."""
+
+
+class _Field:
+    """Time derivatives of the states at any state, without modes."""
+
+    def __init__(self, mechanism: Mechanism, law: Any, model: Model, drive: str, speed: float):
+        inputs = gather(mechanism, law, model, 0.0)
+        self._equations = Equations(model, inputs)
+        self._place = NUMBERS + 3 * model.drives.index(drive)
+        header = model.sizes.header
+        self._slip, self._band = header[SLIP], speed if header[CAN_STICK] else 0.0
+
+    def __call__(self, t: float, y: Array, u: Array, _: Mapping[str, Any]) -> Array:
+        """Return the derivatives (n,)."""
+        equations = self._equations
+        equations.load_at(t)
+        equations.w[self._place] += float(u[0])
+        v = float(y[self._slip])
+        if abs(v) >= self._band:
+            return self._in(1 if v >= 0.0 else -1, t, y)
+        share = 0.5 * (1.0 + v / self._band)
+        forward, backward = self._in(1, t, y), self._in(-1, t, y)
+        return share * forward + (1.0 - share) * backward
+
+    def _in(self, mode: int, t: float, y: Array) -> Array:
+        """Return the derivatives in a mode of slip, with friction not below its band's."""
+        state = [float(value) for value in y]
+        rate = state[self._slip]
+        if abs(rate) < self._band:
+            state[self._slip] = mode * self._band
+        flags = self._equations.flags(t, state)
+        found = np.array(self._equations("field", mode, flags, t, state), dtype=np.float64)
+        n = self._equations.sizes.coordinates
+        found[self._slip - n] = rate
+        return found
+
+
+def to_nonlinear_system(
+    mechanism: Mechanism,
+    law: Friction,
+    *,
+    drive: str | None = None,
+    speed: float = 1e-3,
+    name: str | None = None,
+) -> "control.NonlinearIOSystem":
+    """Return a mechanism with a law as a `control.NonlinearIOSystem`.
+
+    Input is the command of a drive, outputs are the states. Where the body slips faster than
+    `speed`, the equations are those of `simulate`. Slower, friction is a straight line between its
+    values at both ends: a body that friction would hold creeps instead, at most at `speed`, and
+    neither sticks nor breaks away. Switches of the law and saturations jump, and hard stops,
+    lift-off and other limits are ignored: `simulate` and `closed_loop` have them exactly.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves, with one contact and without prescribed motions.
+    law : FrictionLaw
+        Friction of the contact. A law with bristles is smooth by itself, and `speed` has no effect.
+    drive : str, optional
+        What is commanded, as in `closed_loop`; the only drive if not given. A drive that is there
+        stays, and the input is added to it.
+    speed : float
+        Speed below which friction is a straight line [m/s], or [rad/s].
+    name : str, optional
+        Name of the system; that of the mechanism if not given.
+
+    Returns
+    -------
+    control.NonlinearIOSystem
+        The system, in continuous time.
+
+    Raises
+    ------
+    InputError
+        If the mechanism has several contacts or a prescribed motion, or `speed` is not above 0.
+
+    Examples
+    --------
+    >>> import control
+    >>> from stickslip import Axis, CoulombViscous
+    >>> law = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=30.0)
+    >>> axis = to_nonlinear_system(Axis(inertia=5.0), law)
+    >>> axis.input_labels, axis.output_labels
+    (['drive'], ['x', 'v'])
+    >>> control.linearize(axis, [0.0, 0.1], [8.0]).A.round(9)[1].tolist()
+    [0.0, -6.0]
+    """
+    laws = check_pair(mechanism, law)
+    if isinstance(laws, PrintedForm):
+        raise InputError(f"to_nonlinear_system takes no printed forms, got {law!r}.")
+    if mechanism.guided():
+        raise InputError(
+            f"{type(mechanism).__name__} has a prescribed motion, which nothing can command: give"
+            " it a torque or a force instead."
+        )
+    if not (math.isfinite(speed) and speed > 0.0):
+        raise InputError(f"speed [m/s] must be above 0, got {speed!r}.")
+    place = place_of(mechanism, drive)
+    told, entry = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
+    model = formulate(told, laws)
+    if model.contacts:
+        raise InputError(
+            f"to_nonlinear_system takes mechanisms with one contact, and this"
+            f" {type(mechanism).__name__} has {len(model.contacts)} ({', '.join(model.contacts)})."
+        )
+    return control.NonlinearIOSystem(
+        _Field(told, laws, model, entry, speed),
+        inputs=[place.name.replace(".", "_")],  # python-control allows no dots
+        outputs=list(model.states),
+        states=list(model.states),
+        name=name or mechanism.name,
+    )
+
+
+@final
+class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignore[misc]
+    """Friction over velocity as a nonlinearity of python-control, with its describing function.
+
+    Examples
+    --------
+    >>> import control
+    >>> from stickslip import Coulomb
+    >>> friction = to_describing_function(Coulomb(kinetic_coefficient=0.2), load=10.0)
+    >>> control.describing_function(friction, [0.5]).round(6)  # 4 F / (pi A)
+    array([5.092958+0.j])
+    """
+
+    def __init__(self, law: SetValuedLaw | DirectionalLaw, load: float) -> None:
+        """Take a law; `to_describing_function` checks it.
+
+        Parameters
+        ----------
+        law : SetValuedLaw or DirectionalLaw
+            The law.
+        load : float
+            Normal force [N]; 1 if the levels of the law are forces.
+        """
+        super().__init__()
+        self.law, self.load = law, load
+
+    @override
+    def __call__(self, A: float) -> float:
+        """Return the friction force at a velocity [N]; 0 at rest, where nothing moves it."""
+        velocity = float(np.squeeze(A))
+        return float(self.law.force(velocity, self.load)) if velocity != 0.0 else 0.0
+
+    @override
+    def describing_function(self, A: float) -> float:
+        """Return the first harmonic of friction over a sinusoidal velocity of an amplitude.
+
+        Parameters
+        ----------
+        A : float
+            Amplitude of the velocity [m/s].
+
+        Returns
+        -------
+        float
+            Amplitude of the harmonic, in phase with the velocity, over that of the velocity
+            [N s/m].
+
+        Raises
+        ------
+        InputError
+            If the amplitude is not above 0.
+        """
+        from scipy.integrate import quad
+
+        amplitude = float(A)
+        if not (math.isfinite(amplitude) and amplitude > 0.0):
+            raise InputError(f"the amplitude of the velocity must be above 0, got {A!r}.")
+
+        def along(angle: float) -> float:
+            sine = math.sin(angle)
+            forward, backward = self(amplitude * sine), self(-amplitude * sine)
+            return (forward - backward) * sine
+
+        # what falls steeply from rest does so at small angles
+        parts = (0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.5 * math.pi)
+        pieces = [
+            quad(along, a, b, epsrel=FEW, epsabs=0.0, limit=200)[0]
+            for a, b in itertools.pairwise(parts)
+        ]
+        return 2.0 * math.fsum(pieces) / (math.pi * amplitude)
+
+    @override
+    def _isstatic(self) -> bool:
+        """Whether it has no memory, which python-control asks."""
+        return True
+
+
+def to_describing_function(law: Friction, *, load: float = 1.0) -> DescribingFunction:
+    """Return friction over velocity as a nonlinearity of python-control.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        A law without bristles, such as ``fit(...).law``.
+    load : float
+        Normal force [N]; 1 if the levels of the law are forces.
+
+    Returns
+    -------
+    DescribingFunction
+        What `control.describing_function` and `control.describing_function_plot` take. Its input
+        is the slip velocity, so the linear system beside it is that from force to velocity.
+
+    Raises
+    ------
+    InputError
+        If the law has bristles: its describing function depends on the frequency too.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> slope = to_describing_function(Viscous(viscous_coefficient=3.0), load=1.0)
+    >>> round(slope.describing_function(0.2), 12)
+    3.0
+    """
+    if isinstance(law, BristleLaw):
+        raise InputError(
+            f"{type(law).__name__} has bristles, which remember the motion: its describing function"
+            " depends on the frequency too. Give a law without bristles."
+        )
+    if not isinstance(law, SetValuedLaw | DirectionalLaw):
+        raise InputError(f"law must be a friction law such as Coulomb(...), got {law!r}.")
+    if not (math.isfinite(load) and load >= 0.0):
+        raise InputError(f"load [N] must not be below 0, got {load!r}.")
+    return DescribingFunction(law, load)

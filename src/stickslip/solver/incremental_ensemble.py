@@ -1,0 +1,214 @@
+"""Many runs of one mechanism that go on together, stretch by stretch, in machine code."""
+
+import itertools
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from stickslip.errors import InputError
+from stickslip.formulation import formulate
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels import enums
+from stickslip.kernels.state_layout import (
+    ADDRESS,
+    EVENT_COLUMNS,
+    MOST_EVENTS,
+    N_DRIVES,
+    NUMBERS,
+    POLYNOMIAL,
+    ROW_COLUMNS,
+    SEVERAL,
+    SIZE,
+    STATUS,
+    TIME,
+    Y,
+)
+from stickslip.kernels.stretches import kept_size
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.backend import Runner, runner_of
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.event_driven import EventDriven, status_of
+from stickslip.solver.initial_states import within_stops
+from stickslip.solver.run import FIRST_ROWS
+from stickslip.trajectory import Status
+
+__all__ = ["IncrementalEnsemble"]
+
+FEWEST = 16
+"""Runs of a thread below which one more thread costs more than it saves."""
+
+Array = NDArray[np.float64]
+
+
+@final
+class IncrementalEnsemble:
+    """Runs whose drives are told for all of them at once, a constant value for each stretch.
+
+    Mode, step lengths and sizes go on from stretch to stretch, as in `IncrementalRun`; what the
+    runs did before is not recorded. Each run may begin anew at any time.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        law: FrictionLaw | Laws,
+        *,
+        count: int,
+        solver: EventDriven,
+        threads: int | None = None,
+    ) -> None:
+        """Make room for the runs; each has to begin before it can go on.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves; the values of its drives are told.
+        law : FrictionLaw
+            Friction of its contact.
+        count : int
+            Number of runs.
+        solver : EventDriven
+            Tolerance, and most steps of a stretch. Its tier has no effect: machine code is taken.
+        threads : int, optional
+            Threads that share the runs; one a processor if not given.
+
+        Raises
+        ------
+        InputError
+            If `threads` is below 1.
+        """
+        if threads is not None and threads < 1:
+            raise InputError(f"threads must be at least 1, got {threads!r}.")
+        self.mechanism, self.law, self.count, self.solver = mechanism, law, count, solver
+        self.threads = threads
+        self.model = model = formulate(mechanism, law)
+        inputs = gather(mechanism, law, model, 0.0)
+        self._p, self._cap = inputs.p, inputs.time_scale / 6.0
+        self._tolerance, self._most = solver.tolerance_for(law), int(solver.max_steps)
+        header = model.sizes.header
+        self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
+        self._kept = np.zeros((count, self._width))
+        self._wholes = np.zeros((count, len(header)), dtype=np.int64)
+        self._wholes[:, STATUS] = enums.STEP_TOO_SMALL  # nothing that could go on
+        self._work()
+
+    def _work(self) -> None:
+        """Get the code, and room to work in."""
+        self._runner = runner = runner_of(self.model, compiled=True)
+        w = runner.working(self._p)
+        self._fresh = np.concatenate([w[:POLYNOMIAL], w[NUMBERS:]])
+        most = os.cpu_count() or 1 if self.threads is None else self.threads
+        shares = max(1, min(most, self.count // FEWEST))
+        cuts = [self.count * k // shares for k in range(shares + 1)]
+        self._shares = [_Share(runner, a, b) for a, b in itertools.pairwise(cuts)]
+        self._pool = ThreadPoolExecutor(max(1, shares - 1))  # starts no thread before it has work
+        self._bounds = runner.vector([math.inf] * max(2 * runner.header[N_DRIVES], 1))
+
+    @override
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle numbers only: code and threads belong to a process."""
+        left = ("_runner", "_fresh", "_shares", "_pool", "_bounds")
+        return {name: value for name, value in vars(self).items() if name not in left}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Get code and threads of this process."""
+        vars(self).update(state)
+        self._work()
+        self._kept[:, ADDRESS : SEVERAL + 1] = self._fresh[ADDRESS : SEVERAL + 1]
+
+    @property
+    def t(self) -> Array:
+        """Time that each run has reached (count,) [s]."""
+        return self._kept[:, TIME].copy()
+
+    @property
+    def states(self) -> Array:
+        """States of the runs (count, n) [SI]."""
+        return self._kept[:, self._y : self._y + len(self.model.states)].copy()
+
+    @property
+    def running(self) -> NDArray[np.bool_]:
+        """Whether each run can go on (count,)."""
+        codes = self._wholes[:, STATUS]
+        return np.isin(codes, (enums.RUNNING, enums.END_TIME))
+
+    def status(self, row: int) -> Status:
+        """Return how the last stretch of a run ended."""
+        return status_of(int(self._wholes[row, STATUS]), self.model)
+
+    def begin(
+        self,
+        rows: Sequence[int] | NDArray[np.intp],
+        states: Array,
+    ) -> None:
+        """Let some runs begin anew at time 0.
+
+        Parameters
+        ----------
+        rows : sequence of int (m,)
+            Their indices.
+        states : array (m, n)
+            State of each at time 0: coordinates, rates, bristles [SI].
+
+        Raises
+        ------
+        InputError
+            If a state is not finite, or beyond a hard stop.
+        """
+        if not np.isfinite(states).all():
+            raise InputError(f"states must be finite, got {states!r}.")
+        self._kept[rows] = self._fresh
+        self._wholes[rows] = self._runner.header
+        placed = [within_stops(self.mechanism, state) for state in states]
+        self._kept[rows, self._y : self._y + len(self.model.states)] = placed
+
+    def advance(self, untils: Array, values: Array) -> None:
+        """Go on with all runs that have not ended, the drives having constant values.
+
+        Parameters
+        ----------
+        untils : array (count,)
+            End of the stretch of each run [s].
+        values : array (count, drives)
+            Values of the drives in the stretch, in their units and in the order of the mechanism.
+        """
+        flat = self._runner.flat
+        told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
+        runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory
+        first, *others = self._shares
+        waiting = [self._pool.submit(share.go_on, told, runs) for share in others]
+        first.go_on(told, runs)
+        for future in waiting:
+            future.result()
+
+
+@final
+class _Share:
+    """The runs of one thread, and its room to work in."""
+
+    def __init__(self, runner: Runner, first: int, count: int) -> None:
+        header = runner.header
+        self.runner, self.first, self.count = runner, first, count
+        self._room = (
+            runner.zeros(header[SIZE]),
+            runner.wholes(header),
+            runner.zeros(1 + 3 * header[N_DRIVES]),
+        )
+        self._log = runner.zeros(FIRST_ROWS * header[ROW_COLUMNS])
+        self._events = runner.zeros(2 * header[MOST_EVENTS] * EVENT_COLUMNS)
+
+    def go_on(self, told: tuple[Any, ...], runs: tuple[Any, ...]) -> None:
+        """Go on with the runs by a stretch."""
+        enter, row = self.runner.kernels.enter_stretches, self.first
+        whole = self._room[1]
+        while True:
+            row = enter(row, self.count, *told, *runs, *self._room, self._log, self._events)
+            if row == self.count:
+                return
+            self._log, self._events = self.runner.with_room(whole, self._log, self._events)

@@ -1,0 +1,164 @@
+"""python-control on the equations of the engine, and describing functions against closed forms."""
+
+import math
+
+import control
+import numpy as np
+import pytest
+
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    LuGre,
+    PendulumCart,
+    Stribeck,
+    TwoFeet,
+    simulate,
+)
+from stickslip.adapters import to_describing_function, to_nonlinear_system
+from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.errors import InputError
+from stickslip.mechanisms import Prescribed
+
+AXIS = Axis(inertia=5.0, stiffness=40.0)
+LAW = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=30.0)
+
+
+@pytest.mark.parametrize("amplitude", [1e-3, 0.5, 40.0])
+def test_the_describing_function_of_coulomb_friction_is_that_of_a_relay(amplitude):
+    friction = to_describing_function(Coulomb(kinetic_coefficient=0.2), load=10.0)
+    level = 2.0
+    closed = 4.0 * level / (math.pi * amplitude)
+    assert friction.describing_function(amplitude) == pytest.approx(closed, rel=1e-12)
+    (found,) = control.describing_function(friction, [amplitude])
+    assert found == pytest.approx(closed, rel=1e-12)
+    # its own quadrature takes 100 points a period, of which a jump hits two
+    (theirs,) = control.describing_function(friction, [amplitude], try_method=False)
+    assert theirs.real == pytest.approx(closed, rel=0.01)
+
+
+def test_viscous_friction_adds_its_slope():
+    friction = to_describing_function(LAW)
+    closed = 4.0 * 5.0 / (math.pi * 0.3) + 30.0
+    assert friction.describing_function(0.3) == pytest.approx(closed, rel=1e-12)
+
+
+def test_a_stribeck_dip_far_below_the_amplitude_is_not_missed():
+    law = Stribeck(kinetic_coefficient=1.0, static_coefficient=3.0, stribeck_velocity=1e-6)
+    found = to_describing_function(law).describing_function(1.0)
+    # the dip adds 4 / (pi A) times the integral of 2 exp(-(A phi / v_s)^2) phi, 1e-12 at most
+    assert found == pytest.approx(4.0 / math.pi, rel=1e-11)
+    wide = Stribeck(kinetic_coefficient=1.0, static_coefficient=3.0, stribeck_velocity=0.3)
+    phi = (np.arange(200_000) + 0.5) * (math.pi / 2.0 / 200_000)
+    mean = np.mean([wide.force(math.sin(p), 1.0) * math.sin(p) for p in phi[::100]])
+    assert to_describing_function(wide).describing_function(1.0) == pytest.approx(
+        2.0 * mean, rel=1e-3
+    )
+
+
+def test_python_control_finds_the_limit_of_a_loop_with_friction():
+    s = control.tf("s")
+    friction = to_describing_function(Coulomb(kinetic_coefficient=0.2), load=10.0)
+    # velocity from force of a mass on a spring whose damping, -0.2 N s/m, is negative
+    plant = s / (s**2 - 0.2 * s + 4.0)
+    found = control.describing_function_response(
+        plant, friction, np.geomspace(1.0, 100.0, 400), warn_nyquist=False
+    )
+    ((amplitude, frequency),) = found.intersections
+    # both dampings cancel where 4 F / (pi A) is 0.2 N s/m; A lies on a grid, and chords err by 1e-2
+    assert amplitude == pytest.approx(4.0 * 2.0 / (math.pi * 0.2), rel=1e-2)
+    assert frequency == pytest.approx(2.0, rel=1e-2)
+
+
+def test_slip_is_that_of_the_engine():
+    force = Sine(amplitude=20.0, frequency=0.5, phase=math.pi / 2)
+    system = to_nonlinear_system(AXIS, LAW, speed=1e-6)
+    t = np.linspace(0.0, 0.15, 31)
+    found = control.input_output_response(
+        system, t, np.array([force.value(x) for x in t]), [0.0, 0.5],
+        solve_ivp_kwargs={"rtol": 1e-10, "atol": 1e-12},
+    )  # fmt: skip
+    run = simulate(Axis(inertia=5.0, stiffness=40.0, drive=force), LAW, t_end=0.15, y0={"v": 0.5})
+    seen = run.at(t)
+    assert (seen["v"] > 1e-3).all()
+    # between its samples python-control takes straight lines of the force: 20 (w dt)^2 / 8 N
+    np.testing.assert_allclose(found.outputs, [seen["x"], seen["v"]], atol=1e-4)
+
+
+def test_a_held_body_creeps_no_faster_than_told():
+    speed = 1e-3
+    system = to_nonlinear_system(Axis(inertia=5.0), LAW, speed=speed)
+    t = np.linspace(0.0, 2.0, 41)
+    found = control.input_output_response(system, t, np.full(41, 4.0), [0.0, 0.0])
+    # 4 of 5 N: 0.8 of the line between the two directions, of which 30 N s/m is a little
+    creep = 4.0 / ((5.0 + 30.0 * speed) / speed)
+    # python-control's tolerance is 1e-3
+    assert found.outputs[1][-1] == pytest.approx(creep, rel=2e-3)
+    assert 0.0 < creep < speed
+
+
+def test_a_linearisation_has_damping_and_stiffness():
+    found = control.linearize(to_nonlinear_system(AXIS, LAW), [0.1, 0.2], [0.0])
+    np.testing.assert_allclose(found.A, [[0.0, 1.0], [-8.0, -6.0]], atol=1e-6)
+    np.testing.assert_allclose(found.B, [[0.0], [0.2]], atol=1e-9)
+
+
+def test_bristles_are_smooth_without_help_and_drives_add_up():
+    law = LuGre(
+        kinetic_coefficient=5.0, static_coefficient=6.0, stribeck_velocity=0.01,
+        bristle_stiffness=1e4, bristle_damping=100.0,
+    )  # fmt: skip
+    pushed = Axis(inertia=5.0, drive=Sampled(times=(0.0,), values=(3.0,)))
+    rates = [
+        to_nonlinear_system(axis, law).dynamics(0.0, [0.0, 0.01, 1e-4], [u])
+        for axis, u in ((pushed, 0.0), (Axis(inertia=5.0), 3.0))
+    ]
+    np.testing.assert_allclose(*rates, rtol=1e-12)
+    assert len(rates[0]) == 3
+
+
+def test_a_cart_has_its_inputs_and_outputs_by_name():
+    cart = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
+    system = to_nonlinear_system(cart, Coulomb(kinetic_coefficient=0.2), name="cart")
+    assert system.name == "cart"
+    assert system.input_labels == ["pendulum_drive"]
+    assert system.output_labels == ["x", "theta", "v", "omega"]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: to_nonlinear_system(AXIS, LAW, speed=0.0), "speed"),
+        (lambda: to_nonlinear_system(AXIS, LAW, drive="pull"), "drive"),
+        (
+            lambda: to_nonlinear_system(
+                PendulumCart(
+                    cart_mass=0.5, ball_mass=0.1, length=0.3,
+                    pendulum=Prescribed(profile=ThreePhase(amplitude=0.5, fast=100.0, slow=30.0)),
+                ),
+                LAW,
+            ),
+            "prescribed",
+        ),
+        (
+            lambda: to_nonlinear_system(TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15), LAW),
+            "one contact",
+        ),
+        (lambda: to_describing_function(LAW, load=-1.0), "load"),
+        (lambda: to_describing_function(LAW).describing_function(0.0), "amplitude"),
+        (lambda: to_describing_function("coulomb"), "law"),
+        (
+            lambda: to_describing_function(
+                LuGre(
+                    kinetic_coefficient=5.0, static_coefficient=6.0, stribeck_velocity=0.01,
+                    bristle_stiffness=1e4, bristle_damping=100.0,
+                )
+            ),
+            "bristles",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_no_such_system_is_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()

@@ -1,0 +1,135 @@
+"""SciPy's solvers on the equations of the engine."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stickslip import (
+    Axis,
+    Capsule,
+    Coulomb,
+    CoulombViscousStatic,
+    LuGre,
+    PendulumCart,
+    SpringBlock,
+    TowedBlock,
+    TwoFeet,
+    simulate,
+)
+from stickslip.adapters import to_ivp
+from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.errors import InputError
+from stickslip.friction import PrintedCoulomb
+from stickslip.mechanisms import Prescribed, Torque
+from stickslip.results import Status
+
+COULOMB = Coulomb(kinetic_coefficient=0.25)
+LEVELS = CoulombViscousStatic(
+    kinetic_coefficient=0.2, static_coefficient=0.35, viscous_coefficient=0.5
+)
+BRISTLES = LuGre(
+    kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.05,
+    bristle_stiffness=1e3, bristle_damping=10.0,
+)  # fmt: skip
+SWING = ThreePhase(amplitude=math.pi / 4, fast=120.0, slow=30.0)
+FORCES = tuple(np.random.default_rng(0).uniform(-3.0, 3.0, 20))
+CASES = {
+    "decay": (SpringBlock(mass=1.0, stiffness=100.0, compression=0.1), COULOMB, 1.0, {}),
+    "stick-slip": (TowedBlock(mass=1.0, stiffness=20.0, speed=0.1, load=10.0), LEVELS, 4.0, {}),
+    "bristles": (
+        TowedBlock(mass=1.0, stiffness=20.0, speed=0.05, load=10.0), BRISTLES, 1.0,
+        {"method": "Radau", "rtol": 1e-9},
+    ),
+    "prescribed swing": (
+        PendulumCart(
+            cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING)
+        ), Coulomb(kinetic_coefficient=0.2), 0.75, {},
+    ),
+    "saturating motor": (
+        PendulumCart(
+            cart_mass=0.5, ball_mass=0.1, length=0.3, pivot_stiffness=2.0,
+            pendulum=Torque(drive=Sine(amplitude=0.5, frequency=1.5), limit=0.4),
+        ), COULOMB, 1.0, {},
+    ),
+    "hard stops": (
+        Capsule(
+            capsule_mass=0.8, inner_mass=0.2, lower_stop=-0.01, upper_stop=0.01, restitution=0.5,
+            drive=Torque(drive=Sine(amplitude=3.0, frequency=2.0)),
+        ), COULOMB, 0.1, {},
+    ),
+    "sampled force": (
+        Axis(inertia=1.0, drive=Sampled(times=tuple(np.arange(20) * 0.05), values=FORCES)),
+        CoulombViscousStatic(
+            kinetic_coefficient=1.0, static_coefficient=1.3, viscous_coefficient=0.1
+        ), 1.0, {},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_scipy_finds_what_the_engine_finds(case):
+    mechanism, law, t_end, settings = CASES[case]
+    found = to_ivp(mechanism, law, t_end=t_end).solve(**settings)
+    run = simulate(mechanism, law, t_end=t_end)
+    end = run.at([t_end])
+    for name in found.names:
+        # 1e-10 of SciPy's steps, hundreds of them, and of its times of events
+        assert found[name][-1] == pytest.approx(end[name][0], abs=3e-8), name
+    changes = [e for e in run.events if e.from_mode != e.to_mode]
+    assert [(b, c) for _, b, c in found.events] == [(e.from_mode, e.to_mode) for e in changes]
+    np.testing.assert_allclose([t for t, *_ in found.events], [e.t for e in changes], atol=1e-7)
+    inside = ~np.isin(found.t, [t for t, *_ in found.events])
+    within = run.at(found.t[inside])
+    np.testing.assert_allclose(found["v"][inside], within["v"], atol=1e-6)
+
+
+def test_a_lift_off_ends_the_problem():
+    motor = Torque(drive=Sampled(times=(0.0,), values=(2.0,)))
+    cart = PendulumCart(cart_mass=0.2, ball_mass=0.2, length=0.3, pendulum=motor)
+    found = to_ivp(cart, COULOMB, t_end=2.0).solve()
+    run = simulate(cart, COULOMB, t_end=2.0, throw=False)
+    assert found.status is run.status is Status.LIFT_OFF
+    assert found.t[-1] == pytest.approx(run.span[1], rel=1e-7)
+
+
+def test_long_steps_miss_what_happens_twice_within_one():
+    mechanism, law, t_end, _ = CASES["prescribed swing"]
+    problem = to_ivp(mechanism, law, t_end=t_end)
+    missed = problem.solve(max_step=math.inf)
+    assert len(missed.events) < len(to_ivp(mechanism, law, t_end=t_end).solve().events)
+
+
+def test_a_start_is_taken_and_a_table_is_given():
+    found = to_ivp(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0), t_end=1.0, y0={"v": 0.5})
+    solved = found.solve()
+    assert solved["x"][-1] == pytest.approx(0.125, rel=1e-9)  # v^2 / 2 over 1 m/s^2
+    table = solved.to_dataframe()
+    assert isinstance(table, pd.DataFrame)
+    assert [*table.columns] == ["t", "x", "v", "mode"]
+    assert table["mode"].iloc[-1] == 0
+    data = solved.to_xarray()
+    assert data["v"].units == "m/s"
+    np.testing.assert_array_equal(data["x"], table["x"])
+
+
+def test_bristles_have_the_unit_of_a_length():
+    mechanism, law, _, settings = CASES["bristles"]
+    found = to_ivp(mechanism, law, t_end=0.01).solve(**settings)
+    assert [found.to_xarray()[name].units for name in found.names] == ["m", "m/s", "m"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15), COULOMB, 1.0), "one contact"),
+        ((Axis(inertia=1.0), PrintedCoulomb(kinetic_coefficient=0.2), 1.0), "FixedStep"),
+        ((Axis(inertia=1.0), COULOMB, math.nan), "t_end"),
+        ((Axis(inertia=1.0), "coulomb", 1.0), "law"),
+    ],
+)
+def test_what_has_no_such_problem_is_refused(arguments, words):
+    mechanism, law, t_end = arguments
+    with pytest.raises(InputError, match=words):
+        to_ivp(mechanism, law, t_end=t_end)

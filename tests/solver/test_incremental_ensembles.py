@@ -1,0 +1,132 @@
+"""Runs that go on together are those that go on alone."""
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
+from stickslip.drives import Sampled
+from stickslip.errors import InputError
+from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
+from stickslip.results import Status
+from stickslip.solver import IncrementalEnsemble, gather
+from stickslip.solver.backend import runner_of
+
+ZERO = Sampled(times=(0.0,), values=(0.0,))
+PERIOD, STEPS, COUNT = 0.02, 25, 33
+FORCES = np.random.default_rng(0).uniform(-3.0, 3.0, (STEPS, COUNT))
+CASES = {
+    "series": (Axis(inertia=1.0, stiffness=20.0, drive=ZERO), Coulomb(kinetic_coefficient=1.0)),
+    "bristles": (
+        Axis(inertia=1.0, drive=ZERO),
+        LuGre(
+            kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=0.05,
+            bristle_stiffness=1e3, bristle_damping=10.0,
+        ),
+    ),
+    "two contacts": (
+        TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0, drive=ZERO),
+        Coulomb(kinetic_coefficient=0.1),
+    ),
+}  # fmt: skip
+
+
+def going(mechanism, law, **settings):
+    runs = IncrementalEnsemble(mechanism, law, count=COUNT, solver=EventDriven(), **settings)
+    states = np.zeros((COUNT, len(runs.model.states)))
+    states[:, 0] = np.linspace(-0.1, 0.1, COUNT)
+    runs.begin(np.arange(COUNT), states)
+    return runs
+
+
+def advanced(runs, steps=range(STEPS)):
+    for k in steps:
+        runs.advance(np.full(COUNT, (k + 1) * PERIOD), FORCES[k])
+    return runs
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_run_is_that_of_the_forces_as_a_drive(case):
+    mechanism, law = CASES[case]
+    runs = advanced(going(mechanism, law, threads=2))
+    np.testing.assert_array_equal(runs.t, STEPS * PERIOD)
+    assert runs.running.all()
+    for row in (0, COUNT - 1):
+        times = tuple(k * PERIOD for k in range(STEPS))
+        drive = Sampled(times=times, values=tuple(FORCES[:, row]))
+        told = dataclasses.replace(mechanism, drive=drive)
+        begin = {mechanism.coordinates[0]: float(np.linspace(-0.1, 0.1, COUNT)[row])}
+        run = simulate(told, law, t_end=STEPS * PERIOD, y0=begin, throw=False)
+        end = [run[name][-1] for name in runs.model.states]
+        # bristles are held to 1e-8, and sizes of errors begin with other forces
+        np.testing.assert_allclose(runs.states[row], end, rtol=1e-7, atol=1e-8)
+
+
+def test_threads_and_room_for_rows_change_nothing(monkeypatch):
+    plain = advanced(going(*CASES["series"], threads=1)).states
+    monkeypatch.setattr("stickslip.solver.incremental_ensemble.FIRST_ROWS", 1)
+    np.testing.assert_array_equal(advanced(going(*CASES["series"], threads=2)).states, plain)
+
+
+def test_a_pickled_ensemble_goes_on():
+    runs = advanced(going(*CASES["series"]), range(10))
+    other = pickle.loads(pickle.dumps(runs))
+    both = (advanced(one, range(10, STEPS)).states for one in (runs, other))
+    np.testing.assert_array_equal(*both)
+
+
+def test_a_run_that_begins_anew_leaves_the_others():
+    runs = advanced(going(*CASES["series"]), range(5))
+    before = runs.states
+    runs.begin([3], np.array([[0.05, 0.0]]))
+    assert runs.states[3].tolist() == [0.05, 0.0]
+    assert runs.t[3] == 0.0 < runs.t[4]
+    others = np.arange(COUNT) != 3
+    np.testing.assert_array_equal(runs.states[others], before[others])
+
+
+def test_a_run_that_took_too_many_steps_has_ended():
+    mechanism, law = CASES["bristles"]
+    runs = IncrementalEnsemble(mechanism, law, count=1, solver=EventDriven(max_steps=2))
+    assert not runs.running[0]  # it has not begun
+    runs.begin([0], np.array([[0.0, 1.0, 0.0]]))
+    assert runs.running[0]
+    runs.advance(np.array([10.0]), np.array([1.0]))
+    assert runs.status(0) is Status.STEP_LIMIT
+    t = runs.t[0]
+    runs.advance(np.array([20.0]), np.array([1.0]))
+    assert runs.t[0] == t
+
+
+def test_a_state_that_is_no_number_is_refused():
+    runs = going(*CASES["series"])
+    with pytest.raises(InputError, match="finite"):
+        runs.begin([0], np.array([[np.nan, 0.0]]))
+
+
+def test_plain_python_gives_the_same_bits():
+    mechanism, law = CASES["series"]
+    runs = IncrementalEnsemble(mechanism, law, count=2, solver=EventDriven(), threads=1)
+    start = np.array([[0.1, 0.0], [0.0, 0.5]])
+    runs.begin([0, 1], start)
+    plain = runner_of(runs.model, compiled=False)
+    header = plain.header
+    whole = plain.wholes(header)
+    base = plain.working(gather(mechanism, law, runs.model, 0.0).p)
+    base = [*base[:POLYNOMIAL], *base[NUMBERS:]]
+    kept = [*base, *base]
+    place = POLYNOMIAL + header[Y] - NUMBERS
+    for row, state in enumerate(start.tolist()):
+        kept[row * len(base) + place : row * len(base) + place + 2] = state
+    wholes = [*header, *header]
+    room = (plain.zeros(header[SIZE]), whole, plain.zeros(4), plain.zeros(9000), plain.zeros(900))
+    for k in range(6):
+        forces, until = FORCES[k, :2], (k + 1) * PERIOD
+        runs.advance(np.full(2, until), forces)
+        told = (forces.tolist(), [until] * 2, [np.inf] * 2, 1e-12, np.inf, 1000, kept, wholes)
+        assert plain.kernels.enter_stretches(0, 2, *told, *room) == 2
+    for row in range(2):
+        found = kept[row * len(base) + place : row * len(base) + place + 2]
+        assert found == runs.states[row].tolist()
