@@ -1,15 +1,17 @@
 """Files as programs and people write them are recognised, and read as they were meant."""
 
+import contextlib
 from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
 
 from stickslip import Axis, check, load_measurement, load_rig
-from stickslip.errors import InputError
+from stickslip.errors import InputError, StickslipError
 from stickslip.experiments import Layout, guess_data, guessed_rig
 
 N = 1200
+LONG = 300_000
 T = np.arange(N) / 100
 X = 3.0 * np.sin(2.0 * T)  # [m]: thousands of mm
 F = 40.0 * np.cos(2.0 * T) + 5.0 * np.sign(np.cos(2.0 * T))
@@ -308,3 +310,16 @@ def test_a_word_among_the_numbers_is_named(tmp_path):
     file.write_text("Zeit;Weg;Kraft\ns;mm;N\n" + rows((T, X, F)) + "Ende der Messung;;\n")
     with pytest.raises(InputError, match=rf"line {N + 3}: must be a finite.*'Ende der Messung'"):
         guess_data(file)
+
+
+@pytest.mark.parametrize(
+    "cell",
+    ["1" * LONG, "(" * LONG, " " * LONG + "x", "a" + " " * LONG + "(m", "1 " * LONG],
+    ids=["digits", "brackets", "blanks", "nearly a unit", "words"],
+)
+def test_a_very_long_cell_ends_in_a_message_or_a_table(tmp_path, cell):
+    file = tmp_path / "data.csv"
+    file.write_text(f"time,position\n{cell},1\n2,3\n")
+    for read in (guess_data, load_measurement):
+        with contextlib.suppress(StickslipError):
+            read(file)

@@ -114,7 +114,10 @@ def _refuse_filled_in(tables: Sequence[Path]) -> None:
     """Refuse to replace a table with measured travels, or another one."""
     for table in filter(Path.exists, tables):
         text = table.read_text(encoding="utf-8", errors="replace")
-        head, *rows = list(csv.reader(text.splitlines())) or [[]]
+        try:
+            head, *rows = list(csv.reader(text.splitlines())) or [[]]
+        except csv.Error:  # a cell of megabytes is nobody's empty table
+            head, rows = [], []
         if head[-1:] != [TRAVEL_COLUMN] or any(cell.strip() for row in rows for cell in row[2:]):
             raise InputError(
                 f"{table} is no empty table of a lab sheet, so it is not replaced: move it, or give"

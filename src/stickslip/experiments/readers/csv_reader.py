@@ -1,6 +1,5 @@
 """Tables in text files: CSV in its dialects, and what only looks like one."""
 
-import csv
 import io
 import itertools
 import re
@@ -15,6 +14,7 @@ import pandas as pd
 from stickslip.errors import InputError
 from stickslip.experiments.readers.layout import (
     Layout,
+    bare_cells,
     cells_of,
     decoded,
     is_number,
@@ -101,7 +101,7 @@ def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, i
     lines, start = (lines[1:], start + 1) if named else (lines, start)
     header, sample = lines[0], lines[1:]
     separator = max(SEPARATORS, key=header.count)
-    names = named or next(csv.reader([header], delimiter=separator))
+    names = named or bare_cells(header, separator)
     _check_first(path, lines, start, separator)
     _check_table(path, names, sample, separator)
     decimal = "," if _has_decimal_comma(sample[:20], separator) else "."
@@ -143,7 +143,7 @@ def _parsed(
         raise ambiguous(path, twice[0])
     own = [name if name.strip() else f"Unnamed: {index}" for index, name in enumerate(names)]
     # A mark behind the last cell makes one more, which is empty.
-    cells = [_cells(row, layout.separator)[len(own) :] for row in sample if row.strip()]
+    cells = [bare_cells(row, layout.separator)[len(own) :] for row in sample if row.strip()]
     if not any(cell for more in cells for cell in more):
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
     above = layout.preface + 1 + layout.units_row
@@ -194,7 +194,7 @@ def _tracks(lines: list[str]) -> list[str]:
     if len(lines) < 2:
         return []
     separator = max(SEPARATORS, key=lines[1].count)
-    above, below = _cells(lines[0], separator), _cells(lines[1], separator)
+    above, below = bare_cells(lines[0], separator), bare_cells(lines[1], separator)
     return header_of(above, below) if above and below and is_named(above, below) else []
 
 
@@ -202,7 +202,7 @@ def _has_decimal_comma(rows: list[str], separator: str) -> bool:
     """Whether numbers have decimal commas; beside commas that part cells these are in quotes."""
     if separator != ",":
         return re.search(r"\d,\d", "\n".join(rows)) is not None
-    cells = [cell for row in rows if '"' in row for cell in _cells(row, separator)]
+    cells = [cell for row in rows if '"' in row for cell in bare_cells(row, separator)]
     found = [cell for cell in cells if _NUMBER.fullmatch(cell)]
     sure = any("," in cell and not _THOUSANDS.fullmatch(cell) for cell in found)
     return sure and not any("." in cell for cell in found)
@@ -241,11 +241,11 @@ def _head(path: Path, text: str) -> tuple[list[str], int]:
 
 def _check_first(path: Path, lines: list[str], start: int, separator: str) -> None:
     """Refuse lines above the header that are no comments, before they are taken for it."""
-    width = len(_cells(lines[0], separator))
+    width = len(bare_cells(lines[0], separator))
     rows = [(index, line) for index, line in enumerate(lines) if line.strip()]
     for (index, line), (_, below) in itertools.pairwise(rows):
         for mark in SEPARATORS:
-            names, numbers = _cells(line, mark), _cells(below, mark)
+            names, numbers = bare_cells(line, mark), bare_cells(below, mark)
             if len(names) < 2 or len(names) != len(numbers) or len(names) == width:
                 continue
             words = not any(_NUMBER.fullmatch(name) for name in names)
@@ -256,14 +256,6 @@ def _check_first(path: Path, lines: list[str], start: int, separator: str) -> No
                     f" {shown(line[:40].strip())}. Begin each line above it with #, or delete it;"
                     f" or let `stickslip init {path.name}` write a rig file that skips it."
                 )
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    """Return the cells of a line; one beyond what the module takes stands for no number."""
-    try:
-        return next(csv.reader([line], delimiter=separator), [])
-    except csv.Error:
-        return [cell[:LONGEST_LINE] for cell in line.split(separator)]
 
 
 def _check_table(path: Path, names: list[str], sample: list[str], separator: str) -> None:

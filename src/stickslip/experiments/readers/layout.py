@@ -18,6 +18,8 @@ SEPARATORS: Final = (";", "\t", ",", "|")
 """Marks between cells, the surest first: commas also stand in numbers."""
 LOOKED_AT: Final = 400
 """Lines at the top among which header and rows are sought."""
+LONGEST_CELL: Final = 100_000
+"""Characters that are looked at of a cell that is no number."""
 ALIKE: Final = 10
 """Rows that have to follow each other, unless the file has fewer."""
 CODE_PAGES: Final = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -149,8 +151,31 @@ def cells_of(line: str, separator: str) -> list[str]:
     list of str
         Cells without blanks around them.
     """
-    found = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    return [cell.strip() for cell in found]
+    return [cell.strip() for cell in bare_cells(line, separator, skipinitialspace=True)]
+
+
+def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> list[str]:
+    """Return the cells of a line as they stand; one beyond what `csv` takes is cut.
+
+    Parameters
+    ----------
+    line : str
+        One line.
+    separator : str
+        What stands between cells.
+    skipinitialspace : bool, default False
+        Whether blanks after a separator are left out, so that quotes may follow them.
+
+    Returns
+    -------
+    list of str
+        The cells.
+    """
+    try:
+        found = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
+        return next(found, [])
+    except csv.Error:
+        return [cell[:LONGEST_CELL] for cell in line.split(separator)]
 
 
 def is_number(cell: str) -> bool:

@@ -108,7 +108,8 @@ def header_of(names: Sequence[str], below: Sequence[str]) -> list[str]:
 
 
 def _with_unit(column: str) -> str:
-    return _UNIT.sub(r"\g<name> [\g<unit>]", column.strip())
+    found = _UNIT.fullmatch(column.strip())  # from the start only: a cell may be long
+    return f"{found['name']} [{found['unit']}]" if found else column.strip()
 
 
 def is_blocks(text: str) -> bool:
