@@ -40,9 +40,9 @@ RANGES = {
     "friction.kinetic_coefficient": (0.098, 0.102),
 }
 WHY = (
-    "a row costs what the kernel alone costs, some 10 us of a core: 14 steps, their series, the"
-    " roots of their guards and the work for the certificate; 5,000 x would be 1.3 us, and the"
-    " search for roots alone takes 2 us"
+    "a row costs what the kernel alone costs, some 8 us of a core: 14 steps, of which the roots of"
+    " guards, the series and their values for the certificate take an eighth each; 5,000 x would"
+    " be 1.3 us, and the roots alone take 1.1 us"
 )
 WHY_MANY = "memory is held until the end of the run"
 HEADS = ("runs", "solver", "tolerance", "error", "median, ms", "a run, us", "SciPy's time over it")

@@ -40,9 +40,8 @@ PART = 500
 ERROR = 1e-9
 WORK = "25,000 sampled inputs, Coulomb + viscous"
 WHY = (
-    "a step a sample, some 0.3 us: series, guards, books and record are made anew for each and take"
-    " 0.17 us, of which no part is above a sixth; the rest are numba's counts of references to"
-    " vectors"
+    "a step a sample, some 0.12 us: series, guards, books and record are made anew for each, and no"
+    " part of them is above a fifth"
 )
 
 LAW = CoulombViscous(

@@ -141,10 +141,13 @@ def test_afterwards_the_equations_are_loaded_and_nothing_is_said(cache, fresh, c
 def test_the_kernels_refuse_arrays_of_another_kind(cache, fresh):
     kernels = load_compiled(formulate(RIG, LAW)).kernels
     good = [np.zeros(4), np.zeros(4, dtype=np.int64), *[np.zeros(4)] * 2, 1.0, 1.0, 1.0, 1]
-    for place, wrong in ((0, np.zeros(4, dtype=int)), (1, np.zeros(4)), (2, np.zeros(8)[::2])):
+    fixed = np.zeros(4)
+    fixed.flags.writeable = False
+    others = ((0, np.zeros(4, dtype=int)), (1, np.zeros(4)), (2, np.zeros(8)[::2]), (3, fixed))
+    for place, wrong in others:
         given = [*good, np.zeros(4), np.zeros(4)]
         given[place] = wrong
-        with pytest.raises(TypeError, match=r"driver\.run: \w+ must be an array of"):
+        with pytest.raises(TypeError, match=r"driver\.run: \w+ must be a writable array of"):
             kernels.enter_run(*given)
 
 

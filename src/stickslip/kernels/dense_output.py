@@ -33,6 +33,9 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
     dense = whole[DENSE]
     n = whole[N_STATES]
     terms = int(w[dense])
+    if terms > 0 and n == 2:
+        values_of_two(w, x, dense + 1, terms, to)
+        return
     if terms > 0:
         # even and odd powers by themselves, of which neither waits for the other
         square = x * x
@@ -64,3 +67,24 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
         value = value * x + w[at + 2 * n]
         value = value * rest_of_step + w[at + n]
         w[to + i] = value * x + w[at]
+
+
+def values_of_two(w: Vector, x: float, first: int, terms: int, to: int) -> None:
+    """Evaluate the series of two states, whose terms stand side by side from `first` on.
+
+    Writes: `to`.
+    """
+    square = x * x
+    last = first + 2 * terms
+    even_x, even_v, odd_x, odd_v = w[last], w[last + 1], 0.0, 0.0
+    if terms % 2 == 1:
+        odd_x, odd_v = even_x, even_v
+        last -= 2
+        even_x, even_v = w[last], w[last + 1]
+    for at in range(last - 4, first - 1, -4):
+        even_x = even_x * square + w[at]
+        even_v = even_v * square + w[at + 1]
+        odd_x = odd_x * square + w[at + 2]
+        odd_v = odd_v * square + w[at + 3]
+    for i in range(2):
+        w[to + i] = even_x + x * odd_x if i == 0 else even_v + x * odd_v

@@ -48,10 +48,11 @@ def guard_polynomial(guard: int, h: float, w: Vector, whole: Wholes) -> int:
     w[POLYNOMIAL] = w[values + guard]
     last = w[values + guard]
     degree = 0
-    terms = 0  # many guards are 0 in a mode, or change with nothing in it
-    for i in range(n + 1):
-        if w[row + i] != 0.0:
-            terms = int(w[dense])
+    first = row
+    while first <= row + n and w[first] == 0.0:
+        first += 1
+    # many guards are 0 in a mode, or change with nothing in it
+    terms = int(w[dense]) if first <= row + n else 0
     for k in range(1, terms + 1):
         total = h * w[row + n] if k == 1 else 0.0
         for i in range(n):

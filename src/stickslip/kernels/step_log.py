@@ -68,14 +68,18 @@ def add_work(w: Vector, whole: Wholes) -> None:
         return
     terms = w[whole[DENSE]]
     few = 0.0 < terms <= FEW_TERMS or terms < 0.0
+    supplied, taken, gross = 0.0, 0.0, 0.0
     for node in range(len(FEW_NODES) if few else len(NODES)):
         x = share * (FEW_NODES[node] if few else NODES[node])
         interpolate(w, whole, x, point)
         power(w[TIME] + x * h, w, whole, point, values)
         weight = share * h * (FEW_WEIGHTS[node] if few else WEIGHTS[node])
-        w[SUPPLIED] += weight * w[values]
-        w[TAKEN] += weight * w[values + 1]
-        w[GROSS] += weight * (abs(w[values]) + abs(w[values + 1]))
+        supplied += weight * w[values]
+        taken += weight * w[values + 1]
+        gross += weight * (abs(w[values]) + abs(w[values + 1]))
+    w[SUPPLIED] += supplied
+    w[TAKEN] += taken
+    w[GROSS] += gross
 
 
 def record(log: Vector, end: float, w: Vector, whole: Wholes) -> None:

@@ -47,7 +47,9 @@ CALLED = {
 }
 """What is called by an address in a vector, and what it is given."""
 NUMBERS: Mapping[str, Any] = {REAL: ctypes.c_double, WHOLE: ctypes.c_int64}
-ARRAYS = {VECTOR: np.dtype(np.float64).str, WHOLES: np.dtype(np.int64).str}
+ARRAYS = {VECTOR: np.dtype(np.float64), WHOLES: np.dtype(np.int64)}
+PLACE = ctypes.c_char * 0
+"""What stands at the start of any memory that may be written."""
 SECONDS = 6.0
 
 
@@ -187,13 +189,18 @@ def _callable(address: int, signature: Signature) -> Callable[..., Any]:
     def call(*arguments: Any) -> Any:
         given: list[Any] = list(arguments)
         for i, kind in reversed(arrays):
-            seen = given[i].__array_interface__
-            if seen["typestr"] != kind or seen["strides"] or len(seen["shape"]) != 1:
+            array = given[i]
+            try:
+                place = PLACE.from_buffer(array)
+                fits = array.dtype == kind and array.ndim == 1
+            except (TypeError, ValueError, BufferError):  # not writable, or with gaps
+                fits = False
+            if not fits:
                 name = signature.parameters[i][0]
                 raise TypeError(
-                    f"{signature.symbol}: {name} must be an array of {kind} in one row."
+                    f"{signature.symbol}: {name} must be a writable array of {kind} in one row."
                 )
-            given[i : i + 1] = seen["data"][0], seen["shape"][0]
+            given[i : i + 1] = ctypes.addressof(place), len(array)
         return bare(*given)
 
     return call
