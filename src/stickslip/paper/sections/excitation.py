@@ -144,10 +144,9 @@ def _ending(reading: Excitation) -> str:
 
 def _closed_forms(readings: Sequence[Excitation]) -> Caption:
     """Set the runs against the formulas."""
-    known = [r for r in readings if r.closed_form is not None]
-    parts = [
-        f"{r.key} {r.closed_form:.7f} m, simulated within"
-        f" {residue(abs(r.criteria.travel - (r.closed_form or 0.0)))} m"
-        for r in known
-    ]
-    return Caption(text=f"Closed forms: {'; '.join(parts)}.")
+    known = {r: r.closed_form for r in readings if r.closed_form is not None}
+    off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
+    travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
+    return Caption(
+        text=f"Closed forms: {travels}; the simulated travels differ by {residue(off)} m at most."
+    )
