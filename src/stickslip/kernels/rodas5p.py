@@ -89,6 +89,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
     if not rodas_matrix(t, h, w, whole):
         return math.inf
     time_slope(t, w, whole, y, drift)
+    per_step = 1.0 / h
     # Stages are those of Hairer and Wanner, section IV.7: sums of C over h stand for products with
     # the Jacobian, so that each costs one evaluation and one solution with the same factors.
     for s in range(RODAS_STAGES):
@@ -106,7 +107,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
         field(t + TIMES_RODAS[s] * h, w, whole, y1, stage)
         slope = h * SLOPES_RODAS[s]
         for i in range(n):
-            w[stage + i] += w[point + i] / h + slope * w[drift + i]
+            w[stage + i] += w[point + i] * per_step + slope * w[drift + i]
         lu_solve(w, matrix, n, pivots, stage)
         hold_still(stage, w, whole)
     for i in range(n):
