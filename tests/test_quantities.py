@@ -107,7 +107,7 @@ def test_errors_are_ours_and_the_built_in_one_would_expect():
     ("quantity", "words"),
     [
         (Quantity("a"), "a finite number"),
-        (Quantity("a", "N"), "a finite number N"),
+        (Quantity("a", "N"), "a finite number in N"),
         (Quantity("a", low=0), "at least 0"),
         (Quantity("a", "Hz", above=0, high=10), "above 0 and at most 10 Hz"),
         (Quantity("a", at_least="b"), "at least b"),

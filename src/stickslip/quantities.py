@@ -261,7 +261,23 @@ class Quantity:
         text = " and ".join(parts) + unit if parts else ""
         if self.at_least is not None:
             text += (" and " if text else "") + f"at least {self.at_least}"
-        return text or "a finite number" + unit
+        return text or "a finite number" + (f" in{unit}" if unit else "")
+
+    def wanted(self, value: float) -> str:
+        """Return the allowed values in words, for a message on one that is not allowed.
+
+        Parameters
+        ----------
+        value : float
+            The value, in the unit of the quantity.
+
+        Returns
+        -------
+        str
+            The range, which begins with "finite" if the value is infinite or NaN.
+        """
+        told = math.isfinite(value) or self.range.startswith("a finite")
+        return self.range if told else f"finite and {self.range}"
 
     def check(self, owner: str, name: str, value: object) -> float:
         """Return `value` as a float, or raise `ParameterError` that says how to mend it.
@@ -295,7 +311,7 @@ class Quantity:
         found = float(number)
         if not self.allows(found):
             got = repr(str(value)) if _has_unit(value) else f"{found:g}"
-            raise ParameterError(f"{label} must be {self.range}, got {got}.")
+            raise ParameterError(f"{label} must be {self.wanted(found)}, got {got}.")
         return found
 
     def _with_unit(self, label: str, value: object) -> float:

@@ -24,6 +24,8 @@ from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Prescribed, Torque
 from stickslip.results import Status
+from stickslip.solver import incremental_run
+from stickslip.solver.run import Work
 
 MASS, SPRING, DAMPER, PERIOD = 1.3, 20.0, 0.7, 0.02
 AXIS = Axis(inertia=MASS, stiffness=SPRING)
@@ -234,6 +236,28 @@ def test_both_tiers_give_the_same_bits():
     ]  # fmt: skip
     np.testing.assert_array_equal(runs[0].t, runs[1].t)
     np.testing.assert_array_equal(runs[0]["x"], runs[1]["x"])
+
+
+def test_a_long_loop_goes_on_in_machine_code_with_the_same_bits(monkeypatch):
+    begun = []
+
+    def enough(work, own=None):
+        begun.append(own)
+        return len(begun) > 2
+
+    monkeypatch.setattr(Work, "is_enough", enough)
+    monkeypatch.setattr(incremental_run, "STRETCH", 30)
+    auto, plain = (
+        closed_loop(AXIS, STICTION, pd, period=1e-2, t_end=2.0, solver=EventDriven(tier=tier)).run
+        for tier in ("auto", "python")
+    )
+    assert len(begun) == 3  # when it began, after 30 steps, and after 60
+    assert begun[0] is None
+    assert begun[2] >= begun[1] > 0.0
+    assert auto.certificate == plain.certificate
+    assert auto.events == plain.events
+    np.testing.assert_array_equal(auto.t, plain.t)
+    np.testing.assert_array_equal(auto["x"], plain["x"])
 
 
 SWING = ThreePhase(amplitude=0.5, fast=120.0, slow=30.0)

@@ -221,7 +221,7 @@ def test_an_unknown_hold_is_refused_with_the_known_ones():
     [
         (Pulse, {"level": 1.0, "duration": -1.0}, r"Pulse\.duration \(T\) must be at least 0 s"),
         (Sine, {"amplitude": 1.0, "frequency": 0.0}, r"Sine\.frequency \(f\) must be above 0 Hz"),
-        (Ramp, {"rate": math.inf}, r"Ramp\.rate \(r\) must be a finite number N/s, got inf"),
+        (Ramp, {"rate": math.inf}, r"Ramp\.rate \(r\) must be a finite number in N/s, got inf"),
     ],
 )
 def test_bad_numbers_are_refused_in_words(kind, values, words):

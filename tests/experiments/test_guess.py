@@ -323,3 +323,158 @@ def test_a_very_long_cell_ends_in_a_message_or_a_table(tmp_path, cell):
     for read in (guess_data, load_measurement):
         with contextlib.suppress(StickslipError):
             read(file)
+
+
+TURNS = (0.5 * np.sin(2.0 * T), np.cos(2.0 * T), F)  # [rad], [rad/s], [N m]
+EPOCH = 1_709_293_800
+SCOPE_HEAD = """Name{0}Scope Project{0}
+File{0}D:\\scope\\axis.csv{0}
+Starttime of export{0}133238090039920000{0}Montag, 20. März 2023{0}19:03:23.992
+Endtime of export{0}133238090060450000{0}Montag, 20. März 2023{0}19:03:26.045
+
+Name{0}Axis.ActPos{0}Name{0}Axis.ActForce
+SymbolComment{0}{0}SymbolComment{0}
+Data-Type{0}REAL64{0}Data-Type{0}REAL64
+SampleTime[ms]{0}10{0}SampleTime[ms]{0}10
+Unit{0}(mm){0}Unit{0}(N)
+
+"""
+
+
+def scope(separator, clock, write):
+    """Return an export of TwinCAT Scope, with a column of times or samples for each channel."""
+    columns = [clock, 1e3 * X, clock, F]
+    return SCOPE_HEAD.format(separator) + rows(columns, separator, write)
+
+
+def points(value):
+    return f"{value:.4f}"
+
+
+LOGGERS = {
+    "TwinCAT Scope, times": scope("\t", 10.0 * np.arange(N), german),
+    "TwinCAT Scope, samples": scope(";", np.arange(N), lambda value: f"{value:.4f}"),
+    "TwinCAT Scope, commas": scope(",", 10.0 * np.arange(N), points),
+    "ROS bag": "header.seq,header.stamp.secs,header.stamp.nsecs,name,position,effort\n"
+    + "".join(
+        f"{i},{EPOCH + i // 100},{i % 100 * 10_000_000},slide,{x:.7f},{f:.4f}\n"
+        for i, (x, f) in enumerate(zip(X, F, strict=True))
+    ),
+    "ROS 2 bag": "header_stamp_sec,header_stamp_nanosec,position,effort\n"
+    + "".join(
+        f"{EPOCH + i // 100},{i % 100 * 10_000_000},{x:.7f},{f:.4f}\n"
+        for i, (x, f) in enumerate(zip(X, F, strict=True))
+    ),
+    **{
+        f"epoch in {part}": "timestamp;x;force\n"
+        + "".join(
+            f"{(100 * EPOCH + i) * 10**power};{x:.7f};{f:.4f}\n"
+            for i, (x, f) in enumerate(zip(X, F, strict=True))
+        )
+        for part, power in (("ms", 1), ("us", 4), ("ns", 7))
+    },
+}
+
+
+@pytest.mark.parametrize("text", LOGGERS.values(), ids=LOGGERS)
+def test_what_loggers_write_is_read_as_it_was_meant(tmp_path, text):
+    file = tmp_path / "log.csv"
+    file.write_text(text, encoding="utf-8")
+    guess = guess_data(file)
+    record = load_measurement(
+        file, columns=guess.columns, units=guess.units, layout=guess.layout, repair=guess.repair
+    )
+    assert not guess.repair
+    # floats of nanoseconds since 1970 are 2.6e-7 s apart; else half of the last digit is printed
+    np.testing.assert_allclose(record.time - record.time[0], T, atol=5e-7)
+    np.testing.assert_allclose(record.position, X, atol=6e-8)
+    np.testing.assert_allclose(record.force, F, atol=6e-5)
+    (tmp_path / "log.toml").write_text(guessed_rig(guess, "log.csv"), encoding="utf-8")
+    np.testing.assert_array_equal(load_rig(tmp_path / "log.toml").measurement.time, record.time)
+
+
+def test_channels_with_other_times_are_merged(tmp_path):
+    file = tmp_path / "scope.csv"
+    lines = scope(";", 10.0 * np.arange(N), points).splitlines()
+    for i in range(len(lines) - N // 2, len(lines)):  # a channel of half the rate ends early
+        lines[i] = ";".join([*lines[i].split(";")[:2], "", ""])
+    for i in range(N // 2):
+        row = len(lines) - N + i
+        lines[row] = ";".join([*lines[row].split(";")[:2], f"{20 * i}", f"{F[2 * i]:.4f}"])
+    file.write_text("\n".join(lines), encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.repair == ("gaps",)
+    record = load_measurement(file, columns=guess.columns, repair=guess.repair)
+    np.testing.assert_allclose(record.time, T[::2], atol=1e-12)
+    np.testing.assert_allclose(record.force, F[::2], atol=6e-5)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("Name;Axis", "Kanal;Axis", "a time and a value each"),
+        ("\n10.0000;", "\nzehn;", "'zehn' is not a time"),
+    ],
+)
+def test_a_broken_export_of_scope_is_one_message(tmp_path, old, new, message):
+    file = tmp_path / "scope.csv"
+    text = scope(";", 10.0 * np.arange(N), points)
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        guess_data(file)
+
+
+def test_columns_that_are_named_by_their_unit_are_known(tmp_path):
+    file = tmp_path / "drive.csv"
+    text = "t;counts;rpm;I [A]\n"
+    angle, rate, torque = TURNS
+    text += rows((T, angle * 4096 / (2.0 * np.pi), rate * 30.0 / np.pi, torque), write=points)
+    file.write_text(text, encoding="utf-8")
+    guess = guess_data(file)
+    assert dict(guess.columns) == {
+        "time": "t",
+        "position": "counts",
+        "velocity": "rpm",
+        "current": "I",
+    }
+    record = load_measurement(
+        file,
+        columns=guess.columns,
+        units=guess.units,
+        gain={"position": "4096 counts/rev"},
+        motor_constant="1 N m/A",
+    )
+    np.testing.assert_allclose(record.position, angle, atol=1e-6)
+    np.testing.assert_allclose(record.velocity, rate, atol=1e-5)
+
+
+def test_cells_that_are_not_finite_are_gaps(tmp_path):
+    file = tmp_path / "log.csv"
+    body = [f"{t:.2f},{x:.6f},{f:.4f}" for t, x, f in zip(T, X, F, strict=True)]
+    body[7] = "0.07,inf,1.0"
+    file.write_text("time,position,force\n" + "\n".join(body), encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.repair == ("gaps",)
+    record = load_measurement(file, columns=guess.columns, repair=guess.repair)
+    assert record.time.size == N - 1
+
+
+def test_an_empty_data_file_is_no_empty_rig_file(tmp_path):
+    file = tmp_path / "log.csv"
+    file.touch()
+    with pytest.raises(InputError, match=r"log.csv: is empty\.$"):
+        guess_data(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "hold"),
+    [
+        *((name, "zero") for name in ("u [N]", "Sollkraft", "TorqueRef", "force demand", "F_cmd")),
+        *((name, "first") for name in ("Kraft", "ActTorque", "force [N]")),
+    ],
+)
+def test_a_commanded_force_is_held_between_samples(tmp_path, name, hold):
+    file = tmp_path / "log.csv"
+    file.write_text(f"time,position,{name}\n{ENGLISH}", encoding="utf-8")
+    assert guess_data(file).hold == hold

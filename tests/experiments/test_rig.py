@@ -363,8 +363,8 @@ BAD_TEXT = {
         r"rig.toml: mechanism.mass \(m\) must be above 0 kg, got -1",
     ),
     "zero": (f"{SPRING}mass = 0", "above 0 kg, got 0"),
-    "not a number": (f"{SPRING}mass = nan", "above 0 kg, got nan"),
-    "infinite": (f"{SPRING}mass = inf", "above 0 kg, got inf"),
+    "not a number": (f"{SPRING}mass = nan", "must be finite and above 0 kg, got nan"),
+    "infinite": (f"{SPRING}mass = inf", "must be finite and above 0 kg, got inf"),
     "beyond floats": (f"{SPRING}mass = 1{'0' * 400}", "above 0 kg, got 1000"),
     "beyond integers": (
         f"{SPRING}mass = 1{'0' * 5000}",

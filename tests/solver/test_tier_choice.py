@@ -1,5 +1,8 @@
 """Which tier ``auto`` takes: plain Python until machine code would have paid for itself."""
 
+import io
+import itertools
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -8,11 +11,16 @@ from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
 from stickslip.solver import run
 from stickslip.solver.compile import background
-from stickslip.solver.compile.equations_code import EquationsCode
+from stickslip.solver.compile.equations_code import EquationsCode, code_of
 from stickslip.solver.compile.kernels_code import KernelsCode
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 LAW = Coulomb(kinetic_coefficient=0.25)
+
+
+WAIT = run.PATIENCE * run.LOADING
+"""What plain runs have to take before kernels are loaded [s]."""
+WAIT_FOR_EQUATIONS = run.PATIENCE * run.EQUATIONS
 
 
 @pytest.fixture
@@ -27,7 +35,7 @@ def tiers(monkeypatch):
     run.work_of.cache_clear()
     monkeypatch.setattr(run.Work, "all_seconds", 0.0)
     monkeypatch.setattr(run, "runner_of", noted)
-    monkeypatch.setattr(run, "compile_in_background", lambda: False)
+    monkeypatch.setattr(run, "compile_in_background", lambda code: False)
     monkeypatch.setattr(KernelsCode, "is_ready", lambda kernels: False)
     monkeypatch.setattr(EquationsCode, "is_ready", lambda code: False)
     monkeypatch.setattr(EquationsCode, "is_kept", lambda code: False)
@@ -35,20 +43,18 @@ def tiers(monkeypatch):
     run.work_of.cache_clear()
 
 
-def steps(monkeypatch, seconds):
-    """Let the steps of one run stand for a time [s]."""
-    taken = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python")).certificate
-    monkeypatch.setattr(run, "PLAIN_STEP", seconds / (taken.steps + taken.rejected))
-    monkeypatch.setattr(run.Work, "all_seconds", 0.0)
-    run.work_of.cache_clear()
+def lasting(monkeypatch, seconds):
+    """Let each stretch of a run take a time [s]."""
+    clock = itertools.count()  # read before and after
+    monkeypatch.setattr(run, "thread_time", lambda: seconds * next(clock))
 
 
-@pytest.mark.parametrize(("kept", "wait"), [(True, run.LOADING), (False, 3.0)])
-def test_auto_compiles_once_plain_runs_have_taken_as_long(monkeypatch, tiers, kept, wait):
+@pytest.mark.parametrize(("kept", "wait"), [(True, WAIT), (False, 3.0 * run.PATIENCE)])
+def test_auto_compiles_once_plain_runs_have_taken_twice_as_long(monkeypatch, tiers, kept, wait):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: kept)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
     monkeypatch.setattr(KernelsCode, "seconds", 3.0)
-    steps(monkeypatch, 0.4 * wait)
-    tiers.clear()
+    lasting(monkeypatch, 0.4 * wait)
     for _ in range(4):
         simulate(RIG, LAW, t_end=1.0)
     assert tiers == [False, False, False, True]
@@ -56,8 +62,7 @@ def test_auto_compiles_once_plain_runs_have_taken_as_long(monkeypatch, tiers, ke
 
 def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    steps(monkeypatch, 2.0 * run.LOADING)
-    tiers.clear()
+    lasting(monkeypatch, 1.1 * WAIT_FOR_EQUATIONS)
     for _ in range(2):
         simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
     assert tiers == [False, False]
@@ -66,7 +71,7 @@ def test_runs_in_plain_python_stay_there_and_count(monkeypatch, tiers):
 
 def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
-    steps(monkeypatch, 2.0 * run.LOADING)
+    lasting(monkeypatch, 1.1 * WAIT_FOR_EQUATIONS)
     simulate(RIG, LAW, t_end=1.0)
     tiers.clear()
     simulate(SpringBlock(mass=2.0), Coulomb(kinetic_coefficient=0.1), t_end=1.0)
@@ -76,8 +81,7 @@ def test_other_equations_are_counted_by_themselves(monkeypatch, tiers):
 
 def test_where_kernels_are_loaded_plain_runs_pay_for_the_equations_alone(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_ready", lambda kernels: True)
-    steps(monkeypatch, 0.4 * run.EQUATIONS)
-    tiers.clear()
+    lasting(monkeypatch, 0.4 * WAIT_FOR_EQUATIONS)
     for _ in range(4):
         simulate(RIG, LAW, t_end=1.0)
     assert tiers == [False, False, False, True]
@@ -93,56 +97,92 @@ def test_equations_in_a_file_are_taken_at_once_where_kernels_are_loaded(monkeypa
 def test_plain_runs_of_all_models_pay_for_the_kernels_that_they_share(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
     monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
-    steps(monkeypatch, 0.6 * run.LOADING)
-    tiers.clear()
+    lasting(monkeypatch, 0.6 * WAIT)
     held = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
     for rig in (RIG, held, RIG, held):
         simulate(rig, LAW, t_end=1.0)
     assert tiers == [False, False, True, True]
 
 
-def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_as_long(monkeypatch, tiers):
+def test_a_long_run_goes_on_in_machine_code_once_it_has_taken_twice_as_long(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: True)
     monkeypatch.setattr(run, "STRETCH", 4)
-    steps(monkeypatch, 2.0 * run.LOADING)
-    plain = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
-    monkeypatch.setattr(run.Work, "all_seconds", 0.0)
-    run.work_of.cache_clear()
-    tiers.clear()
+    lasting(monkeypatch, 1.1 * WAIT)
     begun = simulate(RIG, LAW, t_end=1.0)
     assert tiers == [False, True]
+    plain = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier="python"))
     assert begun.events == plain.events
     assert begun.certificate == plain.certificate
+
+
+@pytest.mark.parametrize("stretch", [0.01, 0.03, 0.11, 0.5])
+@pytest.mark.parametrize("kernels_kept", [True, False])
+@pytest.mark.parametrize("equations_kept", [True, False])
+def test_no_run_takes_more_than_one_and_a_half_times_as_long_as_in_plain_python(
+    monkeypatch, tiers, stretch, kernels_kept, equations_kept
+):
+    # Whatever number of stretches a run has. Machine code takes no time at all here but for
+    # getting it, so that a run pays most if it ends as soon as it has paid.
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: kernels_kept)
+    monkeypatch.setattr(EquationsCode, "is_kept", lambda code: equations_kept)
+    getting = run.LOADING if kernels_kept else KernelsCode().seconds
+    getting += 0.0 if equations_kept else run.EQUATIONS
+    work = run.work_of(formulate(RIG, LAW))
+    for stretches in range(1, math.ceil(3.0 * getting / stretch) + 1):
+        plain = stretches * stretch
+        for before in range(4):  # runs of this length, the first of a process and later ones
+            monkeypatch.setattr(run.Work, "all_seconds", before * plain)
+            work.seconds, auto = before * plain, 0.0
+            if work.is_enough():
+                auto, together = getting, before * plain + getting
+                assert together <= 1.5 * (before + 1) * plain
+                if plain < getting / 1.5:  # getting it takes longer than the run by itself
+                    continue
+            else:
+                while auto < plain - 1e-9:
+                    work.add(stretch)
+                    auto += stretch
+                    if auto < plain - 1e-9 and work.is_enough(auto):
+                        auto += getting
+                        break
+            assert auto <= 1.5 * plain + 1e-9
 
 
 def test_what_nobody_has_compiled_is_compiled_in_the_background(monkeypatch, tiers):
     monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: False)
     begun = []
-    monkeypatch.setattr(run, "compile_in_background", lambda: not begun.append("once"))
-    steps(monkeypatch, 1e3)
-    tiers.clear()
+    monkeypatch.setattr(run, "compile_in_background", lambda code: not begun.append(code))
+    lasting(monkeypatch, 1e3)
     for _ in range(3):
         simulate(RIG, LAW, t_end=1.0)
     assert tiers == [False, False, False]
-    assert begun
+    assert set(begun) == {code_of(formulate(RIG, LAW))}
 
 
 def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monkeypatch, tmp_path):
     calls, loaded = [], []
+    equations = code_of(formulate(RIG, LAW))
     process = SimpleNamespace(returncode=None, poll=lambda: process.returncode)
+
+    def popen(args, *, stdin, **settings):
+        calls.append((args, stdin.read()))
+        return process
+
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
     monkeypatch.setattr(background, "_begun", [])
-    monkeypatch.setattr(
-        background.subprocess, "Popen", lambda args, **settings: calls.append(args) or process
-    )
-    assert not background.compile_in_background()  # tests forbid it
+    monkeypatch.setattr(background.subprocess, "Popen", popen)
+    assert not background.compile_in_background(equations)  # tests forbid it
     monkeypatch.setenv(background.SWITCH, "1")
-    assert background.compile_in_background()
-    assert background.compile_in_background()
-    ((_, _, code),) = calls
+    assert background.compile_in_background(equations)
+    assert background.compile_in_background(equations)
+    (((_, _, code), told),) = calls
     monkeypatch.setattr(background.os, "nice", lambda increment: increment)
-    monkeypatch.setattr(KernelsCode, "load", lambda kernels: not loaded.append(kernels))
+    monkeypatch.setattr(background.sys, "stdin", io.StringIO(told.decode()))
+    for kind in (KernelsCode, EquationsCode):
+        monkeypatch.setattr(kind, "load", lambda code: not loaded.append(code))
     exec(code)
-    assert loaded == [background.KERNELS]
+    assert loaded == [equations, background.KERNELS]
+    assert loaded[0].name == equations.name
     process.returncode = 1  # killed, or out of memory: somebody else has to compile
-    assert not background.compile_in_background()
+    assert not background.compile_in_background(equations)

@@ -82,7 +82,7 @@ def test_an_unknown_tier_is_refused():
 )
 def test_a_run_that_goes_on_compiled_keeps_its_bits(monkeypatch, rig, law, y0):
     asked = iter([False, False, True])
-    monkeypatch.setattr(run.Work, "is_enough", lambda work: next(asked))
+    monkeypatch.setattr(run.Work, "is_enough", lambda work, own=None: next(asked))
     monkeypatch.setattr(run, "STRETCH", 9)
     begun = simulate(rig, law, t_end=1.5, y0=y0, throw=False)
     plain = simulate(rig, law, t_end=1.5, y0=y0, throw=False, solver=PYTHON)

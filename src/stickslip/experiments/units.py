@@ -11,18 +11,10 @@ from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
 from stickslip.units import LONGEST, NUMBER_WITH_UNIT, exact_factor, factor, is_of, number_in, shown
 
-__all__ = ["allowed", "check_uncertainty", "gain_factor", "read_gain", "read_number"]
+__all__ = ["check_uncertainty", "gain_factor", "read_gain", "read_number"]
 
 LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
-
-
-def allowed(quantity: Quantity) -> str:
-    """Return the allowed values in words."""
-    text = quantity.range
-    if text.startswith("a finite number") and quantity.unit != "1":
-        return f"a finite number in {quantity.unit}"
-    return text
 
 
 def read_number(value: object, quantity: Quantity) -> float:
@@ -60,10 +52,8 @@ def read_number(value: object, quantity: Quantity) -> float:
     try:
         found = quantity.check("", "", number)
     except (ParameterError, OverflowError):
-        raise ParameterError(
-            f"({quantity.symbol}) must be {allowed(_as_written(quantity, value))}, got"
-            f" {shown(value)}."
-        ) from None
+        wanted = _as_written(quantity, value).wanted(_size(number))
+        raise ParameterError(f"({quantity.symbol}) must be {wanted}, got {shown(value)}.") from None
     if found and not LEAST <= abs(found) <= LARGEST:
         unit = "" if quantity.unit == "1" else f" {quantity.unit}"
         raise ParameterError(
@@ -71,6 +61,14 @@ def read_number(value: object, quantity: Quantity) -> float:
             f" {LARGEST:g}{unit}, got {shown(value)}: correct the number or its unit."
         )
     return found
+
+
+def _size(value: Any) -> float:
+    """Return a number as a float, infinite if none is large enough."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def _as_written(quantity: Quantity, value: object) -> Quantity:
@@ -148,7 +146,7 @@ def _no_number(value: object, quantity: Quantity) -> str:
     plain = "a number" if pure else "a number in SI units"
     return (
         f"({quantity.symbol}) must be {plain} or text with a unit such as"
-        f' "{_example(quantity)}", {allowed(quantity)}, got {shown(value)}.'
+        f' "{_example(quantity)}", {quantity.range}, got {shown(value)}.'
     )
 
 

@@ -3,6 +3,7 @@
 import math
 from bisect import bisect_left
 from collections.abc import Sequence
+from time import thread_time
 from typing import final
 
 from stickslip.formulation import formulate
@@ -11,6 +12,7 @@ from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     MOST_EVENTS,
     ROW_COLUMNS,
+    STEPS,
     TIME,
     Y,
 )
@@ -19,7 +21,7 @@ from stickslip.solver.backend import runner_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.event_driven import EventDriven, trajectory_of
 from stickslip.solver.initial_states import within_stops
-from stickslip.solver.run import FIRST_ROWS, Record, work_of
+from stickslip.solver.run import FIRST_ROWS, STRETCH, Record, work_of
 from stickslip.trajectory import Trajectory
 
 __all__ = ["IncrementalRun"]
@@ -65,9 +67,9 @@ class IncrementalRun:
         """
         self.law, self.t_end, self.solver = law, t_end, solver
         self.model = model = formulate(mechanism, law)
-        compiled = solver.tier == "compiled" or (
-            solver.tier == "auto" and work_of(model).is_enough()
-        )
+        self._work = work_of(model)
+        self._spent, self._asks_at = 0.0, STRETCH
+        compiled = solver.tier == "compiled" or (solver.tier == "auto" and self._work.is_enough())
         self.runner = runner = runner_of(model, compiled=compiled)
         inputs = gather(mechanism, law, model, t_end)
         self._width = 1 + 3 * len(model.drives)
@@ -117,6 +119,7 @@ class IncrementalRun:
             self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
             self._table[at + 1] += slope
         self._row = last
+        start = thread_time()
         self._log, self._events = self.runner.run(
             self._w,
             self._whole,
@@ -129,7 +132,23 @@ class IncrementalRun:
             self._log,
             self._events,
         )
+        if not self.runner.compiled:
+            self._count(thread_time() - start)
         return bool(self.t >= until)
+
+    def _count(self, seconds: float) -> None:
+        """Count the time of a stretch in plain Python; take machine code as soon as it pays."""
+        self._work.add(seconds)
+        self._spent += seconds
+        if self.solver.tier != "auto" or self._whole[STEPS] < self._asks_at:
+            return
+        self._asks_at += STRETCH
+        if self._work.is_enough(self._spent):
+            self.runner = runner = runner_of(self.model, compiled=True)
+            self._w, self._whole = runner.taken_over(self._w), runner.wholes(self._whole)
+            self._log, self._events, self._table, self._bounds = map(
+                runner.flat, (self._log, self._events, self._table, self._bounds)
+            )
 
     def finished(self, mechanism: Mechanism) -> Trajectory:
         """Return the run, of the mechanism with the drive that was told."""

@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from time import thread_time
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +16,6 @@ from stickslip.kernels.state_layout import (
     ADDRESS,
     EVENT_COLUMNS,
     N_DRIVES,
-    REJECTED,
     ROW_COLUMNS,
     SEVERAL,
     STATUS,
@@ -34,12 +34,12 @@ __all__ = ["Record", "Tier", "Work", "execute", "prepare", "work_of"]
 
 Tier: TypeAlias = Literal["auto", "python", "compiled"]
 
-LOADING = 0.1
-"""Time to load kernels that an earlier process compiled [s]."""
+LOADING = 0.06
+"""Processor time to load kernels that an earlier process compiled [s, measured]."""
 EQUATIONS = 0.1
-"""Time to compile the equations of a model [s]."""
-PLAIN_STEP = 2e-4
-"""Time of a step in plain Python, and as much again for each of several contacts [s]."""
+"""Processor time to compile the equations of a model [s, measured]."""
+PATIENCE = 2.0
+"""Time in plain Python over that of getting machine code, from which it is got."""
 STRETCH = 500
 """Steps in plain Python after which a run asks whether machine code would pay."""
 FIRST_ROWS = 64
@@ -53,40 +53,56 @@ class Work:
     model: Model
     """Equations of a mechanism with a law."""
     seconds: float = 0.0
-    """Time of the steps that were taken or rejected [s]."""
+    """Processor time of their steps [s]."""
     all_seconds: ClassVar[float] = 0.0
     """That of all models [s]."""
 
-    def add(self, steps: int) -> None:
-        """Count steps of a plain run.
+    def add(self, seconds: float) -> None:
+        """Count what a plain run has taken.
 
         Parameters
         ----------
-        steps : int
-            Steps that were taken or rejected.
+        seconds : float
+            Processor time of its steps [s].
         """
-        spent = steps * PLAIN_STEP * (1 + len(self.model.contacts))
-        self.seconds += spent
-        Work.all_seconds += spent
+        self.seconds += seconds
+        Work.all_seconds += seconds
 
-    def is_enough(self) -> bool:
-        """Whether machine code is here, or plain runs have taken as long as getting it would.
+    def is_enough(self, own: float | None = None) -> bool:
+        """Whether machine code is here, or pays: plain runs have taken twice as long as getting it.
 
-        Runs of this model have to pay for its equations, runs of all models for the kernels, which
-        they share. All calls together then take at most twice as long as in plain Python, and many
-        at most twice as long as if they had been compiled from the first. What
-        nobody has compiled yet is compiled by a process in the background, and without one here
-        once plain runs have taken as long.
+        A run that begins counts those before it, of this model for its equations, and of all
+        models for the kernels, which they share. One that is on its way counts its own time
+        alone. A run therefore takes at most 1.5 times as long as in plain Python, unless it is so
+        short that getting machine code takes longer than that by itself; and all together never
+        take more than that. What nobody has compiled yet is compiled by a process in the
+        background, and without one here once plain runs have taken twice as long.
+
+        Parameters
+        ----------
+        own : float, optional
+            What the run has taken so far in plain Python [s]; it begins if this is not given.
+
+        Returns
+        -------
+        bool
+            Whether to go on in machine code.
         """
+        shared, these = (Work.all_seconds, self.seconds) if own is None else (own, own)
+        code, cost = code_of(self.model), 0.0
         if not KERNELS.is_ready():
-            if Work.all_seconds < LOADING:
+            if shared < PATIENCE * LOADING:
                 return False
-            if not KERNELS.is_kept() and (
-                compile_in_background() or Work.all_seconds < KERNELS.seconds
-            ):
-                return False
-        equations = code_of(self.model)
-        return equations.is_ready() or self.seconds >= EQUATIONS or equations.is_kept()
+            cost = LOADING
+            if not KERNELS.is_kept():
+                if compile_in_background(code):
+                    return False
+                cost = KERNELS.seconds
+        if shared < PATIENCE * cost:
+            return False
+        if code.is_ready() or code.is_kept():
+            return True
+        return these >= PATIENCE * (EQUATIONS if own is None else cost + EQUATIONS)
 
 
 @functools.lru_cache(maxsize=256)
@@ -153,7 +169,7 @@ def execute(
         Most steps.
     tier : Tier
         ``"compiled"``, ``"python"``, or ``"auto"``: machine code if this process has it, and as
-        soon as its plain runs, this one included, have taken as long as getting it takes.
+        soon as plain runs have taken twice as long as getting it takes.
 
     Returns
     -------
@@ -172,19 +188,20 @@ def execute(
     pieces = len(table) // (1 + 3 * header[N_DRIVES]) if runner.compiled else 0
     log: Any = runner.zeros((FIRST_ROWS + min(pieces, limit)) * header[ROW_COLUMNS])
     events: Any = runner.zeros(FIRST_ROWS * EVENT_COLUMNS)
-    counted = 0
+    spent = 0.0
     while True:
         most = limit if tier != "auto" or runner.compiled else min(limit, whole[STEPS] + STRETCH)
+        start = thread_time()
         log, events = runner.run(
             w, whole, table, bounds, t_end, tolerance, inputs.time_scale / 6.0, most, log, events
         )
         if not runner.compiled:
-            taken = int(whole[STEPS] + whole[REJECTED])
-            work.add(taken - counted)
-            counted = taken
+            taken = thread_time() - start
+            work.add(taken)
+            spent += taken
         if most >= limit or whole[STATUS] != STEP_LIMIT:
             return Record(runner, log, events, w, np.asarray(whole).tolist())
-        if work.is_enough():  # the rest in machine code, which gives the same bits
+        if work.is_enough(spent):  # the rest in machine code, which gives the same bits
             runner = runner_of(model, compiled=True)
             w, whole = runner.taken_over(w), runner.wholes(whole)
             log, events = runner.vector(log), runner.vector(events)

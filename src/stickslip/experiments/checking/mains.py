@@ -150,8 +150,9 @@ def _spectrum(values: Array, step: float) -> tuple[Array, float]:
         part = values[start : start + length]
         part = part - part.mean() - ramp * (ramp @ part) / (ramp @ ramp)
         total += np.abs(np.fft.rfft(window * part)) ** 2
+    weight = float(window @ window) or 1.0  # a window of two samples has none
     # so that the sum over all bins is the variance (Parseval)
-    return 2.0 * total / (len(starts) * length * float(window @ window)), 1.0 / (length * step)
+    return 2.0 * total / (len(starts) * length * weight), 1.0 / (length * step)
 
 
 def _folded(frequency: float, rate: float) -> float:

@@ -20,6 +20,7 @@ from stickslip.experiments.readers.layout import (
     is_number,
     unit_in,
 )
+from stickslip.experiments.readers.scope_channels import is_scope, read_scope
 from stickslip.experiments.readers.toml import decode
 from stickslip.experiments.readers.video_tracks import header_of, is_blocks, is_named, read_blocks
 from stickslip.units import shown
@@ -91,9 +92,10 @@ def read_text(path: Path, layout: Layout | None = None) -> tuple[pd.DataFrame, i
     if layout is not None:
         return _read_as(path, data, layout)
     text, encoding = _decoded(path, data)
-    if is_blocks(text):
+    read_own = read_blocks if is_blocks(text) else read_scope if is_scope(text) else None
+    if read_own is not None:
         try:
-            return read_blocks(text)
+            return read_own(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
     lines, start = _head(path, text)

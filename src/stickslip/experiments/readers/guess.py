@@ -15,6 +15,7 @@ from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array
 from stickslip.experiments.readers.csv_reader import refuse_numbers
 from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
+from stickslip.experiments.readers.scope_channels import SCOPE, is_scope
 from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
@@ -25,7 +26,10 @@ from stickslip.units import factor, is_of, is_unit, shown
 __all__ = ["Guess", "guess_data"]
 
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
-    "time": ("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "t"),
+    "time": (
+        *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),
+        "t",
+    ),
     "position": (
         *("position", "pos", "weg", "lage", "winkel", "angle", "displacement", "verschiebung"),
         *("auslenkung", "stroke", "hub", "drehwinkel", "lageistwert", "travel", "encoder"),
@@ -67,6 +71,7 @@ WANTED: Final = (
     "cmd",
     "command",
     "desired",
+    "demand",
     "target",
     "ref",
     "reference",
@@ -86,9 +91,12 @@ OTHER: Final = (
 """What names of columns contain that none of the quantities has."""
 TURNING: Final = (
     *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
-    *("φ", "ϕ", "θ", "ω", "tau", "τ"),
+    *("joint", "effort", "φ", "ϕ", "θ", "ω", "tau", "τ"),
 )
 """What names of columns contain where an axis turns."""
+EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
+"""Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
+"""
 CHECKED: Final = 5_000
 """Samples at the top that show what a column holds."""
 WHOLE, PART, INSIDE, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 0.5, 0.4
@@ -234,7 +242,7 @@ def guess_data(
     reasons["motion"] = "about an axis" if turning else "along a line"
     repair = _repairs(frame, found, times)
     if repair:
-        why = {"gaps": "cells are empty", "sort": "times do not increase everywhere"}
+        why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
         reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
     hold, why_hold = _hold(found)
     if why_hold and "time" in found:
@@ -259,6 +267,8 @@ def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
     if path.suffix.lower() not in TEXT:
         return None, {}
     text, encoding = decoded(path.read_bytes())
+    if is_scope(text):
+        return None, {"cells": SCOPE}
     found = layout_of(text, encoding)
     if found is None:
         # The reader says what is wrong; what it reads in spite of that has its own layout.
@@ -344,6 +354,8 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
     if unit is not None and unit.isupper() and not _fits(unit, quantity):
         unit = unit.lower() if _fits(unit.lower(), quantity) else unit  # MM is no molarity
+    since = _since_epoch(column) if quantity == "time" and unit is None else None
+    unit = since or unit
     fits = unit is not None and _fits(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
     if unit is not None and not fits and not counts:
@@ -354,14 +366,27 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
         return
     stamps = "" if pd.api.types.is_numeric_dtype(column.dtype) else "time stamps, "
     score, why = _named_score(bare, quantity)
-    if score and fits:
+    if since:
+        why += ", as its numbers count from 1970"
+    elif score and fits:
         score += 1.0
+    if not score and counts and not bare:
+        score, why = BY_UNIT, "by its name"
     if not score and fits and unit != "1" and quantity not in ("reference", "load"):
         score, why = BY_UNIT, "by its unit"
     if not score and quantity == "time" and _increases(column):
         score, why = BY_VALUES, "because it increases"
     if score:
         yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
+
+
+def _since_epoch(column: "pd.Series[Any]") -> str | None:
+    """Return the unit of times that count from 1970 in parts of a second, by their size."""
+    part = column.iloc[:CHECKED].dropna()
+    if part.empty or not pd.api.types.is_numeric_dtype(part.dtype):
+        return None
+    size = float(part.median())
+    return next((unit for unit, part in EPOCH.items() if 1e9 * part <= size < 1e10 * part), None)
 
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:
@@ -396,6 +421,8 @@ def _unit_in_name(name: str, quantity: str) -> tuple[str, str | None]:
     found = [style.fullmatch(name) for style in _STYLES]
     parts = [(one["name"], one["unit"].strip()) for one in found if one and is_unit(one["unit"])]
     own = [part for part in parts if _fits(part[1], quantity)]
+    if not parts and len(name) > 1 and name.casefold() not in NAMES[quantity] and is_unit(name):
+        return "", name  # counts, rpm
     last = _STYLES[-1].fullmatch(name)
     # A last word may be anything, and is a unit only if it is one of the quantity.
     others = [part for part in parts if last is None or part[1] != last["unit"]]
@@ -496,7 +523,8 @@ def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> 
         for key in frame.names
         if one.name in (key, frame.names[key])
     ]
-    gaps = bool(frame.data[headers].isna().any(axis=None))
+    cells = frame.data[headers]
+    gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
     late = times is not None and bool(np.any(np.diff(times[np.isfinite(times)]) <= 0.0))
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
@@ -508,7 +536,8 @@ def _hold(found: Mapping[str, _Found]) -> tuple[Literal["zero", "first"], str]:
     if driven is None:
         return "first", ""
     name = driven.name.casefold()
-    if any(word in name for word in (*WANTED, "stell", "output", "ctrl")):
+    bare = _unit_in_name(name, "force")[0].strip()
+    if bare == "u" or any(word in name for word in (*WANTED, "stell", "output", "ctrl")):
         return "zero", f"because {driven.name!r} is commanded"
     return "first", f"because {driven.name!r} is measured"
 

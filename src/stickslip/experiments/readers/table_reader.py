@@ -1,7 +1,7 @@
 """Columns of CSV, Parquet and MATLAB files, by the quantity they hold."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -23,7 +23,7 @@ from stickslip.units import factor, is_pixel, shown
 
 __all__ = ["SECOND", "TEXT", "Frame", "frame_of", "is_data_file", "read_frame"]
 
-TEXT: Final = (".csv", ".tsv", ".txt")
+TEXT: Final = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm")
 """Endings of text files."""
 DATA: Final = (*TEXT, *MDF, ".parquet", ".pq", ".mat")
 """Endings of all files that are read."""
@@ -36,6 +36,12 @@ TIMES: Final = ("t", "time")
 NO_UNIT = ("-", "\N{EN DASH}", "\N{MINUS SIGN}")
 """What stands in the brackets of a header for the unit of a pure number."""
 _HEADER = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+
+
+_PART_OF_STAMP = re.compile(
+    r"(?:(?P<stamp>.*?)[._/ ])?(?P<nano>n|nano)?(?:secs?|seconds?)", re.IGNORECASE
+)
+"""header.stamp.secs and header.stamp.nsecs, stamp_sec and stamp_nanosec."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,7 +234,8 @@ def read_frame(
     Parameters
     ----------
     path : str or Path
-        A ``.csv``, ``.tsv``, ``.txt``, ``.parquet``, ``.pq``, ``.mat`` or ``.mf4`` file.
+        A ``.csv``, ``.tsv``, ``.txt``, ``.dat``, ``.asc``, ``.lvm``, ``.parquet``, ``.pq``,
+        ``.mat`` or ``.mf4`` file.
     columns : mapping of str to str or tuple of str
         Names of columns by quantity or path, where they differ.
     units : mapping of str to str
@@ -332,18 +339,15 @@ def _named(
     columns: Mapping[str, str],
     units: Mapping[str, str],
 ) -> Frame:
-    names: dict[str, str] = {}
-    found_units: dict[str, str | None] = {}
-    for header in map(str, data.columns):
-        match = _HEADER.fullmatch(header)
-        name, unit = (match["name"], match["unit"]) if match else (header, None)
-        if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
-            name, unit = header, None
-        if name in names:
-            raise ambiguous(file, name)
-        names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
+    names, found_units = _headers(file, data)
     data = data.set_axis(list(map(str, data.columns)), axis=1)
     own, own_units = dict(names), dict(found_units)
+    for name, (parts, stamp) in _joined_stamps(data, names).items():
+        for part in parts:  # still known to whoever names them
+            del names[part], found_units[part]
+        names[name] = own[name] = name
+        found_units[name] = own_units[name] = "s"
+        data = data.assign(**{name: stamp})
     # A mapped column is known by its quantity alone, so none is used twice.
     for column in columns.values():
         key = _known_column(file, column, own)
@@ -364,6 +368,43 @@ def _named(
     if SECOND in names:
         _check_plane(file, names, found_units, "position" in units)
     return Frame(file=file, data=data, names=names, units=found_units, first_row=first_row)
+
+
+def _headers(file: str, data: pd.DataFrame) -> tuple[dict[str, str], dict[str, str | None]]:
+    """Return the header of each column by its name, and its unit if brackets hold one."""
+    names: dict[str, str] = {}
+    found_units: dict[str, str | None] = {}
+    for header in map(str, data.columns):
+        match = _HEADER.fullmatch(header)
+        name, unit = (match["name"], match["unit"]) if match else (header, None)
+        if unit and unit.isdigit() and f"{name}[{unit}]" in header:  # position[0]: an index
+            name, unit = header, None
+        if name in names:
+            raise ambiguous(file, name)
+        names[name], found_units[name] = header, "1" if unit in NO_UNIT else unit
+    return names, found_units
+
+
+def _joined_stamps(
+    data: pd.DataFrame, names: Mapping[str, str]
+) -> dict[str, tuple[Sequence[str], NDArray[np.float64]]]:
+    """Return times [s] of which two columns hold seconds and nanoseconds, as in ROS, and these two.
+
+    Times count from the first whole second, so that no digit is lost.
+    """
+    found: dict[str, tuple[Sequence[str], NDArray[np.float64]]] = {}
+    parts = {name: match for name in names if (match := _PART_OF_STAMP.fullmatch(name))}
+    for fine, match in parts.items():
+        both = [name for name, other in parts.items() if other["stamp"] == match["stamp"]]
+        stamp = match["stamp"] or "stamp"
+        if not match["nano"] or len(both) != 2 or stamp in names:
+            continue
+        both.sort(key=fine.__eq__)
+        whole, rest = (data[names[name]] for name in both)
+        if all(pd.api.types.is_numeric_dtype(column.dtype) for column in (whole, rest)):
+            begin = next(iter(whole.dropna()), 0.0)
+            found[stamp] = both, (whole - begin + 1e-9 * rest).to_numpy(dtype=float)
+    return found
 
 
 def _check_plane(

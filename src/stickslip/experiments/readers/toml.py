@@ -84,7 +84,8 @@ def check_file(path: str | Path, *, largest: int | None = None) -> None:
             f" {largest / 1e6:.0f} MB. Store long records in a CSV or Parquet file."
         )
     if size == 0:
-        raise InputError(f"{path}: is empty. A rig file needs at least [mechanism].")
+        needs = " A rig file needs at least [mechanism]." if Path(path).suffix == ".toml" else ""
+        raise InputError(f"{path}: is empty.{needs}")
 
 
 def _siblings(path: Path) -> str:

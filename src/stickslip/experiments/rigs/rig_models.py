@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile
 from stickslip.errors import ParameterError
-from stickslip.experiments.units import allowed, check_uncertainty, read_number
+from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import shown
@@ -141,7 +141,7 @@ class Number:
                     "additionalProperties": False,
                 }
             )
-        text = f"{quantity.symbol} [{quantity.unit}], {allowed(quantity)}"
+        text = f"{quantity.symbol} [{quantity.unit}], {quantity.range}"
         return {"anyOf": kinds, "description": text, "x-unit": quantity.unit}
 
 

@@ -6,7 +6,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.units import allowed
 from stickslip.units import shown
 
 __all__ = ["complaint", "place"]
@@ -107,9 +106,7 @@ def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
     if quantity is None:
         table = name in {"mechanism", "run", "friction"}
         return f"{where}: {full} is missing. Add {f'[{name}]' if table else f'{name} {under}'}."
-    return (
-        f"{where}: {full} ({quantity.symbol}) is missing. Add {name} {under}, {allowed(quantity)}."
-    )
+    return f"{where}: {full} ({quantity.symbol}) is missing. Add {name} {under}, {quantity.range}."
 
 
 def _heading(key: str) -> str:

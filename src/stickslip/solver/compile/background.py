@@ -1,13 +1,17 @@
-"""Compiles the kernels in a process of its own, which runs would have to wait for."""
+"""Compiles in a process of its own what runs would have to wait for."""
 
 import atexit
 import contextlib
+import dataclasses
+import json
 import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
+from stickslip.solver.compile.equations_code import EquationsCode
 from stickslip.solver.compile.image_cache import cache_directory, is_writable
 from stickslip.solver.compile.kernels_code import KERNELS
 
@@ -24,12 +28,17 @@ _begun: list[subprocess.Popen[bytes]] = []
 """The process, once there is one."""
 
 
-def compile_in_background() -> bool:
+def compile_in_background(equations: EquationsCode) -> bool:
     """Begin to compile the kernels in another process, once; return whether that is being done.
 
     The process ends by itself; what it compiled is found in the cache by whoever asks later. There
     is none where the cache cannot be written to, nor in a worker of `multiprocessing`, nor where
     ``STICKSLIP_BACKGROUND`` is 0. One that has failed is not begun again.
+
+    Parameters
+    ----------
+    equations : EquationsCode
+        Equations that are compiled first: those of the run that asks.
 
     Returns
     -------
@@ -43,10 +52,12 @@ def compile_in_background() -> bool:
     if multiprocessing.parent_process() is not None:
         return False
     places = [str(Path(place).absolute()) for place in sys.path]
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError), tempfile.TemporaryFile() as told:
+        told.write(json.dumps(dataclasses.astuple(equations)).encode())
+        told.seek(0)
         process = subprocess.Popen(
             [sys.executable, "-c", f"from {__name__} import main; main()"],
-            stdin=subprocess.DEVNULL,
+            stdin=told,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             cwd=cache_directory(),  # where nobody else's modules lie
@@ -72,7 +83,9 @@ def _is_python() -> bool:
 
 
 def main() -> None:
-    """Compile the kernels."""
+    """Compile the equations that stdin tells, and the kernels."""
     with contextlib.suppress(AttributeError, OSError):
         os.nice(POLITE)
+    pair, program, numbers = json.load(sys.stdin)
+    EquationsCode(pair, program, tuple((name, number) for name, number in numbers)).load()
     KERNELS.load()

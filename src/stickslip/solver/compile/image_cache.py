@@ -39,6 +39,9 @@ HAS_MODES = os.name == "posix"
 """Whether files have owners and mode bits; Windows has access lists, and a user's are his own."""
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS_ENTER = stat.S_IXGRP | stat.S_IXOTH
+LEAST = "+64bit,+sse2"
+"""What any x86-64 processor can do: without it, LLVM ends the process if it does not know a name.
+"""
 SEAL = 32
 """Bytes of the hash before object code."""
 
@@ -194,9 +197,10 @@ def processor() -> Processor:
     """Return the kind of processor that is compiled for: this one, or that of ``STICKSLIP_CPU``."""
     from llvmlite import binding
 
-    name = os.environ.get("STICKSLIP_CPU") or binding.get_host_cpu_name()
-    own = "" if os.environ.get("STICKSLIP_CPU") else binding.get_host_cpu_features().flatten()
-    return binding.get_process_triple(), name, own
+    triple, named = binding.get_process_triple(), os.environ.get("STICKSLIP_CPU")
+    if named:
+        return triple, named, LEAST if triple.startswith("x86_64") else ""
+    return triple, binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
 
 
 def common_processor() -> Processor:
