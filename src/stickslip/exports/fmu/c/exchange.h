@@ -173,7 +173,7 @@ static enum outcome updated(struct instance *self, bool *changed) {
     return ending.outcome;
 }
 
-/* Note a step of the importer; tell whether something has happened that no indicator showed. */
+/* Note a step of the importer; tell whether it has passed a fall, shown by an indicator or not. */
 static bool completed(struct instance *self) {
     struct core *core = &self->core;
     bool found = false;
@@ -184,7 +184,7 @@ static bool completed(struct instance *self) {
     forget_values(self);
     work_out(self, INDICATOR);
     for (int i = 0; i < N_GUARDS; i++) {
-        if (!core->armed[i] && core->values[FIRST_INDICATOR + i] < -NEARLY * core->sizes[i]) {
+        if (core->values[FIRST_INDICATOR + i] < -NEARLY * core->sizes[i]) {
             core->armed[i] = found = true;
         }
     }
