@@ -41,6 +41,7 @@ from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.outputs import Final
 from stickslip.results import Sensitivity
 from stickslip.sweep import average_velocity, band_of, basins, bifurcation
+from stickslip.tables import Tabular
 
 PLAIN = EventDriven(tier="python")
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -155,6 +156,12 @@ SLOW = {
 }  # fmt: skip
 """Those that take seconds."""
 
+NUMBERS_ONLY = {
+    "rig", "certificate", "event", "status", "output", "limit cycle", "estimate", "finding",
+    "settings",
+}  # fmt: skip
+"""Kinds without rows."""
+
 ELSEWHERE = {"FeatureFit", "FeatureVerdict", "JointVerdict", "Optimum"}
 """Results whose parts are those of others here, and that take minutes."""
 
@@ -243,8 +250,19 @@ def test_a_guess_comes_back_too(tmp_path, made):
     survives(guess_data(file))
 
 
-@pytest.mark.parametrize("kind", ["checks", "inverse dynamics", "closed loop", "measurement"])
-def test_results_with_rows_are_tables(kind, made):
-    table = made[kind].to_dataframe()
+@pytest.mark.parametrize("kind", MADE)
+def test_results_with_rows_are_tables_in_pandas_and_xarray(kind, made, tmp_path):
+    if not hasattr(made[kind], "to_dataframe"):
+        assert kind in NUMBERS_ONLY
+        return
+    table, data = made[kind].to_dataframe(), made[kind].to_xarray()
     assert isinstance(table, pd.DataFrame)
     assert len(table) > 0
+    (length,) = {data.sizes[dimension] for dimension in data.dims}
+    assert length == len(table)
+    if isinstance(made[kind], Tabular):
+        bare = {str(name).partition(" [")[0] for name in table}
+        assert {str(name) for name in data.variables} - {"row"} == bare
+    file = tmp_path / "saved.nc"
+    data.to_netcdf(file, engine="scipy")  # no column has objects that cannot be saved
+    assert file.exists()

@@ -8,8 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.support import SEVERAL, SHOWN
 
+from stickslip import Coulomb, LuGre, SpringBlock, Stribeck
 from stickslip.drives import PiecewiseAffine
+from stickslip.exports import export_fmu
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import Mechanism
 
 WAITS = 0.05
 """Communication step of tests with inputs [s]."""
@@ -22,6 +27,43 @@ def need_tools() -> None:
     if not any(map(shutil.which, ("cc", "gcc", "clang"))):
         pytest.skip("no C compiler (cc, gcc, clang) is installed")
     pytest.importorskip("fmpy", reason="FMPy is not installed")
+
+
+COULOMB = Coulomb(kinetic_coefficient=0.25)
+STRIBECK = Stribeck(
+    kinetic_coefficient=0.2, static_coefficient=0.35, stribeck_velocity=0.02, exponent=2
+)
+LUGRE = LuGre(
+    kinetic_coefficient=0.2,
+    static_coefficient=0.3,
+    stribeck_velocity=0.02,
+    bristle_stiffness=1e3,
+    bristle_damping=1.0,
+)
+BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+CAPSULE = SHOWN["capsule, stops"]
+END = 2.0
+
+TWELVE: list[tuple[str, Mechanism, FrictionLaw]] = [
+    ("spring-block", BLOCK, STRIBECK),
+    ("towed-block", SHOWN["towed-block"], LUGRE),
+    ("towed-block, stribeck", SHOWN["towed-block"], STRIBECK),
+    ("axis", SHOWN["axis"], STRIBECK),
+    ("pendulum-cart", SHOWN["pendulum-cart"], COULOMB),
+    ("pendulum-cart, prescribed", SHOWN["pendulum-cart, prescribed"], LUGRE),
+    ("capsule, stops", CAPSULE, STRIBECK),
+    ("two-mass-axis", SEVERAL["two-mass-axis"], COULOMB),
+    ("block-chain", SEVERAL["block-chain"], LUGRE),
+    ("clutch-train", SEVERAL["clutch-train"], STRIBECK),
+    ("disc-brake, one", SEVERAL["disc-brake, one"], COULOMB),
+    ("serial-arm", SEVERAL["serial-arm"], LUGRE),
+]
+
+
+def made(folder: Path, stem: str, *pair: Any, **settings: Any) -> Path:
+    """Export for this processor, whose kernels other tests have compiled."""
+    path = folder / f"{stem}.fmu"
+    return export_fmu(*pair, path, **{"t_end": END, "portable": False, **settings})
 
 
 class Slave:

@@ -13,18 +13,31 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.exports.fmus import SCRIPT, WAITS, Slave, column_names, held, need_tools
-from tests.support import RIGS, SEVERAL, SHOWN, examples, laws
+from tests.exports.fmus import (
+    BLOCK,
+    CAPSULE,
+    COULOMB,
+    END,
+    LUGRE,
+    SCRIPT,
+    STRIBECK,
+    TWELVE,
+    WAITS,
+    Slave,
+    column_names,
+    held,
+    made,
+    need_tools,
+)
+from tests.support import RIGS, SHOWN, examples, laws
 
 from stickslip import (
     Axis,
     BlockChain,
     Capsule,
     Coulomb,
-    LuGre,
     PendulumCart,
     SpringBlock,
-    Stribeck,
     export,
     simulate,
 )
@@ -36,27 +49,13 @@ from stickslip.exports.fmu.inputs import with_inputs
 from stickslip.exports.fmu.units import base_units
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.formulation import formulate
-from stickslip.friction import LAWS, FrictionLaw
+from stickslip.friction import LAWS
 from stickslip.mechanisms import MECHANISMS, Link, Mechanism, Prescribed, SerialArm, Torque
 from stickslip.quantities import fields_of, turned
 
-COULOMB = Coulomb(kinetic_coefficient=0.25)
-STRIBECK = Stribeck(
-    kinetic_coefficient=0.2, static_coefficient=0.35, stribeck_velocity=0.02, exponent=2
-)
-LUGRE = LuGre(
-    kinetic_coefficient=0.2,
-    static_coefficient=0.3,
-    stribeck_velocity=0.02,
-    bristle_stiffness=1e3,
-    bristle_damping=1.0,
-)
-BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
-CAPSULE = SHOWN["capsule, stops"]
 CHAIN = BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
 PUSHES = np.round(0.12 * np.sin(3.0 * WAITS * np.arange(41)), 3).tolist()
-END = 2.0
 NUMBERS = itertools.count()
 """Of libraries, which a process loads by their names."""
 
@@ -65,12 +64,6 @@ NUMBERS = itertools.count()
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     need_tools()
     return tmp_path_factory.mktemp("fmu")
-
-
-def made(folder: Path, stem: str, *pair: Any, **settings: Any) -> Path:
-    """Export for this processor, whose kernels other tests have compiled."""
-    path = folder / f"{stem}.fmu"
-    return export_fmu(*pair, path, **{"t_end": END, "portable": False, **settings})
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +132,7 @@ def test_descriptions_are_valid_and_say_units(block, capsule, chain, cart):
     assert (known["pendulum.drive"].causality, known["pendulum.drive"].unit) == ("input", "N m")
     assert known["mechanism.cart_mass"].unit == "kg"
     assert known["omega"].unit == "rad/s"
-    assert known["friction.kinetic_coefficient"].variability == "fixed"
+    assert known["friction.kinetic_coefficient"].variability == "tunable"
     assert read_model_description(str(chain)).description == "A <chain> & its law"
 
 
@@ -253,7 +246,7 @@ def test_values_out_of_range_are_refused_in_words(block, folder, values, words):
 def test_what_is_too_late_or_out_of_order_is_refused_in_words(block, folder):
     slave = Slave(block, folder).begin()
     for action, words in (
-        (lambda: slave.put("mechanism.mass", 2.0), "cannot be set after initialization"),
+        (lambda: slave.put("v", 2.0), "v cannot be set after initialization."),
         (lambda: slave.put("friction", 1.0), "friction cannot be set: it is computed."),
         (lambda: slave.fmu.doStep(0.5, 0.1), "does not follow t = 0 s"),
         (lambda: slave.fmu.doStep(0.0, -0.1), "A step of -0.1 s"),
@@ -335,7 +328,7 @@ def test_drives_that_repeat_are_known_up_to_the_end_and_no_farther(folder):
 def test_what_tables_are_made_with_is_constant():
     axis = Axis(inertia=2.0, drive=Sine(amplitude=4.0, frequency=0.5), offset=0.1)
     model = formulate(axis, COULOMB)
-    found = variables_of(axis, COULOMB, model, y0=[0.0, 0.0], inputs={})
+    found = variables_of(axis, COULOMB, model, y0=[0.0, 0.0], nominals=[1.0] * 4, inputs={})
     roles = {one.name.rpartition(".")[2]: one.role for one in found}
     assert roles["frequency"] == "constant"  # the largest step follows from it
     assert {roles[one] for one in ("amplitude", "phase", "inertia", "offset")} == {"parameter"}
@@ -344,7 +337,8 @@ def test_what_tables_are_made_with_is_constant():
         inner_mass=0.2,
         drive=Prescribed(profile=ThreePhase(amplitude=0.01, fast=50.0, slow=9.0)),
     )
-    found = variables_of(chirp, COULOMB, formulate(chirp, COULOMB), y0=[0.0] * 4, inputs={})
+    model = formulate(chirp, COULOMB)
+    found = variables_of(chirp, COULOMB, model, y0=[0.0] * 4, nominals=[1.0] * 4, inputs={})
     fixed = {one.name.rpartition(".")[2] for one in found if one.role == "constant"}
     assert fixed == {"amplitude", "fast", "slow"}
 
@@ -487,21 +481,6 @@ def rig(tmp_path: Path) -> Path:
 
 
 # --- portable FMUs, for which the kernels are compiled anew
-
-TWELVE: list[tuple[str, Mechanism, FrictionLaw]] = [
-    ("spring-block", BLOCK, STRIBECK),
-    ("towed-block", SHOWN["towed-block"], LUGRE),
-    ("towed-block, stribeck", SHOWN["towed-block"], STRIBECK),
-    ("axis", SHOWN["axis"], STRIBECK),
-    ("pendulum-cart", SHOWN["pendulum-cart"], COULOMB),
-    ("pendulum-cart, prescribed", SHOWN["pendulum-cart, prescribed"], LUGRE),
-    ("capsule, stops", CAPSULE, STRIBECK),
-    ("two-mass-axis", SEVERAL["two-mass-axis"], COULOMB),
-    ("block-chain", SEVERAL["block-chain"], LUGRE),
-    ("clutch-train", SEVERAL["clutch-train"], STRIBECK),
-    ("disc-brake, one", SEVERAL["disc-brake, one"], COULOMB),
-    ("serial-arm", SEVERAL["serial-arm"], LUGRE),
-]
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """Presliding: friction against displacement where the contact deflects but hardly slips."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, final
 
@@ -11,6 +11,7 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError
 from stickslip.friction import BristleLaw
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,7 +30,7 @@ SHARE_OF_LENGTH = 0.05
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PreslidingLoop(OnAxes):
+class PreslidingLoop(OnAxes, Tabular):
     """Friction along an imposed displacement that swings ever wider."""
 
     displacement: Array
@@ -37,11 +38,16 @@ class PreslidingLoop(OnAxes):
     friction: Array
     """Friction force (n,) [N]."""
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return displacement and friction as a pandas DataFrame."""
         import pandas as pd
 
         return pd.DataFrame({"displacement": self.displacement, "friction": self.friction})
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"displacement": "m", "friction": "N"}
 
     @override
     def _summary(self) -> Summary:

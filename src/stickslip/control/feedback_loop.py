@@ -17,6 +17,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import END, initial_state, own_law, refuse
 from stickslip.solver import EventDriven, IncrementalRun
+from stickslip.tables import Tabular
 from stickslip.trajectory import Status, Trajectory
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ClosedLoop(InPanels):
+class ClosedLoop(InPanels, Tabular):
     """A run in closed loop: the motion, and what the controller saw and said at each sample.
 
     Examples
@@ -90,6 +91,7 @@ class ClosedLoop(InPanels):
         """How the run ended."""
         return self.run.status
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured, requested and commanded as a pandas DataFrame, a row a sample.
 
@@ -100,6 +102,14 @@ class ClosedLoop(InPanels):
         seen = {f"measured_{name}": values for name, values in self.measured.items()}
         commands = {"requested": self.requested, "command": self.commands}
         return pd.DataFrame({"t": self.t, **seen, **commands})
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s", **{f"measured_{name}": self.run.units[name] for name in self.measured}}
 
     @override
     def _summary(self) -> Summary:

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.quantities import Converted, Numbers, Quantity
+from stickslip.tables import Tabular
 from stickslip.units import is_pint, number_in, pint_magnitude
 
 if TYPE_CHECKING:
@@ -97,7 +99,7 @@ def quantity_called(name: str) -> Quantity:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Measurement:
+class Measurement(Tabular):
     """One record, or several trials of one rig.
 
     Arrays are copied and made read-only; scalars become floats.
@@ -353,6 +355,7 @@ class Measurement:
         known = quantity_called(quantity)
         return known.or_unit if self.turning and known.or_unit else known.unit
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return what was measured as a pandas DataFrame, as `load_measurement` reads it.
 
@@ -376,6 +379,10 @@ class Measurement:
                 columns[f"{name} [{record.unit(name)}]"] = held
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
+
+    @override
+    def _over(self) -> str:
+        return "time"
 
     def _is_long(self) -> bool:
         """Whether there is more than one number of a quantity."""

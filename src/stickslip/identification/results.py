@@ -29,6 +29,7 @@ from stickslip.formatting import (
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,7 +130,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
+class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     """A law whose free parameters make a mechanism behave as measured."""
 
     law: AnyLaw_co
@@ -206,6 +207,7 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
         return f"<Fit: {self}>"
 
     @final
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the estimates as a pandas DataFrame, a row each.
 
@@ -217,6 +219,10 @@ class Fit(OnAxes, ABC, Generic[AnyLaw_co]):
         rows = [{**e.to_dict(), "low": e.low, "high": e.high} for e in self.estimates]
         columns = ["parameter", "symbol", "unit", "value", "low", "high", "interval", "reason"]
         return pd.DataFrame(rows, columns=columns)
+
+    @override
+    def _over(self) -> str:
+        return "parameter"
 
     @final
     @override

@@ -47,7 +47,15 @@ from stickslip.kernels.step import advance
 from stickslip.kernels.step_log import add_work, close_step, record
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = ["events_are_full", "log_is_full", "run"]
+__all__ = [
+    "begin",
+    "change",
+    "events_are_full",
+    "log_is_full",
+    "run",
+    "settle_all",
+    "turns_switch",
+]
 
 FEW_STALLS = 20
 """Events at one instant that several contacts may have, beside those of each contact and switch."""
@@ -74,7 +82,20 @@ def stay(end: float, w: Vector, whole: Wholes, log: Vector) -> None:
 
 
 def turns_switch(guard: int, whole: Wholes) -> bool:
-    """Whether a guard is that of a switch of the equations of one contact."""
+    """Whether a guard is that of a switch of the equations of one contact.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
     return whole[N_CONTACTS] == 0 and SWITCH <= guard < whole[FIRST_LIMIT]
 
 
@@ -138,6 +159,17 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 
     Reads: TIME, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Room for the rows of events.
     """
     if whole[N_CONTACTS] > 0:
         ask_of(CHANGE, w[TIME], w, whole, guard, 0)
@@ -152,6 +184,15 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
     STALLS, BOOKS.
     Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Room for the rows of events.
     """
     if whole[N_CONTACTS] > 0:
         ask_here(SETTLE, w, whole)
@@ -169,6 +210,19 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     Writes: STEP, STRIDE, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
     CHANGED.
+
+    Parameters
+    ----------
+    table : array (pieces (1 + 3 N_DRIVES),)
+        For each piece of the drives its start, then value, slope and start of each drive.
+    t_end : float
+        End of the run [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole-numbered state of the run.
+    events : array (rows EVENT_COLUMNS,)
+        Room for the rows of events.
     """
     n_guards = whole[N_GUARDS]
     lowest = whole[LOWEST]

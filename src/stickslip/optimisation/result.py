@@ -1,6 +1,7 @@
 """The best motion that was found, and what stands beside it."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
@@ -14,6 +15,7 @@ from stickslip.optimisation.cycle_metrics import Cycle
 from stickslip.optimisation.limits import Limits, Margin
 from stickslip.optimisation.problem import Goal, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
+from stickslip.tables import Tabular
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ SHOWN_CYCLES = 5
 
 @final
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
-class Optimum:
+class Optimum(Tabular):
     """The best motion of a kind within limits, by certified runs.
 
     `three_phase` is the three-phase motion optimised for the same goal within the same limits and
@@ -116,6 +118,7 @@ class Optimum:
             "certified": self.run.certificate.certified,
         }
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the motions that were compared as a pandas DataFrame, a row each.
 
@@ -136,6 +139,14 @@ class Optimum:
             if motion is not None
         ]
         return pd.DataFrame(rows)
+
+    @override
+    def _over(self) -> str:
+        return "motion"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {self.goal.name: self.goal.unit}
 
     def to_toml(self) -> str:
         """Return a rig file with the best motion, which `load_rig` and the command line read."""

@@ -15,6 +15,7 @@ from stickslip.identification import Estimate
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.selection.design.discriminating_settings import Separation, unit_of, words_of
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,7 +153,7 @@ class Expectation:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class Plan(Tabular):
     """Which travels to measure, how often and how well, and what they will tell."""
 
     mechanism: Mechanism
@@ -229,6 +230,7 @@ class Plan:
                 found[f"run {len(found) + 1}"] = one
         return found
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the settings and the travels that each law predicts, as a pandas DataFrame."""
         import pandas as pd

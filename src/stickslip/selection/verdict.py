@@ -16,6 +16,7 @@ from stickslip.formatting import EstimateText, Scale, count, scale_of
 from stickslip.identification import Fit, FittedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -165,7 +166,7 @@ class Wording:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict(OnAxes, ABC, Generic[Candidate_co]):
+class Verdict(OnAxes, Tabular, ABC, Generic[Candidate_co]):
     """Which law to use, how the others compare, and what the data cannot tell."""
 
     mechanism: Mechanism
@@ -216,11 +217,16 @@ class Verdict(OnAxes, ABC, Generic[Candidate_co]):
         return cast("Drawing", plots().plot_scores(self, ax))
 
     @final
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the candidates as a pandas DataFrame, a row each."""
         import pandas as pd
 
         return pd.DataFrame([candidate.to_row() for candidate in self.candidates])
+
+    @override
+    def _over(self) -> str:
+        return "law"
 
     @final
     def to_dict(self) -> Mapping[str, Any]:

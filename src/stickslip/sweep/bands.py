@@ -16,6 +16,7 @@ from stickslip.friction import Friction
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
+from stickslip.tables import Tabular
 from stickslip.trajectory import completed
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Spread(NamedTuple):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Band(OnAxes):
+class Band(OnAxes, Tabular):
     """Runs of one mechanism with draws of a law's parameters."""
 
     draws: Mapping[str, Array]
@@ -105,6 +106,7 @@ class Band(OnAxes):
         found: Array = self.states[name][:, np.minimum(places, len(self.t) - 1)]
         return found
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the band as a pandas DataFrame: ``x_low``, ``x_median``, ``x_high`` over ``t``."""
         import pandas as pd
@@ -116,6 +118,19 @@ class Band(OnAxes):
             for end, row in zip(ends, rows, strict=True)
         }
         return pd.DataFrame({"t": self.t, **columns})
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s"} | {
+            f"{name}_{end}": self.units[name]
+            for name in self.states
+            if name in self.units
+            for end in ("low", "median", "high")
+        }
 
     @override
     def _summary(self) -> Summary:

@@ -25,6 +25,7 @@ from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.rig import check_record
 from stickslip.formatting import quantity, unbroken
 from stickslip.mechanisms import Mechanism
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +37,7 @@ MARKS = {"info": "", "warning": "Warning: ", "error": "Error: "}
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Checks:
+class Checks(Tabular):
     """What was found about a measurement.
 
     Examples
@@ -92,6 +93,7 @@ class Checks:
             "findings": [finding.to_dict() for finding in self.findings],
         }
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the findings as a pandas DataFrame, a row each."""
         import pandas as pd

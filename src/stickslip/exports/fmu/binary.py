@@ -70,7 +70,8 @@ def compiled(objects: Mapping[str, bytes], header: str, fmi: Fmi) -> bytes:
     """
     compiler = compiler_here()
     sources = files("stickslip.exports.fmu").joinpath("c")
-    texts = {name: sources.joinpath(name).read_bytes() for name in ("instance.h", f"fmi{fmi}.c")}
+    names = ("instance.h", "exchange.h", f"fmi{fmi}.c")
+    texts = {name: sources.joinpath(name).read_bytes() for name in names}
     texts["model.h"] = header.encode()
     texts["exports.map"] = f"{{ global: fmi{fmi}*; local: *; }};\n".encode()
     with tempfile.TemporaryDirectory(prefix="stickslip-fmu-") as name:

@@ -22,6 +22,8 @@ CAUSALITIES = {
     "column": ("output", "continuous", "calculated"),
     "contact_mode": ("output", "discrete", "calculated"),
     "event_count": ("output", "discrete", "calculated"),
+    "derivative": ("local", "continuous", "calculated"),
+    "indicator": ("local", "continuous", "calculated"),
 }
 """Causality, variability and kind of start value of each role."""
 CATEGORIES = {
@@ -66,6 +68,7 @@ def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi)
     bytes
         The file.
     """
+    guards = sum(one.role == "indicator" for one in variables)
     token = "guid" if fmi == 2 else "instantiationToken"
     root = Element(
         "fmiModelDescription",
@@ -76,20 +79,19 @@ def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi)
             "description": heading.description,
             "generationTool": f"stickslip {version('stickslip')}",
             "variableNamingConvention": "flat",
-            **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
+            **({"numberOfEventIndicators": str(guards)} if fmi == 2 else {}),
         },
     )
     state = "FMUstate" if fmi == 2 else "FMUState"
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": heading.identifier,
-            "canHandleVariableCommunicationStepSize": "true",
-            f"canGetAndSet{state}": "true",
-            f"canSerialize{state}": "true",
-        },
-    )
+    common = {
+        "modelIdentifier": heading.identifier,
+        f"canGetAndSet{state}": "true",
+        f"canSerialize{state}": "true",
+    }
+    steps = {"needsCompletedIntegratorStep": "true"} if fmi == 3 else {}
+    SubElement(root, "ModelExchange", {**common, **steps})
+    sizes = {"canHandleVariableCommunicationStepSize": "true"}
+    SubElement(root, "CoSimulation", {**common, **sizes})
     _add_units(root, variables)
     categories = SubElement(root, "LogCategories")
     for name, words in CATEGORIES.items():
@@ -132,6 +134,8 @@ def _typed(variable: Variable) -> dict[str, str]:
             found["max"] = repr(float(quantity.high))
     if variable.role in ("input", "parameter", "constant", "state"):
         found["start"] = repr(float(variable.start))
+    if variable.nominal is not None:
+        found["nominal"] = repr(float(variable.nominal))
     return found
 
 
@@ -139,6 +143,8 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
     causality, variability, initial = CAUSALITIES[variable.role]
     if variable.whole:
         variability = "discrete"
+    if variable.tunable:
+        variability = "tunable"
     common = {
         "name": variable.name,
         "valueReference": str(reference),
@@ -148,26 +154,39 @@ def _add_variable(place: Element, reference: int, variable: Variable, fmi: Fmi) 
     }
     if initial is not None and causality != "independent":
         common["initial"] = initial
+    typed = _typed(variable)
+    if variable.state is not None:
+        typed["derivative"] = str(variable.state + (fmi == 2))
     if fmi == 3:
         kind = "Int32" if variable.whole else "Float64"
-        SubElement(place, kind, {**common, **_typed(variable)})
+        SubElement(place, kind, {**common, **typed})
         return
     one = SubElement(place, "ScalarVariable", common)
-    SubElement(one, "Integer" if variable.whole else "Real", _typed(variable))
+    SubElement(one, "Integer" if variable.whole else "Real", typed)
 
 
 def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> None:
     place = SubElement(root, "ModelStructure")
     roles = ("state", "column", "contact_mode", "event_count")
     outputs = [i for i, one in enumerate(variables) if one.role in roles]
-    unknown = [i for i in outputs if variables[i].role != "state"]
+    rates = [i for i, one in enumerate(variables) if one.role == "derivative"]
+    guards = [i for i, one in enumerate(variables) if one.role == "indicator"]
+    unknown = [*(i for i in outputs if variables[i].role != "state"), *rates]
     if fmi == 3:
-        for reference in outputs:
-            SubElement(place, "Output", {"valueReference": str(reference)})
-        for reference in unknown:
-            SubElement(place, "InitialUnknown", {"valueReference": str(reference)})
+        for tag, references in (
+            ("Output", outputs),
+            ("ContinuousStateDerivative", rates),
+            ("InitialUnknown", unknown),
+            ("EventIndicator", guards),
+        ):
+            for reference in references:
+                SubElement(place, tag, {"valueReference": str(reference)})
         return
-    for tag, references in (("Outputs", outputs), ("InitialUnknowns", unknown)):
+    for tag, references in (
+        ("Outputs", outputs),
+        ("Derivatives", rates),
+        ("InitialUnknowns", unknown),
+    ):
         inside = SubElement(place, tag)
         for reference in references:
             SubElement(inside, "Unknown", {"index": str(reference + 1)})

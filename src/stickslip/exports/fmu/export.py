@@ -5,8 +5,11 @@ import io
 import math
 import zipfile
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
+
+import numpy as np
 
 from stickslip.documents import write_file
 from stickslip.drives import Sum
@@ -19,7 +22,7 @@ from stickslip.exports.fmu.variables import variables_of
 from stickslip.exports.identifiers import identifier
 from stickslip.formatting import printable
 from stickslip.formulation import formulate
-from stickslip.friction import Friction, PrintedForm
+from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity
 from stickslip.simulation import check_pair, initial_state
@@ -28,6 +31,11 @@ from stickslip.solver import EventDriven, gather, object_files, within_stops
 __all__ = ["export_fmu"]
 
 END = Quantity("t_end", "s", above=0)
+MOST_STEPS = 2000
+SAMPLES = 400
+"""Steps and times of the run that tells how large states are."""
+USUAL_BRISTLE = 1e-5
+"""Deflection of bristles that never moved [m or rad]: presliding is of micrometres."""
 DATE = (1980, 1, 1, 0, 0, 0)
 """Date of all files: the same model gives the same FMU whenever it is made."""
 
@@ -47,11 +55,13 @@ def export_fmu(
     portable: bool = True,
     force: bool = False,
 ) -> Path:
-    r"""Export a mechanism with a friction law as an FMU for co-simulation, solver included.
+    r"""Export a mechanism with a friction law as an FMU, for co-simulation and model exchange.
 
-    The FMU has the event-driven solver inside and needs no Python: it runs on Linux. Changes of
-    mode are located exactly, however long the communication steps are. Without inputs its results
-    are those of `simulate` and do not depend on these steps at all; inputs are held over each step.
+    The FMU needs no Python and runs on Linux. In co-simulation, the event-driven solver is inside.
+    Changes of mode are located exactly, however long the communication steps are. Without inputs
+    its results are those of `simulate` and do not depend on these steps at all; inputs are held
+    over each step. In model exchange, the importer's solver integrates the modes, and the FMU says
+    when and how they change.
 
     Parameters
     ----------
@@ -122,7 +132,8 @@ def export_fmu(
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
-    variables = variables_of(driven, laws, model, y0=start, inputs=found)
+    nominals = _nominals(driven, laws, solver, start, stop)
+    variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
     names = [one.name for one in variables]
     twice = [one for one in inputs if names.count(one) > 1]
     if twice:
@@ -137,9 +148,13 @@ def export_fmu(
     }
     objects = object_files(model, common=portable)
     table = numbers.table.tolist()
-    seed = model_header(model, variables, table=table, settings=settings, token="")
+    seed = model_header(
+        model, variables, table=table, nominals=nominals, settings=settings, token=""
+    )
     token = _token(seed, *objects.values(), str(fmi).encode())
-    header = model_header(model, variables, table=table, settings=settings, token=token)
+    header = model_header(
+        model, variables, table=table, nominals=nominals, settings=settings, token=token
+    )
     label = name if name is not None else target.stem
     heading = Heading(
         name=printable(label),
@@ -160,6 +175,31 @@ def export_fmu(
         ),
     )
     return target
+
+
+def _nominals(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    solver: EventDriven,
+    y0: Sequence[float],
+    stop: float,
+) -> list[float]:
+    """Return the size of each state [SI], by which importers scale their absolute tolerances.
+
+    It is the largest in a run, down to a power of ten. A state that does not move in it, because
+    an input is to move it, is given one that is usual.
+    """
+    brief = replace(solver, max_steps=MOST_STEPS, estimate_error=False)
+    run = brief.run(mechanism, law, y0=y0, t_end=stop)
+    seen = run.at(np.linspace(*run.span, SAMPLES))
+    moving = 2 * len(mechanism.coordinates)
+    found = []
+    for index, state in enumerate(run.states):
+        largest = float(np.abs(seen[state]).max(initial=0.0))
+        usual = 1.0 if index < moving else USUAL_BRISTLE
+        known = math.isfinite(largest) and largest > 0.0
+        found.append(10.0 ** math.floor(math.log10(largest)) if known else usual)
+    return found
 
 
 def _ends(mechanism: Mechanism) -> bool:

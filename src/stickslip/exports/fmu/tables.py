@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from stickslip.exports.fmu.variables import Variable
 from stickslip.formulation import PAINLEVE, Model
-from stickslip.kernels import enums, state_layout
+from stickslip.kernels import enums, exchange, state_layout
 from stickslip.kernels.equations import WALLS_OF
 from stickslip.kernels.reducers import happened
 from stickslip.solver import reasons, status_of
@@ -15,15 +15,22 @@ from stickslip.trajectory import Status
 __all__ = ["model_header"]
 
 SLOTS = (
-    "ADDRESS", "BOOKS", "EVENTS", "PIECE", "REST_IS_FINAL", "SEVERAL", "STATUS", "STEPS", "TIME",
-    "VALUES", "Y",
+    "ADDRESS", "BOOKS", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED", "SEVERAL",
+    "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
 )  # fmt: skip
 """Places in the vectors of a run."""
+IN_HEADER = ("POINT", "SAMPLED", "STAGES", "VALUES", "Y")
+"""Those that depend on the model."""
 SIZES = (
-    "SIZE", "N_STATES", "N_COLUMNS", "N_DRIVES", "MOST_EVENTS", "ROW_COLUMNS",
+    "SIZE", "N_STATES", "N_GUARDS", "N_COLUMNS", "N_DRIVES", "MOST_EVENTS", "ROW_COLUMNS",
     "WALL_COLUMNS",
 )  # fmt: skip
 """Places of sizes in the whole numbers of a run."""
+QUESTIONS = (
+    "ENTER", "RATES_AT", "GUARDS_AT", "COLUMNS_AT", "FALLEN", "JUMP", "LOOK", "NOTE", "CUT",
+    "RETUNE", "SHOWN", "PLACE",
+)  # fmt: skip
+"""What the kernels are asked in model exchange."""
 ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE, Status.HELD)
 """How a run ends by itself, where it goes on no more but did not fail."""
 LEAST_TOLERANCE = 1e-13
@@ -35,6 +42,7 @@ def model_header(
     variables: Sequence[Variable],
     *,
     table: Sequence[float],
+    nominals: Sequence[float],
     settings: dict[str, float],
     token: str,
 ) -> str:
@@ -48,6 +56,8 @@ def model_header(
         The variables, whose places are their value references.
     table : sequence of float
         Rows of the pieces of the drives.
+    nominals : sequence of float (n,)
+        Size that each state has.
     settings : dict of str to float
         Values of ``DEFAULT_STOP``, ``LAST_TIME``, ``STEP_CAP``, ``TOLERANCE``.
     token : str
@@ -59,11 +69,18 @@ def model_header(
         Text in C99.
     """
     header = model.sizes.header
+    roles = [one.role for one in variables]
     lines = [f"#define AT_{name} {_slot(name, header)}" for name in SLOTS]
     lines += [f"#define {name} {header[getattr(state_layout, name)]}" for name in SIZES]
     lines += [
         f"#define WHOLES {len(header)}",
         f"#define FIRST_TABLE {state_layout.HEADER}",
+        f"#define FIRST_NUMBER {state_layout.NUMBERS}",
+        *(
+            f"#define FIRST_{role.upper()} {roles.index(role)}"
+            for role in ("state", "derivative", "indicator")
+        ),
+        f"enum question {{ {', '.join(f'{q} = {getattr(exchange, q)}' for q in QUESTIONS)} }};",
         f"#define EVENT_COLUMNS {state_layout.EVENT_COLUMNS}",
         f"#define WALLS_OF {WALLS_OF}",
         f"#define STATUS_FULL {enums.FULL}",
@@ -80,6 +97,7 @@ def model_header(
         f"#define N_VARIABLES {len(variables)}",
         _array("int64_t HEADER_NUMBERS", map(str, header)),
         _array("double TABLE", map(_real, table)),
+        _array("double NOMINALS", map(_real, nominals)),
         _array("bool IS_EVENT", _are_events(model)),
         _array("struct variable VARIABLES", map(_row, variables)),
     ]
@@ -94,7 +112,7 @@ def model_header(
 def _slot(name: str, header: Sequence[int]) -> int:
     """Return a place in the vectors of a run; those of model-sized slots stand in the header."""
     place: int = getattr(state_layout, name)
-    return place if name not in ("VALUES", "Y") else header[place]
+    return place if name not in IN_HEADER else header[place]
 
 
 def _are_events(model: Model) -> Iterable[str]:
@@ -133,8 +151,8 @@ def _row(variable: Variable) -> str:
     high = _real(quantity.high if is_bound else math.inf)
     return (
         f"{{{_text(variable.name)}, {variable.role.upper()}, {int(variable.whole)},"
-        f" {variable.index}, {', '.join(numbers)}, {high}, {int(open_)}, {variable.at_least},"
-        f" {_text(words)}}}"
+        f" {int(variable.tunable)}, {variable.index}, {', '.join(numbers)}, {high}, {int(open_)},"
+        f" {variable.at_least}, {_text(words)}}}"
     )
 
 

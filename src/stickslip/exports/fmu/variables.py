@@ -5,11 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias, final
 
-from stickslip.drives import Drive, Sum
+from stickslip.drives import Drive, Profile, Sum
 from stickslip.experiments import unit_on
 from stickslip.exports.fmu.inputs import Input
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels import state_layout
 from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity, parameters, shadow, turned
 from stickslip.solver import column_units
@@ -25,6 +26,8 @@ Role: TypeAlias = Literal[
     "column",
     "contact_mode",
     "event_count",
+    "derivative",
+    "indicator",
 ]
 MODE = "{}: 0 stick, 1 and -1 slip, 2 and -2 at a hard stop, 3 without load"
 SHIFT = 1.01
@@ -42,7 +45,7 @@ class Variable:
     """What it is to the engine."""
     index: int = 0
     """Place of the input in a row of the drives' table, place of the parameter in the vector of a
-    run, or index of the state or column."""
+    run, or index of the state, of the column, or of the guard."""
     start: float = 0.0
     """Value before the simulation [SI]."""
     unit: str = ""
@@ -53,6 +56,12 @@ class Variable:
     """Allowed range."""
     at_least: int = -1
     """Reference of a variable that it must not fall below; -1 if there is none."""
+    tunable: bool = False
+    """Whether it may be set while a simulation runs."""
+    nominal: float | None = None
+    """Size that a state has; None of what is no state."""
+    state: int | None = None
+    """Reference of the state of which it is the derivative."""
 
     @property
     def whole(self) -> bool:
@@ -68,6 +77,7 @@ def variables_of(
     model: Model,
     *,
     y0: Sequence[float],
+    nominals: Sequence[float],
     inputs: Mapping[str, Input],
 ) -> tuple[Variable, ...]:
     """Return the variables of an FMU.
@@ -82,6 +92,8 @@ def variables_of(
         Their equations.
     y0 : sequence of float (n,)
         Initial states [SI].
+    nominals : sequence of float (n,)
+        Size that each state has [SI].
     inputs : mapping of str to Input
         Drives that are told from outside, by the names of their variables.
 
@@ -106,6 +118,7 @@ def variables_of(
         mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
     )
     found += _parameters(mechanism, law, model, units, len(found))
+    first_state = len(found)
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
         found.append(
             Variable(
@@ -113,6 +126,7 @@ def variables_of(
                 role="state",
                 index=index,
                 start=float(value),
+                nominal=nominals[index],
                 unit=units[state],
                 description=_state_words(mechanism, state),
             )
@@ -140,7 +154,66 @@ def variables_of(
         )
     what = "Events so far: changes of mode and impacts"
     found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
+    for index, state in enumerate(model.states):
+        found.append(
+            Variable(
+                name=f"der({state})",
+                role="derivative",
+                index=index,
+                state=first_state + index,
+                unit=_per_second(units[state]),
+                description=f"Time derivative of {state}",
+            )
+        )
+    for index, (name, words) in enumerate(_guards(mechanism, model)):
+        found.append(
+            Variable(
+                name=f"indicator.{name}",
+                role="indicator",
+                index=index,
+                description=f"Event indicator, above 0 while the mode lasts: {words}",
+            )
+        )
     return tuple(found)
+
+
+def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
+    """Yield a name and words for each guard, in their order."""
+    header = model.sizes.header
+    names: Sequence[str] = mechanism.coordinates
+    if header[state_layout.IS_TURNED]:
+        names = [f"slip_{i + 1}" for i in range(len(names))]
+    if model.contacts:
+        for name in names:
+            held = "margin to the static level where it is held"
+            yield f"{name}.forward", f"speed of {name} where it slips, {held}, forward"
+            yield f"{name}.backward", f"{held}, backward"
+        for contact in model.contacts:
+            for j in range(header[state_layout.LAW_SWITCHES]):
+                yield f"{contact}.switch_{j + 1}", f"a switch of the law of {contact}"
+            yield f"{contact}.load", f"load of {contact}, less it where it is open"
+    else:
+        yield "slip", "slip velocity while the contact slips"
+        yield "break_forward", "margin of the held contact to its static level, forward"
+        yield "break_backward", "margin of the held contact to its static level, backward"
+        yield "load", "normal force"
+    for j in range(header[state_layout.N_SWITCHES]):
+        yield f"switch_{j + 1}", "a switch of the equations"
+    for j in range(header[state_layout.N_LIMITS]):
+        yield f"limit_{j + 1}", f"{model.limits[j]}, which ends the simulation"
+    first = state_layout.HEADER
+    for j in range(header[state_layout.N_WALLS]):
+        coordinate, side = header[first + 2 * j : first + 2 * j + 2]
+        where = "upper" if side > 0 else "lower"
+        yield f"{names[coordinate]}.{where}_stop", f"distance to its {where} stop"
+
+
+def _per_second(unit: str) -> str:
+    """Return the unit of a time derivative; empty if that of the quantity is not known."""
+    above, solidus, below = unit.partition("/")
+    if not unit or not solidus:
+        return unit and f"{unit}/s"
+    return f"{above}/s^2" if below == "s" else f"{unit} s"
 
 
 def _state_words(mechanism: Mechanism, state: str) -> str:
@@ -183,6 +256,7 @@ def _parameters(
             description=f"{last.replace('_', ' ')}{symbol} {owner}",
             quantity=quantity,
             at_least=references.get(least, -1),
+            tunable=not fixed and not _moves_a_guide(mechanism, path),
         )
 
 
@@ -197,6 +271,17 @@ def _unit(mechanism: Mechanism, path: str, quantity: Quantity, units: Mapping[st
     contact = path.split(".")[1]
     own = [unit for column, unit in frictions.items() if column.partition(":")[2] == contact]
     return turned(quantity.unit, all(unit == "N m" for unit in own or frictions.values()))
+
+
+def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
+    """Whether a parameter belongs to a prescribed motion, which would jump with it."""
+    root, *steps = path.split(".")
+    owner: Any = mechanism if root == "mechanism" else None
+    for step in steps:
+        if owner is None or isinstance(owner, Profile):
+            break
+        owner = owner[int(step)] if step.isdecimal() else getattr(owner, step, None)
+    return isinstance(owner, Profile)
 
 
 def _shapes_tables(mechanism: Mechanism, path: str, value: float) -> bool:

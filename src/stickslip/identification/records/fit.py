@@ -39,6 +39,7 @@ from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned, vary
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,7 +156,7 @@ class Score:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Prediction:
+class Prediction(Tabular):
     """Predicted segments beside what was measured; rows stand in the order of time.
 
     What is local to a segment, such as the position and velocity that it starts from, is fitted:
@@ -194,6 +195,7 @@ class Prediction:
         columns = ("record", "segment", "t", "residual", "predicted", "measured", "joint")
         return replace(self, **{name: getattr(self, name)[own] for name in columns})
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame."""
         import pandas as pd
@@ -209,6 +211,14 @@ class Prediction:
                 "residual": self.residual,
             }
         )
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s"}
 
 
 @final

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
 from stickslip.errors import InputError, renamed
 from stickslip.experiments import Measurement, between_gaps
@@ -16,6 +17,7 @@ from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary as with_values
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,7 +60,7 @@ SETTLED = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class InverseDynamics:
+class InverseDynamics(Tabular):
     """What linear least squares on forces says, with the usual standard deviations.
 
     They are those of largest likelihood for independent errors, too small for filtered signals.
@@ -86,12 +88,21 @@ class InverseDynamics:
     weights: Array
     """Weights of the rows (n,), 1 where regression is not robust."""
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return time, velocity, friction and residual as a pandas DataFrame, a row a sample."""
         import pandas as pd
 
         names = ("time", "velocity", "friction", "residual")
         return pd.DataFrame({name: getattr(self, name) for name in names})
+
+    @override
+    def _over(self) -> str:
+        return "time"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"time": "s"}
 
     def __getitem__(self, name: str) -> float:
         """Return an estimate by name."""

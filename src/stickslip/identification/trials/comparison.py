@@ -34,6 +34,7 @@ from stickslip.identification.validation import arguments
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.solver import notice
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,7 @@ LAW = "friction."
 
 @final
 @dataclass(frozen=True, kw_only=True, repr=False)
-class TrialComparison(InPanels):
+class TrialComparison(InPanels, Tabular):
     """One law fitted to each of several trials, and whether they share it."""
 
     fit: RecordFit
@@ -88,6 +89,7 @@ class TrialComparison(InPanels):
         first, *others = self.sentences
         return summary_of_table(first, self.to_dataframe(), others)
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return one row a trial: conditions, each parameter with its interval, residual.
 
@@ -120,6 +122,10 @@ class TrialComparison(InPanels):
                 row |= {symbol: one.value, f"{symbol} low": one.low, f"{symbol} high": one.high}
             rows.append({**row, "residual": trial.rms})
         return pd.DataFrame(rows)
+
+    @override
+    def _over(self) -> str:
+        return "trial"
 
     def to_dict(self) -> Mapping[str, Any]:
         """Return the comparison as plain numbers and strings."""

@@ -1,5 +1,5 @@
-/* FMI 2.0 for co-simulation. */
-#include "instance.h"
+/* FMI 2.0, for co-simulation and model exchange. */
+#include "exchange.h"
 
 typedef int fmi2Status; /* OK, warning, discard, error, fatal, pending */
 typedef struct instance *fmi2Component;
@@ -15,7 +15,7 @@ typedef struct {
 } fmi2CallbackFunctions;
 
 enum { OK, WARNING, DISCARD, ERROR };
-enum { CO_SIMULATION = 1 };
+enum { MODEL_EXCHANGE = 0, CO_SIMULATION = 1 };
 enum { LAST_SUCCESSFUL_TIME = 2, IS_TERMINATED = 3 };
 
 static void tell(struct instance *self, enum level level, const char *text) {
@@ -42,10 +42,10 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, int on, size_t n, const fmi2Stri
 fmi2Component fmi2Instantiate(fmi2String name, int type, fmi2String token, fmi2String resources,
                               const fmi2CallbackFunctions *functions, int visible, int logging) {
     (void)resources, (void)visible, (void)logging;
-    if (type != CO_SIMULATION) {
+    if (type != CO_SIMULATION && type != MODEL_EXCHANGE) {
         return NULL;
     }
-    return made(name, token, functions ? functions->environment : NULL,
+    return made(name, token, type == MODEL_EXCHANGE, functions ? functions->environment : NULL,
                 functions ? (void (*)(void))functions->logger : NULL);
 }
 
@@ -124,8 +124,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, void *state) {
     if (!state) {
         return unknown(c, "state to be brought back");
     }
-    brought_back(c, state);
-    return OK;
+    return brought_back(c, state) ? OK : ERROR;
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, void **state) {
     (void)c;
@@ -208,4 +207,60 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, int kind, int *value) {
 fmi2Status fmi2GetStringStatus(fmi2Component c, int kind, fmi2String *value) {
     (void)kind, (void)value;
     return unknown(c, "status in words");
+}
+
+typedef struct {
+    int newDiscreteStatesNeeded;
+    int terminateSimulation;
+    int nominalsOfContinuousStatesChanged;
+    int valuesOfContinuousStatesChanged;
+    int nextEventTimeDefined;
+    double nextEventTime;
+} fmi2EventInfo;
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return event_entered(c) ? OK : ERROR; }
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
+    bool changed;
+    const enum outcome outcome = updated(c, &changed);
+    const double next = next_piece(&c->core);
+    *info = (fmi2EventInfo){0, outcome != GOES_ON, 0, changed, isfinite(next), next};
+    if (!isfinite(next)) {
+        info->nextEventTime = 0.0;
+    }
+    return outcome == HAS_FAILED ? ERROR : OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    return continuous_entered(c) ? OK : ERROR;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, int keeps_no_state, int *event,
+                                       int *terminates) {
+    (void)keeps_no_state;
+    *terminates = 0;
+    *event = 0;
+    if (!in_phase(c, BETWEEN_EVENTS, "To complete a step")) {
+        return ERROR;
+    }
+    *event = completed(c);
+    *terminates = is_beyond_drives(c);
+    return OK;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, double t) { return time_set(c, t) ? OK : ERROR; }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const double x[], size_t n) {
+    return states_set(c, x, n) ? OK : ERROR;
+}
+fmi2Status fmi2GetDerivatives(fmi2Component c, double x[], size_t n) {
+    return rates_got(c, x, n) ? OK : ERROR;
+}
+fmi2Status fmi2GetEventIndicators(fmi2Component c, double z[], size_t n) {
+    return indicators_got(c, z, n) ? OK : ERROR;
+}
+fmi2Status fmi2GetContinuousStates(fmi2Component c, double x[], size_t n) {
+    return states_got(c, x, n) ? OK : ERROR;
+}
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, double x[], size_t n) {
+    return nominals_got(c, x, n) ? OK : ERROR;
 }

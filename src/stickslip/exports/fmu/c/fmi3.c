@@ -1,5 +1,5 @@
-/* FMI 3.0 for co-simulation. */
-#include "instance.h"
+/* FMI 3.0, for co-simulation and model exchange. */
+#include "exchange.h"
 
 typedef int fmi3Status; /* OK, warning, discard, error, fatal */
 typedef struct instance *fmi3Instance;
@@ -36,15 +36,14 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          void *environment, fmi3Logger logger, void *update) {
     (void)resources, (void)visible, (void)logging, (void)event_mode, (void)early_return;
     (void)intermediate, (void)n, (void)update;
-    return made(name, token, environment, (void (*)(void))logger);
+    return made(name, token, false, environment, (void (*)(void))logger);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
                                           bool visible, bool logging, void *environment,
                                           fmi3Logger logger) {
-    (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)environment;
-    (void)logger;
-    return NULL;
+    (void)resources, (void)visible, (void)logging;
+    return made(name, token, true, environment, (void (*)(void))logger);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token,
@@ -172,8 +171,7 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, void *state) {
     if (!state) {
         return unknown(c, "state to be brought back");
     }
-    brought_back(c, state);
-    return OK;
+    return brought_back(c, state) ? OK : ERROR;
 }
 fmi3Status fmi3FreeFMUState(fmi3Instance c, void **state) {
     (void)c;
@@ -205,25 +203,69 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const uint8_t bytes[], size_t
     return OK;
 }
 
+fmi3Status fmi3EnterEventMode(fmi3Instance c) { return event_entered(c) ? OK : ERROR; }
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, bool *again, bool *terminates, bool *nominals,
+                                    bool *changed, bool *has_next, double *next) {
+    const enum outcome outcome = updated(c, changed);
+    const double start = next_piece(&c->core);
+    *again = *nominals = false;
+    *terminates = outcome != GOES_ON;
+    *has_next = isfinite(start);
+    *next = *has_next ? start : 0.0;
+    return outcome == HAS_FAILED ? ERROR : OK;
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) {
+    return continuous_entered(c) ? OK : ERROR;
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, bool keeps_no_state, bool *event,
+                                       bool *terminates) {
+    (void)keeps_no_state;
+    *event = *terminates = false;
+    if (!in_phase(c, BETWEEN_EVENTS, "To complete a step")) {
+        return ERROR;
+    }
+    *event = completed(c);
+    *terminates = is_beyond_drives(c);
+    return OK;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance c, double t) { return time_set(c, t) ? OK : ERROR; }
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const double x[], size_t n) {
+    return states_set(c, x, n) ? OK : ERROR;
+}
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, double x[], size_t n) {
+    return rates_got(c, x, n) ? OK : ERROR;
+}
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, double z[], size_t n) {
+    return indicators_got(c, z, n) ? OK : ERROR;
+}
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, double x[], size_t n) {
+    return states_got(c, x, n) ? OK : ERROR;
+}
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, double x[], size_t n) {
+    return nominals_got(c, x, n) ? OK : ERROR;
+}
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n) {
+    (void)c;
+    *n = N_GUARDS;
+    return OK;
+}
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {
+    (void)c;
+    *n = N_STATES;
+    return OK;
+}
+
 /* What the model description does not promise. */
 #define NO(NAME, TAKEN)                                                                             \
     fmi3Status fmi3##NAME TAKEN { return unknown(c, "function fmi3" #NAME); }
-NO(EnterEventMode, (fmi3Instance c))
 NO(EnterConfigurationMode, (fmi3Instance c))
 NO(ExitConfigurationMode, (fmi3Instance c))
-NO(EnterContinuousTimeMode, (fmi3Instance c))
 NO(EnterStepMode, (fmi3Instance c))
 NO(EvaluateDiscreteStates, (fmi3Instance c))
-NO(UpdateDiscreteStates, (fmi3Instance c, bool *a, bool *b, bool *d, bool *e, bool *f, double *g))
-NO(CompletedIntegratorStep, (fmi3Instance c, bool a, bool *b, bool *d))
-NO(SetTime, (fmi3Instance c, double a))
-NO(SetContinuousStates, (fmi3Instance c, const double a[], size_t b))
-NO(GetContinuousStateDerivatives, (fmi3Instance c, double a[], size_t b))
-NO(GetEventIndicators, (fmi3Instance c, double a[], size_t b))
-NO(GetContinuousStates, (fmi3Instance c, double a[], size_t b))
-NO(GetNominalsOfContinuousStates, (fmi3Instance c, double a[], size_t b))
-NO(GetNumberOfEventIndicators, (fmi3Instance c, size_t *a))
-NO(GetNumberOfContinuousStates, (fmi3Instance c, size_t *a))
 NO(GetNumberOfVariableDependencies, (fmi3Instance c, fmi3ValueReference a, size_t *b))
 NO(GetVariableDependencies, (fmi3Instance c, fmi3ValueReference a, size_t b[],
                              fmi3ValueReference d[], size_t e[], int f[], size_t g))

@@ -8,6 +8,8 @@
  * Without inputs the run goes ahead in steps of its own, and values between are read off its dense
  * output: results do not depend on when the importer asks. With inputs, which are held over each
  * communication step, a step of the run ends where that of the importer does.
+ *
+ * In model exchange (exchange.h) the importer takes the steps.
  */
 #ifndef STICKSLIP_INSTANCE_H
 #define STICKSLIP_INSTANCE_H
@@ -21,16 +23,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum role { INDEPENDENT, INPUT, PARAMETER, CONSTANT, STATE, COLUMN, CONTACT_MODE, EVENT_COUNT };
+enum role {
+    INDEPENDENT, INPUT, PARAMETER, CONSTANT, STATE, COLUMN, CONTACT_MODE, EVENT_COUNT, DERIVATIVE,
+    INDICATOR
+};
 enum outcome { GOES_ON, HAS_ENDED, HAS_FAILED };
 enum level { LEVEL_WARNING = 1, LEVEL_ERROR = 3 };
-enum phase { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, IN_EVENT, BETWEEN_EVENTS, TERMINATED };
 
 struct variable {
     const char *name;
     enum role role;
     bool whole;        /* integer, or else real */
-    int index;         /* of the input, the place in the vector, the state or the column */
+    bool tunable;      /* may be set in a run */
+    int index;         /* of the input, the place in the vector, the state, column or guard */
     double start;
     double low, high;  /* allowed values */
     bool open;         /* low itself is not allowed */
@@ -58,6 +64,10 @@ extern void enter_run(double *w, int64_t, int64_t *whole, int64_t, const double 
 extern void enter_play(const double *log, int64_t, int64_t count, const double *times, int64_t,
                        const double *table, int64_t, double *w, int64_t, int64_t *whole, int64_t,
                        double *states, int64_t, double *forces, int64_t, double *rows, int64_t);
+extern int64_t enter_exchange(int64_t question, int64_t guard, double t_end, double rtol,
+                              double cap, double *w, int64_t, int64_t *whole, int64_t,
+                              const double *table, int64_t, const double *log, int64_t,
+                              double *events, int64_t);
 extern void enter_contacts(void);
 extern void equations(int64_t name, int64_t mode, int64_t flags, double t, double *w, int64_t,
                       int64_t at, int64_t to);
@@ -69,6 +79,11 @@ struct core {
     double horizon;  /* time up to which the run may go */
     double tolerance;
     int64_t events_seen, events_counted;
+    bool retuned;      /* a parameter was set in the run, and is not in use yet */
+    bool exchanges;    /* the importer takes the steps */
+    bool has_jumped;   /* inputs or parameters were set in the event at hand */
+    bool armed[N_GUARDS]; /* of guards that have been above 0 since the last event */
+    double sizes[N_GUARDS]; /* how large guards have been */
     double values[N_VARIABLES];
     double w[SIZE];
     int64_t whole[WHOLES];
@@ -82,6 +97,8 @@ struct instance {
     void *environment;
     void (*logger)(void);
     double last_time; /* up to which the last step came */
+    bool exchanges;   /* the importer takes the steps */
+    bool rates_known, columns_known, guards_known; /* at the time and states of the importer */
     bool has_ended;
     struct core core;
     double w[SIZE]; /* scratch of what is read off */
@@ -129,9 +146,15 @@ static void prepare(const struct core *core, double *w, int64_t *whole) {
     put_addresses(w);
 }
 
+static void forget_values(struct instance *self) {
+    self->rates_known = self->columns_known = self->guards_known = false;
+}
+
 static void begin(struct instance *self) {
     struct core *core = &self->core;
     memset(core, 0, sizeof *core);
+    forget_values(self);
+    core->exchanges = self->exchanges;
     core->phase = INSTANTIATED;
     core->horizon = DEFAULT_STOP;
     core->tolerance = TOLERANCE;
@@ -145,8 +168,8 @@ static void begin(struct instance *self) {
     self->has_ended = false;
 }
 
-static struct instance *made(const char *name, const char *token, void *environment,
-                             void (*logger)(void)) {
+static struct instance *made(const char *name, const char *token, bool exchanges,
+                             void *environment, void (*logger)(void)) {
     struct instance *self = calloc(1, sizeof *self);
     size_t length = name ? strlen(name) : 0;
     if (!self || !(self->name = malloc(length + 1))) {
@@ -156,6 +179,7 @@ static struct instance *made(const char *name, const char *token, void *environm
     memcpy(self->name, name ? name : "", length + 1);
     self->environment = environment;
     self->logger = logger;
+    self->exchanges = exchanges;
     if (!token || strcmp(token, TOKEN) != 0) {
         say(self, LEVEL_ERROR, "The token %s is not that of this FMU, %s: its model description"
             " is another one's.", token ? token : "(none)", TOKEN);
@@ -185,12 +209,16 @@ static const struct variable *variable_of(struct instance *self, uint32_t refere
     return &VARIABLES[reference];
 }
 
+/* Work out what is asked for at the time and states of the importer, of model exchange. */
+static void work_out(struct instance *self, enum role role);
+
 static bool got(struct instance *self, const uint32_t *references, size_t n, double *values) {
     for (size_t i = 0; i < n; i++) {
         const struct variable *one = variable_of(self, references[i], false);
         if (!one) {
             return false;
         }
+        work_out(self, one->role);
         values[i] = one->role == INDEPENDENT ? self->core.time : self->core.values[references[i]];
     }
     return true;
@@ -198,9 +226,11 @@ static bool got(struct instance *self, const uint32_t *references, size_t n, dou
 
 static bool got_whole(struct instance *self, const uint32_t *references, size_t n, int32_t *values) {
     for (size_t i = 0; i < n; i++) {
-        if (!variable_of(self, references[i], true)) {
+        const struct variable *one = variable_of(self, references[i], true);
+        if (!one) {
             return false;
         }
+        work_out(self, one->role);
         values[i] = (int32_t)self->core.values[references[i]];
     }
     return true;
@@ -220,8 +250,10 @@ static bool set(struct instance *self, const uint32_t *references, size_t n, con
                 " export the rig with another value." : "it is computed.");
             return false;
         }
-        if (early && core->phase > INITIALIZING) {
-            say(self, LEVEL_ERROR, "%s cannot be set after initialization.", one->name);
+        const bool in_run = core->phase == STEPPING || core->phase == IN_EVENT;
+        if (early && core->phase > INITIALIZING && !(one->tunable && in_run)) {
+            say(self, LEVEL_ERROR, one->tunable ? "%s cannot be set but before and in events."
+                : "%s cannot be set after initialization.", one->name);
             return false;
         }
         if (!isfinite(values[i])) {
@@ -229,6 +261,9 @@ static bool set(struct instance *self, const uint32_t *references, size_t n, con
             return false;
         }
         core->values[references[i]] = values[i];
+        core->retuned = core->retuned || (early && core->phase > INITIALIZING);
+        core->has_jumped = core->has_jumped || core->phase == IN_EVENT;
+        forget_values(self);
     }
     return true;
 }
@@ -300,6 +335,33 @@ static void step(struct core *core) {
     } while (core->whole[AT_STATUS] == STATUS_FULL);
 }
 
+/* Ask the kernels at the time and states in the vectors of a run. */
+static int64_t ask(struct core *core, enum question question, int64_t guard, double t_end, double *w,
+                   int64_t *whole) {
+    return enter_exchange(question, guard, t_end, core->tolerance, STEP_CAP, w, SIZE, whole, WHOLES,
+                          table_of(core), TABLE_SIZE, core->log, ROWS * ROW_COLUMNS, core->events,
+                          EVENT_ROWS * EVENT_COLUMNS);
+}
+
+/* Write the states that were told, or read off, to a place in the vector of a run. */
+static void put_states(const struct core *core, double *w, int64_t at) {
+    for (int i = 0; i < N_STATES; i++) {
+        w[at + i] = core->values[FIRST_STATE + i];
+    }
+}
+
+/* Work out derivatives or guards at states, and take the results over. */
+static void take_values(struct core *core, enum role role, double *w, int64_t *whole) {
+    const bool guards = role == INDICATOR;
+    put_states(core, w, AT_POINT);
+    ask(core, guards ? GUARDS_AT : RATES_AT, 0, 0.0, w, whole);
+    for (int i = 0; i < N_VARIABLES; i++) {
+        if (VARIABLES[i].role == role) {
+            core->values[i] = w[(guards ? AT_SAMPLED : AT_STAGES) + VARIABLES[i].index];
+        }
+    }
+}
+
 /* Hold the inputs in all pieces of the drives that begin up to a time. */
 static void hold_inputs(struct core *core, double until) {
     for (int i = 0; i < N_VARIABLES; i++) {
@@ -360,6 +422,9 @@ static bool read_off(struct instance *self, struct core *core, double t) {
             core->values[i] = (double)core->events_counted;
         }
     }
+    self->w[AT_TIME] = t;
+    take_values(core, DERIVATIVE, self->w, self->whole);
+    take_values(core, INDICATOR, self->w, self->whole);
     return finite;
 }
 
@@ -389,6 +454,42 @@ static bool within_stops(struct instance *self) {
     }
     return true;
 }
+
+/* Take parameters over that were set in a run; the state stays as it is. */
+static bool retuned(struct instance *self) {
+    struct core *core = &self->core;
+    if (!are_allowed(self)) {
+        return false;
+    }
+    const bool has_begun = core->whole[AT_STATUS] != 0 || core->whole[AT_STEPS] > 0;
+    if (!core->exchanges && has_begun) {
+        if (core->w[AT_TIME] > core->time) { /* the last step went ahead with the old ones */
+            ask(core, CUT, 0, core->time, core->w, core->whole);
+            core->whole[AT_EVENTS] = core->events_seen;
+        }
+        ask(core, SHOWN, 0, 0.0, core->w, core->whole);
+        memcpy(core->w + AT_Y, core->w + AT_POINT, N_STATES * sizeof(double));
+        core->whole[AT_STATUS] = STATUS_END_TIME;
+    } else if (core->exchanges) {
+        put_states(core, core->w, AT_Y);
+    }
+    for (int i = 0; i < N_VARIABLES; i++) {
+        if (VARIABLES[i].role == PARAMETER) {
+            core->w[VARIABLES[i].index] = core->values[i];
+        }
+    }
+    if (!within_stops(self)) {
+        return false;
+    }
+    if (core->exchanges || has_begun) {
+        ask(core, RETUNE, 0, 0.0, core->w, core->whole);
+    }
+    core->retuned = false;
+    return true;
+}
+
+/* Begin in model exchange, at the state and with the inputs at hand. */
+static bool first_event(struct instance *self);
 
 static bool entered(struct instance *self, double start, bool has_stop, double stop, bool has_tolerance,
                     double tolerance) {
@@ -434,6 +535,9 @@ static bool initialized(struct instance *self) {
     }
     if (!within_stops(self)) {
         return false;
+    }
+    if (core->exchanges) {
+        return first_event(self);
     }
     struct core *first = core;
     if (HELD) { /* later inputs are not known: look ahead in a copy */
@@ -482,6 +586,9 @@ static enum outcome stepped(struct instance *self, double from, double size) {
     if (HELD && t <= core->time) {
         return GOES_ON;
     }
+    if (core->retuned && !retuned(self)) {
+        return HAS_FAILED;
+    }
     if (HELD) {
         hold_inputs(core, t);
         if (core->whole[AT_STATUS] == 0) {
@@ -514,11 +621,18 @@ static struct core *saved(struct instance *self, struct core *place) {
     return place;
 }
 
-static void brought_back(struct instance *self, const struct core *state) {
+static bool brought_back(struct instance *self, const struct core *state) {
+    if (state->exchanges != self->exchanges) {
+        say(self, LEVEL_ERROR, "The state is one of co-simulation and the instance one of model"
+            " exchange, or the other way round.");
+        return false;
+    }
     memcpy(&self->core, state, sizeof *state);
+    forget_values(self);
     put_addresses(self->core.w); /* those of this process */
     self->last_time = state->time;
     self->has_ended = false;
+    return true;
 }
 
 static size_t stored_size(void) {
