@@ -559,6 +559,13 @@ def sweep(
     settle: Annotated[
         int, typer.Option("--settle", help="Number of drive cycles before the mean is taken.")
     ] = 100,
+    coordinate: Annotated[
+        str | None,
+        typer.Option(
+            "--coordinate",
+            help="Coordinate whose mean rate is taken, where contacts slip along several.",
+        ),
+    ] = None,
     output: Annotated[
         Path,
         typer.Option(
@@ -578,7 +585,7 @@ def sweep(
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     asked = LawAsked(law=law, load=law_load)
-    start(rig, changes or [], asked, vary or [], cycles, settle, output)
+    start(rig, changes or [], asked, vary or [], cycles, settle, coordinate, output)
 
 
 @command(app, "plan")

@@ -2,7 +2,7 @@
 
 import dataclasses
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from stickslip.drives import Drive, PiecewiseAffine, Profile, Sampled
@@ -10,7 +10,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 
-__all__ = ["Place", "place_of"]
+__all__ = ["Place", "place_of", "places_of"]
 
 
 class Place(NamedTuple):
@@ -137,3 +137,42 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     if len(found) != 1:
         raise UnknownNameError("drive", drive, known)
     return found[0]
+
+
+def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[str, Place]:
+    """Return the places of drives by the names that were given; by path where none was.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is driven.
+    drives : str, sequence of str or None
+        As in `place_of`, one or several.
+
+    Returns
+    -------
+    dict of str to Place
+        Where commands enter the mechanism.
+
+    Raises
+    ------
+    InputError
+        If there is no such place, or two names are of one drive.
+
+    Examples
+    --------
+    >>> from stickslip import TwoLinkArm
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
+    ... )  # fmt: skip
+    >>> list(places_of(arm, ("shoulder_drive", "elbow_drive")))
+    ['shoulder_drive', 'elbow_drive']
+    """
+    if drives is None or isinstance(drives, str):
+        place = place_of(mechanism, drives)
+        return {place.name: place}
+    found = {name: place_of(mechanism, name) for name in drives}
+    if not found or len(set(found.values())) < len(drives):
+        raise InputError(f"drive must name different drives, one or more, got {list(drives)!r}.")
+    return found
