@@ -190,8 +190,7 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     """Make the run, and the ensemble if one was asked for."""
-    if settings.ensemble is not None and settings.fixed_step is not None:
-        raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+    _refuse_both(settings)
     if settings.ensemble is not None and chosen.estimates is None:
         raise InputError(NO_ESTIMATES)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
@@ -218,6 +217,11 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         band=band,
         remarks=(*chosen.remarks, *beyond),
     )
+
+
+def _refuse_both(settings: Settings) -> None:
+    if settings.ensemble is not None and settings.fixed_step is not None:
+        raise InputError("--ensemble requires exact events: leave --fixed-step out.")
 
 
 def _band(
@@ -250,15 +254,12 @@ def _ran_by_contact(
 ) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
     names = ", ".join(one.name for one in rig.mechanism.contacts())
-    for option, given in (
-        ("--fixed-step", settings.fixed_step is not None),
-        ("--enforce", enforce),
-    ):
-        if given:
-            raise InputError(
-                f"{option} takes a mechanism with one contact that slips along a coordinate, but"
-                f" {rig.mechanism.name} has {names}: leave it out."
-            )
+    if enforce:
+        raise InputError(
+            "--enforce takes a mechanism with one contact that slips along a coordinate, but"
+            f" {rig.mechanism.name} has {names}: leave it out."
+        )
+    _refuse_both(settings)
     if settings.ensemble is not None and chosen.estimates is None:
         raise InputError(NO_ESTIMATES)
     friction = friction_of(chosen)
@@ -268,6 +269,7 @@ def _ran_by_contact(
         friction,
         t_end=t_end,
         y0=rig.start(friction),
+        solver=_solver(settings),
         throw=settings.report is None and settings.ensemble is None,
     )
     band = _band(rig, chosen, settings, run, t_end=t_end)
