@@ -45,11 +45,13 @@ class JointTorques:
     """Paths of the parameters that slopes are by (k,)."""
     paths: tuple[str, ...]
     """Paths of all parameters that stand in the equations."""
+    by_position: bool = False
+    """Whether slopes by the coordinates stand behind those by parameters."""
     _function: Any = field(repr=False)
     """Forces (m,) and their slopes (m, k) from time, motion and parameters."""
 
     @classmethod
-    def of(cls, mechanism: Mechanism, linear: Sequence[str]) -> Self:
+    def of(cls, mechanism: Mechanism, linear: Sequence[str], *, by_position: bool = False) -> Self:
         """Derive the forces, and check that they are linear in some parameters.
 
         Parameters
@@ -58,6 +60,8 @@ class JointTorques:
             What moves; drives of its own count as not there.
         linear : sequence of str
             Paths of the parameters that slopes are wanted by.
+        by_position : bool, default False
+            Whether slopes by the coordinates are wanted too.
 
         Returns
         -------
@@ -92,6 +96,9 @@ class JointTorques:
             forces.append((taken - force).subs(undriven).subs(shown))
         slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
         _check_linear(linear, slopes, symbol)
+        if by_position:
+            for row, force in zip(slopes, forces, strict=True):
+                row += [collapsed(force.diff(place)) for place in q.values()]
         arguments = [
             t, *q.values(), *rates.values(), *accelerations.values(), *symbol.values()
         ]  # fmt: skip
@@ -99,6 +106,7 @@ class JointTorques:
             coordinates=mechanism.coordinates,
             linear=tuple(linear),
             paths=tuple(known),
+            by_position=by_position,
             _function=se.Lambdify(arguments, [*forces, *(e for row in slopes for e in row)]),
         )
 
@@ -119,14 +127,15 @@ class JointTorques:
         Returns
         -------
         (array (n, m), array (n, m, k))
-            Forces [N] or torques [N m], and what a unit of each parameter adds to them.
+            Forces [N] or torques [N m], and what a unit of each parameter adds to them; with
+            `by_position`, what a unit of each coordinate does behind these (n, m, k + m).
         """
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
         fixed = np.broadcast_to([values[path] for path in self.paths], (len(time), len(self.paths)))
         table = np.column_stack([time, q, q_dot, q_ddot, fixed])
         found = np.asarray(self._function(table), dtype=float).reshape(len(time), -1)
         count = len(self.coordinates)
-        return found[:, :count], found[:, count:].reshape(len(time), count, len(self.linear))
+        return found[:, :count], found[:, count:].reshape(len(time), count, -1)
 
     def inertias(self, mechanism: Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest.

@@ -108,7 +108,7 @@ def fit_joints(
         Values of parameters that are held [SI], and of constant forces, as
         ``"measurement.offset.force.elbow"``.
     settings : RecordSettings, optional
-        Starts, seed and hold.
+        Starts, seed and hold, and whether positions count from a zero of each record.
     progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -217,7 +217,7 @@ class _Motion:
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
     ) -> "_Motion":
         """Derive the motions; with the finer samples that bristles are integrated along."""
-        torques = JointTorques.of(asked.mechanism, asked.linear)
+        torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
         samples = (SAMPLES, min(SAMPLES, SOME), *((FOLLOWED,) if bristles else ()))
         derived = joint_stretches(
             torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
@@ -319,7 +319,7 @@ class JointFitter:
         settings = settings or RecordSettings()
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
-        asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
+        asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=settings.position_zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
@@ -371,7 +371,14 @@ class JointFitter:
         RecordFit
             The laws by contact, estimates with intervals, predictions of the force of each joint.
         """
-        asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, self.measurement)
+        asked = _Asked.of(
+            self.mechanism,
+            laws,
+            self.vary,
+            self.fixed,
+            self.measurement,
+            zeros=self.settings.position_zeros,
+        )
         with with_doubts(self.measurement, asked.mechanism):
             start = self._prepared(asked, near, changed, contained)
             ready, found = widened_search(start, self.settings, progress, 0.0)
@@ -525,6 +532,8 @@ class _Asked:
     """Values of each law that are held, by name."""
     linear: tuple[str, ...]
     """Paths of the mechanism's parameters that are fitted."""
+    zeros: bool
+    """Whether positions of each record count from a place that is not known."""
     offsets: Mapping[str, float]
     """Constant forces that are held, by coordinate."""
 
@@ -536,6 +545,8 @@ class _Asked:
         vary_: str | Sequence[str] | None,
         fixed: Mapping[str, float] | None,
         measurement: Measurement,
+        *,
+        zeros: bool,
     ) -> "_Asked":
         """Resolve names to full paths."""
         contacts = tuple(one.name for one in contacts_along(mechanism).values())
@@ -593,7 +604,12 @@ class _Asked:
             free=free,
             known=held_laws,
             linear=linear,
-            offsets={path.removeprefix(OFFSET): values[path] for path in held if path in values},
+            zeros=zeros,
+            offsets={
+                path.removeprefix(OFFSET): values.get(path, 0.0)
+                for path in held
+                if zeros or path in values  # a zero and a constant force are hardly told apart
+            },
         )
 
 
@@ -644,8 +660,13 @@ def _start(
             table[:, :k] = one.regressors
             own = np.column_stack([np.sign(v), v, np.ones_like(v)])
             table[:, k + 3 * i : k + 3 * i + 3] = one.seen(own)
-            tables.append(table[rows])
-            wanted.append((i, one.friction[rows]))
+            seen, friction = table[rows], one.friction[rows]
+            if one.zeros is not None:
+                basis = np.linalg.qr(one.zeros[rows])[0]
+                seen = seen - basis @ (basis.T @ seen)
+                friction = friction - basis @ (basis.T @ friction)
+            tables.append(seen)
+            wanted.append((i, friction))
     table = np.concatenate(tables)
     target = np.concatenate([column for _, column in wanted])
     joint = np.concatenate([np.full(len(column), i) for i, column in wanted])
