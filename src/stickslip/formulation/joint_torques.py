@@ -45,14 +45,23 @@ class JointTorques:
     """Paths of the parameters that slopes are by (k,)."""
     paths: tuple[str, ...]
     """Paths of all parameters that stand in the equations."""
+    bent: str = ""
+    """Which parameters the forces are not linear in, as a sentence; empty if they are in all."""
     by_position: bool = False
     """Whether slopes by the coordinates stand behind those by parameters."""
     _function: Any = field(repr=False)
     """Forces (m,) and their slopes (m, k) from time, motion and parameters."""
 
     @classmethod
-    def of(cls, mechanism: Mechanism, linear: Sequence[str], *, by_position: bool = False) -> Self:
-        """Derive the forces, and check that they are linear in some parameters.
+    def of(
+        cls,
+        mechanism: Mechanism,
+        linear: Sequence[str],
+        *,
+        by_position: bool = False,
+        may_bend: bool = False,
+    ) -> Self:
+        """Derive the forces, and find whether they are linear in some parameters.
 
         Parameters
         ----------
@@ -62,6 +71,9 @@ class JointTorques:
             Paths of the parameters that slopes are wanted by.
         by_position : bool, default False
             Whether slopes by the coordinates are wanted too.
+        may_bend : bool, default False
+            Whether forces need not be linear in the parameters; slopes are then those at the
+            mechanism's values.
 
         Returns
         -------
@@ -71,7 +83,7 @@ class JointTorques:
         Raises
         ------
         InputError
-            If the forces are not linear in these parameters together.
+            If the forces are not linear in these parameters together, and have to be.
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
@@ -95,7 +107,9 @@ class JointTorques:
             )
             forces.append((taken - force).subs(undriven).subs(shown))
         slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
-        _check_linear(linear, slopes, symbol)
+        bent = _bent(linear, slopes, symbol)
+        if bent and not may_bend:
+            raise InputError(bent)
         if by_position:
             for row, force in zip(slopes, forces, strict=True):
                 row += [collapsed(force.diff(place)) for place in q.values()]
@@ -106,6 +120,7 @@ class JointTorques:
             coordinates=mechanism.coordinates,
             linear=tuple(linear),
             paths=tuple(known),
+            bent=bent,
             by_position=by_position,
             _function=se.Lambdify(arguments, [*forces, *(e for row in slopes for e in row)]),
         )
@@ -160,17 +175,18 @@ class JointTorques:
         return np.diagonal(moving - still).copy()
 
 
-def _check_linear(
+def _bent(
     linear: Sequence[str], slopes: Sequence[Sequence[se.Expr]], symbol: Mapping[str, se.Symbol]
-) -> None:
-    """Refuse parameters by which a slope depends on one of them."""
+) -> str:
+    """Return the first parameters of which a slope depends on one, as a sentence."""
     for row in slopes:
         for path, slope in zip(linear, row, strict=True):
             for other in linear:
                 if se.expand(collapsed(slope.diff(symbol[other]))) == 0:
                     continue
                 cure = f"fix {other}" if other == path else f"fix one of them, such as {other}"
-                raise InputError(
-                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])}:"
-                    f" several joints are identified in parameters that enter linearly; {cure}."
+                return (
+                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])},"
+                    f" and do not tell these parameters: {cure}."
                 )
+    return ""
