@@ -16,6 +16,7 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.law_choice import (
     ChosenLaw,
+    ChosenLaws,
     LawAsked,
     friction_content,
     friction_of,
@@ -25,7 +26,6 @@ from stickslip.cli.law_choice import (
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig
-from stickslip.friction import Laws
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
@@ -113,7 +113,7 @@ def run(
 
 
 def _content(
-    rig: Rig, chosen: ChosenLaw | Laws, seen: Trajectory, count: int, output: Path
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, seen: Trajectory, count: int, output: Path
 ) -> dict[str, Any]:
     return {
         "rig": rig.heading,

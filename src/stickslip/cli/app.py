@@ -31,6 +31,7 @@ from stickslip.cli.options import (
     Laws,
     MotorConstant,
     PlannedLaws,
+    PositionZeros,
     Purpose,
     Quiet,
     Repair,
@@ -105,6 +106,7 @@ def select(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
+    position_zeros: PositionZeros = False,
     jobs: Jobs = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
@@ -133,6 +135,7 @@ def select(
     )
     fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
+        position_zeros=position_zeros or None,
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
         horizon=horizon,
         route=route,
@@ -231,6 +234,7 @@ def fit(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
+    position_zeros: PositionZeros = False,
     output: LawFile = None,
     force: Force = False,
     as_json: Json = False,
@@ -261,6 +265,7 @@ def fit(
         hold=hold,
         starts=starts,
         seed=seed,
+        position_zeros=position_zeros or None,
     )
     asked = CommandInputs(
         data=data or [],
@@ -559,6 +564,13 @@ def sweep(
     settle: Annotated[
         int, typer.Option("--settle", help="Number of drive cycles before the mean is taken.")
     ] = 100,
+    coordinate: Annotated[
+        str | None,
+        typer.Option(
+            "--coordinate",
+            help="Coordinate whose mean rate is taken, where contacts slip along several.",
+        ),
+    ] = None,
     output: Annotated[
         Path,
         typer.Option(
@@ -578,7 +590,7 @@ def sweep(
 
     start = partial(run, allow_import=allow_import, force=force, as_json=as_json)
     asked = LawAsked(law=law, load=law_load)
-    start(rig, changes or [], asked, vary or [], cycles, settle, output)
+    start(rig, changes or [], asked, vary or [], cycles, settle, coordinate, output)
 
 
 @command(app, "plan")

@@ -67,6 +67,8 @@ class FitOptions:
     """Number of start values of the search."""
     seed: int | None = None
     """Seed of the random numbers."""
+    position_zeros: bool | None = None
+    """Whether positions of each record count from an unknown place."""
 
     def __post_init__(self) -> None:
         """Check lengths of time and the hold; other names are checked where they are used."""
@@ -199,7 +201,7 @@ def measured(
         t_end=rig.t_end,
     )
     options = said.only(route.uses)
-    typed = {name: f"--{name}" for name in how.given}
+    typed = {name: f"--{name.replace('_', '-')}" for name in how.given}
     refuse_unused(route, typed | ({"validate": "--validate"} if asked.validate else {}), options)
     if not given and "t_end" not in route.uses:  # the bundled rig is a block with a travel
         raise InputError(

@@ -12,9 +12,12 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import (
     LOAD,
     CarriedLaw,
+    CarriedLaws,
     LawEstimates,
     Rig,
     carried,
+    carried_by_contact,
+    estimates_by_contact,
     load_rig,
     read_number,
 )
@@ -25,9 +28,9 @@ from stickslip.routes import AnyRoute, Law
 
 __all__ = [
     "ChosenLaw",
+    "ChosenLaws",
     "LawAsked",
     "check_named",
-    "estimates_of",
     "friction_content",
     "friction_of",
     "friction_title",
@@ -80,53 +83,60 @@ class ChosenLaw:
 
     def to_dict(self) -> dict[str, Any]:
         """Return its name, and what is to be known of it if it is from another file."""
-        found: dict[str, Any] = {"law": self.law.name}
-        if self.source is not None:
-            found["law_file"] = {"file": self.source.path, "digest": self.source.digest}
-            found["remarks"] = list(map(plain, self.remarks))
-        return found
+        return {"law": self.law.name, **_file_content(self.source, self.remarks)}
 
 
-def friction_of(chosen: ChosenLaw | Laws) -> FrictionLaw | Laws:
+@dataclass(frozen=True, kw_only=True)
+class ChosenLaws:
+    """Laws by contact and how well they are known."""
+
+    carried: CarriedLaws
+    """The laws with their estimates, as transferred to this mechanism."""
+    source: Rig | None = None
+    """Where they were fitted, if that is another file than the rig's."""
+
+    @property
+    def laws(self) -> Laws:
+        """The laws by contact."""
+        return self.carried.laws
+
+    @property
+    def estimates(self) -> LawEstimates | None:
+        """Intervals and covariance of their parameters, if their file has them."""
+        return self.carried.estimates
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What does not carry over from where the laws were fitted."""
+        return self.carried.remarks
+
+
+def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
+    """Return what is to be known of a law that is from another file."""
+    if source is None:
+        return {}
+    file = {"file": source.path, "digest": source.digest}
+    return {"law_file": file, "remarks": list(map(plain, remarks))}
+
+
+def friction_of(chosen: ChosenLaw | ChosenLaws) -> FrictionLaw | Laws:
     """Return the law, or the laws by contact."""
-    return chosen if isinstance(chosen, Laws) else chosen.law
+    return chosen.laws if isinstance(chosen, ChosenLaws) else chosen.law
 
 
-def estimates_of(chosen: ChosenLaw | Laws, rig: Rig) -> LawEstimates | None:
-    """Return how well the law is known, or those of the contacts, if the file of the rig says so.
-
-    Parameters
-    ----------
-    chosen : ChosenLaw or Laws
-        The law with its estimates, or laws by contact.
-    rig : Rig
-        The rig, whose estimates are those of laws by contact.
-
-    Returns
-    -------
-    LawEstimates or None
-        None where the file has none, or other laws than those of its estimates were chosen.
-    """
-    if not isinstance(chosen, Laws):
-        return chosen.estimates
-    known = rig.estimates
-    named = {} if known is None or isinstance(known.law, str) else known.law
-    return known if named and named.items() <= chosen.names.items() else None
-
-
-def friction_title(chosen: ChosenLaw | Laws) -> str:
+def friction_title(chosen: ChosenLaw | ChosenLaws) -> str:
     """Return the law in words, or those of the contacts."""
-    if not isinstance(chosen, Laws):
+    if isinstance(chosen, ChosenLaw):
         return chosen.law.title
-    return ", ".join(dict.fromkeys(law.title for _, law in chosen.members))
+    return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
 
 
-def friction_content(chosen: ChosenLaw | Laws, mechanism: Mechanism) -> dict[str, Any]:
+def friction_content(chosen: ChosenLaw | ChosenLaws, mechanism: Mechanism) -> dict[str, Any]:
     """Return the name of the law, or those of the contacts, null where nothing rubs.
 
     Parameters
     ----------
-    chosen : ChosenLaw or Laws
+    chosen : ChosenLaw or ChosenLaws
         The law with its estimates, or laws by contact.
     mechanism : Mechanism
         The mechanism with these contacts.
@@ -136,9 +146,10 @@ def friction_content(chosen: ChosenLaw | Laws, mechanism: Mechanism) -> dict[str
     dict of str to object
         What JSON documents say of it.
     """
-    if not isinstance(chosen, Laws):
+    if isinstance(chosen, ChosenLaw):
         return chosen.to_dict()
-    return {"laws": {one.name: chosen.names.get(one.name) for one in mechanism.contacts()}}
+    laws = {one.name: chosen.laws.names.get(one.name) for one in mechanism.contacts()}
+    return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
 
 
 def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
@@ -165,7 +176,7 @@ def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
 
 def rig_and_friction(
     path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
-) -> tuple[Rig, ChosenLaw | Laws]:
+) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its friction: the laws of its contacts, or one law as `rig_and_law` does.
 
     Parameters
@@ -176,13 +187,14 @@ def rig_and_friction(
         Overrides of the rig file, each as ``PATH=VALUE``.
     asked : LawAsked
         Name of the law of all contacts, or names by contact as in ``front=coulomb,rear=dahl``; of
-        one contact, or a law that all share, name or file.
+        one contact, or a law that all share, name or file; of several contacts, a file whose laws
+        are by contact.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
 
     Returns
     -------
-    tuple of Rig and ChosenLaw or Laws
+    tuple of Rig and ChosenLaw or ChosenLaws
         The rig, and the law with its estimates, or laws by contact.
 
     Raises
@@ -194,7 +206,10 @@ def rig_and_friction(
     if asked.law is None or not FILE.fullmatch(asked.law):
         rig = load_rig(path, overrides=given, allow_import=allow_import)
         if rig.contacts:
-            return rig, _by_contact(rig, asked, given)
+            laws = _by_contact(rig, asked, given)
+            known = estimates_by_contact(rig, laws)
+            own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
+            return rig, ChosenLaws(carried=own)
         if asked.law is not None and "=" in asked.law:
             raise InputError(
                 f"--law {asked.law} names laws by contact, but {rig.path} has no tables of"
@@ -212,15 +227,18 @@ def _by_contact(rig: Rig, asked: LawAsked, given: Collection[str]) -> Laws:
     if text is not None and "=" in text:
         pairs = [part.partition("=") for part in text.split(",")]
         names = {contact.strip(): law.strip() for contact, _, law in pairs}
-    found = rig.law_by_contact(names)
-    for contact, law in found.items():
+    laws = assigned(tuple(rig.contacts), rig.law_by_contact(names))
+    assert isinstance(laws, Laws)  # of several contacts
+    _check_all_used(given, laws)
+    return laws
+
+
+def _check_all_used(given: Collection[str], laws: Laws) -> None:
+    """Refuse overrides of friction that the law of a contact does not have."""
+    for contact, law in laws.members:
         prefix = f"{FRICTION}{contact}."
         own = [path for path in given if path.startswith(prefix)]
-        if law is not None:
-            _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
-    laws = assigned(tuple(found), found)
-    assert isinstance(laws, Laws)  # of several contacts
-    return laws
+        _check_used([FRICTION + path.removeprefix(prefix) for path in own], law, contact)
 
 
 def rig_and_law(
@@ -246,7 +264,9 @@ def rig_and_law(
     tuple of Rig and ChosenLaw
         The rig, and the law with its estimates.
     """
-    return _rig_and_law(path, changes, asked, allow_import=allow_import, check=slip_of)
+    rig, chosen = _rig_and_law(path, changes, asked, allow_import=allow_import, check=slip_of)
+    assert isinstance(chosen, ChosenLaw)  # of one contact
+    return rig, chosen
 
 
 def _rig_and_law(
@@ -256,7 +276,7 @@ def _rig_and_law(
     *,
     allow_import: bool,
     check: Callable[[Mechanism], object] = str,
-) -> tuple[Rig, ChosenLaw]:
+) -> tuple[Rig, ChosenLaw | ChosenLaws]:
     """Return the rig and its law; where that is from another file, so are overrides of friction."""
     given = overrides(changes)
     file = None if asked.law is None else FILE.fullmatch(asked.law)
@@ -281,13 +301,16 @@ def _rig_and_law(
     others = {key: value for key, value in given.items() if key not in own}
     rig = load_rig(path, overrides=others, allow_import=allow_import)
     check(rig.mechanism)
-    names = [contact.name for contact in rig.mechanism.contacts()]
-    if len(names) > 1:
-        raise InputError(
-            f"--law {asked.law} is the law of one contact, but {rig.mechanism.name} has"
-            f" {', '.join(names)}: write the values into tables such as [friction.{names[0]}]."
-        )
     check_named(Path(file["path"]))
+    if len(rig.mechanism.contacts()) > 1:
+        source = load_rig(file["path"], overrides=own, allow_import=allow_import)
+        laws = carried_by_contact(source, rig.mechanism, names=file["law"])
+        _check_all_used(own, laws.laws)
+        if asked.load is not None:
+            raise InputError("--law-load applies to the law of one contact: leave it out.")
+        for remark in laws.remarks:
+            note(plain(remark))
+        return rig, ChosenLaws(carried=laws, source=source)
     source = load_rig(file["path"], allow_import=allow_import)
     load = _load(asked.load)
     found = carried(source, rig.mechanism, law=file["law"], load=load)

@@ -41,6 +41,7 @@ __all__ = [
     "MotorConstant",
     "PlannedLaws",
     "Position",
+    "PositionZeros",
     "Purpose",
     "Quiet",
     "Rate",
@@ -319,6 +320,14 @@ Starts = Annotated[
 Seed = Annotated[
     int | None,
     typer.Option("--seed", min=0, help="Random seed for the extra starting points (default 0)."),
+]
+PositionZeros = Annotated[
+    bool,
+    typer.Option(
+        "--position-zeros",
+        help="For records of several joints: positions of each record count from an unknown place,"
+        " as where encoders were set to 0 at rest.",
+    ),
 ]
 Purpose = Annotated[
     str | None,

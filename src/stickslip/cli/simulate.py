@@ -24,8 +24,8 @@ from stickslip.cli.console import (
 )
 from stickslip.cli.law_choice import (
     ChosenLaw,
+    ChosenLaws,
     LawAsked,
-    estimates_of,
     friction_content,
     friction_of,
     friction_title,
@@ -36,7 +36,6 @@ from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import fixed, number, printable, residue
-from stickslip.friction import Laws
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -54,7 +53,7 @@ EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
 NO_ESTIMATES = (
     "--ensemble samples the estimates of a law, and this law has none: give the law.toml of"
-    " `stickslip select`, or of `stickslip fit -o law.toml`, {}."
+    " `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
 )
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
@@ -93,7 +92,7 @@ class Ran:
 
     rig: Rig
     """The rig that was simulated."""
-    chosen: ChosenLaw | Laws
+    chosen: ChosenLaw | ChosenLaws
     """The law, with its estimates; laws by contact where contacts have their own."""
     run: Trajectory
     """The trajectory."""
@@ -151,7 +150,7 @@ def run(
         refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
     rig, chosen = rig_and_friction(path, changes, settings.law, allow_import=allow_import)
     slips = has_one_slip(rig.mechanism)
-    if slips and not isinstance(chosen, Laws):
+    if slips and isinstance(chosen, ChosenLaw):
         ran = _ran(rig, chosen, settings)
         criteria = criteria_of(ran.run, rig.mechanism)
     else:
@@ -191,10 +190,9 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     """Make the run, and the ensemble if one was asked for."""
-    if settings.ensemble is not None and settings.fixed_step is not None:
-        raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+    _refuse_both(settings)
     if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(NO_ESTIMATES.format("as --law law.toml"))
+        raise InputError(NO_ESTIMATES)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = rig.start(chosen.law)
     wanted = settings.report is None and settings.ensemble is None
@@ -221,11 +219,16 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     )
 
 
+def _refuse_both(settings: Settings) -> None:
+    if settings.ensemble is not None and settings.fixed_step is not None:
+        raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+
+
 def _band(
-    rig: Rig, chosen: ChosenLaw | Laws, settings: Settings, run: Trajectory, *, t_end: float
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings, run: Trajectory, *, t_end: float
 ) -> Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
-    known = estimates_of(chosen, rig)
+    known = chosen.estimates
     if settings.ensemble is None or known is None:
         return None
     if not run.status.complete:
@@ -247,21 +250,18 @@ def _band(
 
 
 def _ran_by_contact(
-    rig: Rig, chosen: ChosenLaw | Laws, settings: Settings, *, enforce: bool
+    rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings, *, enforce: bool
 ) -> Ran:
     """Make a run of a mechanism with several contacts, or with one that slips by a factor."""
     names = ", ".join(one.name for one in rig.mechanism.contacts())
-    for option, given in (
-        ("--fixed-step", settings.fixed_step is not None),
-        ("--enforce", enforce),
-    ):
-        if given:
-            raise InputError(
-                f"{option} takes a mechanism with one contact that slips along a coordinate, but"
-                f" {rig.mechanism.name} has {names}: leave it out."
-            )
-    if settings.ensemble is not None and estimates_of(chosen, rig) is None:
-        raise InputError(NO_ESTIMATES.format("in place of this file"))
+    if enforce:
+        raise InputError(
+            "--enforce takes a mechanism with one contact that slips along a coordinate, but"
+            f" {rig.mechanism.name} has {names}: leave it out."
+        )
+    _refuse_both(settings)
+    if settings.ensemble is not None and chosen.estimates is None:
+        raise InputError(NO_ESTIMATES)
     friction = friction_of(chosen)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
@@ -269,11 +269,11 @@ def _ran_by_contact(
         friction,
         t_end=t_end,
         y0=rig.start(friction),
+        solver=_solver(settings),
         throw=settings.report is None and settings.ensemble is None,
     )
-    remarks = () if isinstance(chosen, Laws) else chosen.remarks
     band = _band(rig, chosen, settings, run, t_end=t_end)
-    return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=remarks)
+    return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=chosen.remarks)
 
 
 def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
@@ -308,22 +308,22 @@ def _page(ran: Ran, settings: Settings) -> str:
     """Return the page of a run."""
     from stickslip.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
-    if isinstance(ran.chosen, Laws) or not has_one_slip(ran.rig.mechanism):
+    source = ran.chosen.source
+    digests = {"the rig": ran.rig.digest}
+    digests |= {} if source is None else {"the law": source.digest}
+    if isinstance(ran.chosen, ChosenLaws) or not has_one_slip(ran.rig.mechanism):
         return contacts_page(
             ContactsReport(
                 rig=ran.rig,
                 friction=friction_of(ran.chosen),
                 run=ran.run,
-                estimates=estimates_of(ran.chosen, ran.rig),
+                estimates=ran.chosen.estimates,
                 band=ran.band,
                 commands=(command_line(),),
                 versions=versions(),
-                digests={"the rig": ran.rig.digest},
+                digests=digests,
             )
         )
-    source = ran.chosen.source
-    digests = {"the rig": ran.rig.digest}
-    digests |= {} if source is None else {"the law": source.digest}
     return run_page(
         RunReport(
             rig=ran.rig,

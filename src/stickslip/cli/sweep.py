@@ -14,7 +14,13 @@ from stickslip.cli.console import (
     stdout,
     write_files,
 )
-from stickslip.cli.law_choice import LawAsked, rig_and_law
+from stickslip.cli.law_choice import (
+    LawAsked,
+    friction_content,
+    friction_of,
+    friction_title,
+    rig_and_friction,
+)
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
 from stickslip.errors import InputError
@@ -34,6 +40,7 @@ def run(
     vary: Sequence[str],
     cycles: int,
     settle: int,
+    coordinate: str | None,
     output: Path,
     *,
     allow_import: bool,
@@ -56,6 +63,8 @@ def run(
         Number of cycles that the mean is taken over; even.
     settle : int
         Number of cycles before them.
+    coordinate : str or None
+        Coordinate whose mean rate is taken; that along which contacts slip if None.
     output : Path
         CSV or Parquet file; the figure (SVG) stands beside it.
     allow_import : bool
@@ -70,22 +79,30 @@ def run(
     for file in (output, figure):
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
-    rig, chosen = rig_and_law(path, changes, asked, allow_import=allow_import)
-    law = chosen.law
+    rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    law = friction_of(chosen)
     start = rig.start(law)
     with Drawing("Running") as progress:
         found = average_velocity(
-            rig.mechanism, law, axes, cycles=cycles, settle=settle, y0=start, progress=progress
+            rig.mechanism,
+            law,
+            axes,
+            coordinate=coordinate,
+            cycles=cycles,
+            settle=settle,
+            y0=start,
+            progress=progress,
         )
     _write(found, output, figure)
     turns = found.reversals().tolist() if len(found.axes) == 1 else []
     if as_json:
-        head = {"rig": rig.heading, "digest": rig.digest, **chosen.to_dict()}
+        head = {"rig": rig.heading, "digest": rig.digest}
+        head |= friction_content(chosen, rig.mechanism)
         files = [str(output), str(figure)]
         print_json(document("sweep", head | _content(found, turns) | {"files": files}))
         return
     stdout().print(printable(rig.heading), markup=False, style="bold", end="")
-    stdout().print(f", {law.title} friction", markup=False)
+    stdout().print(f", {friction_title(chosen)} friction", markup=False)
     _show(found, turns)
     stdout().print(f"\nWritten: {output}, {figure}", markup=False)
 
@@ -93,6 +110,7 @@ def run(
 def _content(found: VelocityMap, turns: Sequence[float]) -> dict[str, Any]:
     return {
         "axes": {name: values.tolist() for name, values in found.axes.items()},
+        **({"coordinate": found.coordinate} if found.coordinate else {}),
         "unit": found.unit,
         "velocity": found.velocity.tolist(),
         "reversals": list(turns),

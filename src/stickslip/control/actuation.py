@@ -2,7 +2,7 @@
 
 import dataclasses
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from stickslip.drives import Drive, PiecewiseAffine, Profile, Sampled
@@ -10,14 +10,14 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised
 
-__all__ = ["Place", "place_of"]
+__all__ = ["Place", "every_place", "place_of", "places_of"]
 
 
 class Place(NamedTuple):
     """A field, of a mechanism or of a part of it, that holds a drive."""
 
     path: tuple[str, ...]
-    """Names of fields from the mechanism down."""
+    """Names of fields from the mechanism down, and numbers of parts where there are several."""
 
     @property
     def name(self) -> str:
@@ -61,16 +61,18 @@ class Place(NamedTuple):
 
 def _got(root: Any, path: tuple[str, ...]) -> Any:
     for name in path:
-        root = getattr(root, name)
+        root = root[int(name)] if isinstance(root, tuple) else getattr(root, name)
     return root
 
 
 def _put(root: Any, path: tuple[str, ...], command: Drive) -> Any:
+    if not path:
+        return command if root is None else root + command
     first, rest = path[0], path[1:]
-    own = getattr(root, first)
-    if rest:
-        return dataclasses.replace(root, **{first: _put(own, rest, command)})
-    return dataclasses.replace(root, **{first: command if own is None else own + command})
+    new = _put(_got(root, (first,)), rest, command)
+    if isinstance(root, tuple):  # one of several parts
+        return tuple(new if str(i) == first else part for i, part in enumerate(root))
+    return dataclasses.replace(root, **{first: new})
 
 
 def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
@@ -87,6 +89,10 @@ def _places(root: Parametrised, path: tuple[str, ...] = ()) -> Iterator[Place]:
             yield Place(here)
         elif isinstance(value, Parametrised):
             yield from _places(value, here)
+        elif isinstance(value, tuple):
+            for i, part in enumerate(value):
+                if isinstance(part, Parametrised):
+                    yield from _places(part, (*here, str(i)))
 
 
 def place_of(mechanism: Mechanism, drive: str | None) -> Place:
@@ -119,13 +125,8 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     >>> place_of(PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3), "pendulum").name
     'pendulum.drive'
     """
-    known = {place.name: place for place in _places(mechanism)}
+    known = every_place(mechanism)
     kind = type(mechanism).__name__
-    if not known:
-        raise InputError(
-            f"{kind} has no drive that a controller can command: give it a force or a torque (a"
-            " prescribed motion cannot be commanded)."
-        )
     if drive is None:
         if len(known) > 1:
             raise InputError(f"{kind} has several drives: name one, drive={' or '.join(known)}.")
@@ -137,3 +138,59 @@ def place_of(mechanism: Mechanism, drive: str | None) -> Place:
     if len(found) != 1:
         raise UnknownNameError("drive", drive, known)
     return found[0]
+
+
+def places_of(mechanism: Mechanism, drives: str | Sequence[str] | None) -> dict[str, Place]:
+    """Return the places of drives by the names that were given; by path where none was.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What is driven.
+    drives : str, sequence of str or None
+        As in `place_of`, one or several.
+
+    Returns
+    -------
+    dict of str to Place
+        Where commands enter the mechanism.
+
+    Raises
+    ------
+    InputError
+        If there is no such place, or two names are of one drive.
+
+    Examples
+    --------
+    >>> from stickslip import TwoLinkArm
+    >>> arm = TwoLinkArm(
+    ...     upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+    ...     lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03,
+    ... )  # fmt: skip
+    >>> list(places_of(arm, ("shoulder_drive", "elbow_drive")))
+    ['shoulder_drive', 'elbow_drive']
+    """
+    if drives is None or isinstance(drives, str):
+        place = place_of(mechanism, drives)
+        return {place.name: place}
+    found = {name: place_of(mechanism, name) for name in drives}
+    if not found or len(set(found.values())) < len(drives):
+        raise InputError(f"drive must name different drives, one or more, got {list(drives)!r}.")
+    return found
+
+
+def every_place(mechanism: Mechanism) -> dict[str, Place]:
+    """Return all places at which a mechanism can be commanded, by their paths.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    known = {place.name: place for place in _places(mechanism)}
+    if not known:
+        raise InputError(
+            f"{type(mechanism).__name__} has no drive that a controller can command: give it a"
+            " force or a torque (a prescribed motion cannot be commanded)."
+        )
+    return known

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
-from stickslip.control.actuation import place_of
+from stickslip.control.actuation import every_place, place_of, places_of
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
@@ -12,7 +12,7 @@ from stickslip.mechanisms import Mechanism, normal_of, slip_of
 
 if TYPE_CHECKING:
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Dynamics", "Evaluator", "dynamics_at"]
 
@@ -24,7 +24,8 @@ ROUNDING = 1e-12
 class Dynamics:
     """A mechanism at one moment: ``M a = h - W F + B u`` and ``N = N_0 + N_F F + N_u u``.
 
-    F is the friction force at the contact, u the command; all else that acts is in h and N_0.
+    F is the friction force at the contact, u the command; all else that acts is in h and N_0. Of c
+    contacts and d commands these are vectors, and their directions have columns for each.
     """
 
     coordinates: tuple[str, ...]
@@ -34,24 +35,30 @@ class Dynamics:
     forces: "NDArray[np.float64]"
     """Forces h (n,), among them those of drives that are not commanded."""
     friction_direction: "NDArray[np.float64]"
-    """W (n,): 1 at the coordinate that slips."""
+    """W (n,), of several contacts (n, c): 1 at the coordinate that slips."""
     command_direction: "NDArray[np.float64]"
-    """B (n,), zeros where nothing is commanded."""
-    normal: float
-    """Normal force N_0 without friction and command [N]."""
-    normal_by_friction: float
-    """N_F."""
-    normal_by_command: float
-    """N_u."""
+    """B (n,), of several commands (n, d); zeros where nothing is commanded."""
+    normal: "float | NDArray[np.float64]"
+    """Normal force N_0 without friction and command [N], of several contacts (c,)."""
+    normal_by_friction: "float | NDArray[np.float64]"
+    """N_F, of several contacts (c, c)."""
+    normal_by_command: "float | NDArray[np.float64]"
+    """N_u, of several contacts (c,) or (c, d)."""
+    contacts: tuple[str, ...] = ()
+    """Names of the contacts where there are several, in the order of columns."""
+    drives: tuple[str, ...] = ()
+    """Names of the commanded drives where there are several, in the order of columns."""
 
-    def accelerations(self, friction: float = 0.0, command: float = 0.0) -> "NDArray[np.float64]":
+    def accelerations(
+        self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0
+    ) -> "NDArray[np.float64]":
         """Return the accelerations (n,) under a friction force and a command.
 
         Parameters
         ----------
-        friction : float, default 0.0
+        friction : float or array (c,), default 0.0
             Friction force, with the sign of the slip velocity [N].
-        command : float, default 0.0
+        command : float or array (d,), default 0.0
             Value of the commanded drive, in its unit.
 
         Returns
@@ -61,25 +68,33 @@ class Dynamics:
         """
         import numpy as np
 
-        right = self.forces - self.friction_direction * friction + self.command_direction * command
+        right = (
+            self.forces
+            - _times(self.friction_direction, friction)
+            + _times(self.command_direction, command)
+        )
         return np.asarray(np.linalg.solve(self.mass, right))
 
-    def normal_force(self, friction: float = 0.0, command: float = 0.0) -> float:
+    def normal_force(
+        self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0
+    ) -> "float | NDArray[np.float64]":
         """Return the normal force under a friction force and a command [N].
 
         Parameters
         ----------
-        friction : float, default 0.0
+        friction : float or array (c,), default 0.0
             Friction force, with the sign of the slip velocity [N].
-        command : float, default 0.0
+        command : float or array (d,), default 0.0
             Value of the commanded drive, in its unit.
 
         Returns
         -------
-        float
+        float or array (c,)
             Normal force of the contact [N].
         """
-        return self.normal + self.normal_by_friction * friction + self.normal_by_command * command
+        by_friction = _times(self.normal_by_friction, friction)
+        by_command = _times(self.normal_by_command, command)
+        return self.normal + by_friction + by_command
 
 
 @final
@@ -105,11 +120,7 @@ class Evaluator:
         from stickslip.kernels.state_layout import NUMBERS
         from stickslip.solver import Equations, gather
 
-        if mechanism.guided():
-            raise InputError(
-                f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
-                " give it a torque or a force instead."
-            )
+        _refuse_prescribed(mechanism)
         none = Sampled(times=(0.0,), values=(0.0,))
         mechanism, name = place_of(mechanism, drive).commanded(mechanism, none)
         law = Viscous(viscous_coefficient=0.0)  # friction is given; any law will do
@@ -139,6 +150,102 @@ class Evaluator:
         return equations("diagram", 0, 0, t, state, (friction,))[: n + 1]
 
 
+def _times(direction: Any, amount: Any) -> Any:
+    """Return what an amount does along a direction, or several along their columns."""
+    import numpy as np
+
+    if np.ndim(direction) < 2 and not (np.ndim(direction) == 1 and np.ndim(amount) == 1):
+        return direction * amount
+    return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
+
+
+@final
+class _Parts:
+    """Evaluates the equations of a mechanism with several contacts."""
+
+    def __init__(self, mechanism: Mechanism, drives: Sequence[str]) -> None:
+        """Derive them; any law will do, for friction is given."""
+        from stickslip.formulation import formulate
+        from stickslip.kernels.state_layout import NUMBERS
+        from stickslip.solver import Equations, gather
+
+        law = Viscous(viscous_coefficient=0.0)
+        self.model = model = formulate(mechanism, law)
+        self.equations = Equations(model, gather(mechanism, law, model, 0.0))
+        self.places = [NUMBERS + 3 * model.drives.index(name) for name in drives]
+
+    def at(
+        self, t: float, state: Sequence[float], contact: int = -1, drive: int = -1
+    ) -> tuple[Any, Any]:
+        """Return forces and loads with a unit of friction at a contact, or of a drive."""
+        import numpy as np
+
+        from stickslip.kernels import state_layout as at
+        from stickslip.kernels.contacts.assembly import prepare, put_mass, react
+        from stickslip.kernels.contacts.factors import factorise
+        from stickslip.kernels.contacts.transitions import set_own_flags
+        from stickslip.kernels.coordinates import turn_states
+        from stickslip.kernels.enums import FORWARD
+        from stickslip.kernels.equations import FORCES, LOADS, evaluate
+
+        equations, w, whole = self.equations, self.equations.w, self.equations.whole
+        n, count, first = whole[at.N_COORDINATES], whole[at.N_CONTACTS], whole[at.Y]
+        equations.load_at(t)
+        if drive >= 0:
+            w[self.places[drive]] += 1.0
+        w[first : first + 2 * n], w[at.TIME] = state, t
+        prepare(t, w, whole)
+        turn_states(first, 0, w, whole)
+        for _ in range(max(whole[at.N_SWITCHES], 1)):
+            set_own_flags(w, whole)
+        for i in range(n):
+            whole[whole[at.MODES] + i] = FORWARD
+        prepare(t, w, whole)
+        put_mass(t, w, whole, first)
+        factorise(w, whole)
+        evaluate(FORCES, 0, whole[at.FLAGS], t, w, first, whole[at.FORCE])
+        evaluate(LOADS, 0, whole[at.FLAGS], t, w, first, whole[at.LOAD])
+        for c in range(count):
+            w[whole[at.FRICTION_CONSTANT] + c] = 1.0 if c == contact else 0.0
+            w[whole[at.FRICTION_FACTOR] + c] = 0.0
+        if whole[at.N_REACTIONS] > 0:
+            react(w, whole)
+        forces, load = whole[at.FORCE], whole[at.LOAD]
+        return np.array(w[forces : forces + n]), np.array(w[load : load + count])
+
+    def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
+        """Return the numbers of `Dynamics` in coordinates of the mechanism."""
+        import numpy as np
+
+        from stickslip.kernels import state_layout as at
+
+        h, loads = self.at(t, state)
+        w, whole = self.equations.w, self.equations.whole
+        n, count = whole[at.N_COORDINATES], whole[at.N_CONTACTS]
+
+        def matrix(place: int) -> Any:
+            return np.array(w[place : place + n * n]).reshape(n, n)
+
+        mass = matrix(whole[at.MASS])
+        turn = matrix(whole[at.TURN]) if whole[at.IS_TURNED] else np.eye(n)
+        slips = np.zeros((n, count))
+        for c in range(count):
+            slips[whole[whole[at.SLIPS] + c], c] = w[whole[at.SLIP_FACTORS] + c]
+        frictions = [self.at(t, state, contact=c)[1] - loads for c in range(count)]
+        commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
+        return {
+            "coordinates": mechanism.coordinates,
+            "mass": turn.T @ mass @ turn,
+            "forces": turn.T @ h,
+            "friction_direction": turn.T @ slips,
+            "command_direction": np.column_stack([turn.T @ (one - h) for one, _ in commands]),
+            "normal": loads,
+            "normal_by_friction": np.column_stack(frictions),
+            "normal_by_command": np.column_stack([one - loads for _, one in commands]),
+            "contacts": self.model.contacts,
+        }
+
+
 def _states(given: Mapping[str, float], names: Sequence[str]) -> list[float]:
     for name in given:
         if name not in names:
@@ -152,7 +259,7 @@ def dynamics_at(
     q: Mapping[str, float] | None = None,
     q_dot: Mapping[str, float] | None = None,
     *,
-    drive: str | None = None,
+    drive: str | Sequence[str] | None = None,
 ) -> Dynamics:
     """Return mass matrix, forces and normal force of a mechanism at a state.
 
@@ -166,8 +273,9 @@ def dynamics_at(
         Coordinates by name; 0 where not given.
     q_dot : mapping, optional
         Their rates, by the names of the rates.
-    drive : str, optional
-        What is commanded, as in `closed_loop`.
+    drive : str or sequence of str, optional
+        What is commanded, as in `closed_loop`. Of a mechanism with several contacts, all drives
+        that can be if not given.
 
     Returns
     -------
@@ -192,6 +300,10 @@ def dynamics_at(
     """
     import numpy as np
 
+    if len(mechanism.contacts()) > 1:
+        return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
+    if drive is not None and not isinstance(drive, str):
+        (drive,) = places_of(mechanism, drive)
     evaluator = Evaluator(mechanism, drive)
     state = _states(q or {}, mechanism.coordinates)
     state += _states(q_dot or {}, mechanism.rates)
@@ -209,6 +321,37 @@ def dynamics_at(
         normal_by_friction=float(table[1, n]),
         normal_by_command=float(table[2, n]),
     )
+
+
+def _of_several(
+    mechanism: Mechanism,
+    t: float,
+    q: Mapping[str, float],
+    q_dot: Mapping[str, float],
+    drive: str | Sequence[str] | None,
+) -> Dynamics:
+    """Return the dynamics of a mechanism with several contacts."""
+    _refuse_prescribed(mechanism)
+    places = every_place(mechanism) if drive is None else places_of(mechanism, drive)
+    driven, names = mechanism, []
+    for place in places.values():
+        driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
+        names.append(name)
+    state = _states(q, mechanism.coordinates) + _states(q_dot, mechanism.rates)
+    found = _Parts(driven, names).dynamics(mechanism, t, state)
+    if isinstance(drive, str):
+        for name in ("command_direction", "normal_by_command"):
+            found[name] = found[name][:, 0]
+        return Dynamics(**found)
+    return Dynamics(**found, drives=tuple(places))
+
+
+def _refuse_prescribed(mechanism: Mechanism) -> None:
+    if mechanism.guided():
+        raise InputError(
+            f"{type(mechanism).__name__} has a prescribed motion, whose effort is an output:"
+            " give it a torque or a force instead."
+        )
 
 
 def _mass(mechanism: Mechanism, places: Sequence[float]) -> Any:

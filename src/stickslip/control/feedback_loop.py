@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from typing_extensions import override
 
-from stickslip.control.actuation import place_of
+from stickslip.control.actuation import places_of
 from stickslip.control.sample_and_hold import Commands, Stretch, Timing, drive_of
 from stickslip.control.sensors import Sensors
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw
+from stickslip.friction import Friction
 from stickslip.mechanisms import Mechanism
-from stickslip.simulation import END, initial_state, own_law, refuse
+from stickslip.simulation import END, event_driven_law, initial_state, refuse
 from stickslip.solver import EventDriven, IncrementalRun
 from stickslip.tables import Tabular
 from stickslip.trajectory import Status, Trajectory
@@ -37,8 +37,8 @@ class Controller(Protocol):
     Any function will do. One that keeps a state has a ``reset()``, which is called before a run.
     """
 
-    def __call__(self, t: float, measured: Mapping[str, float], /) -> float:
-        """Return the command at a sample.
+    def __call__(self, t: float, measured: Mapping[str, float], /) -> float | Mapping[str, float]:
+        """Return the command at a sample; of several drives, the commands by drive.
 
         Parameters
         ----------
@@ -78,13 +78,15 @@ class ClosedLoop(InPanels, Tabular):
     measured: Mapping[str, "NDArray[np.float64]"]
     """What the controller saw (n,), by state."""
     requested: "NDArray[np.float64]"
-    """What it returned (n,), before limits."""
+    """What it returned (n,), before limits; of m drives (n, m)."""
     commands: "NDArray[np.float64]"
-    """The same within the limit (n,): what acts, a delay later."""
+    """The same within the limit (n,) or (n, m): what acts, a delay later."""
     period: float
     """Time between samples [s]."""
     delay: float
     """Time from a sample to its command [s]."""
+    drives: tuple[str, ...] = ()
+    """Names of several drives (m,), in the order of columns of commands."""
 
     @property
     def status(self) -> Status:
@@ -101,6 +103,12 @@ class ClosedLoop(InPanels, Tabular):
 
         seen = {f"measured_{name}": values for name, values in self.measured.items()}
         commands = {"requested": self.requested, "command": self.commands}
+        if self.drives:
+            commands = {
+                f"{what}:{name}": values[:, i]
+                for i, name in enumerate(self.drives)
+                for what, values in commands.items()
+            }
         return pd.DataFrame({"t": self.t, **seen, **commands})
 
     @override
@@ -124,14 +132,14 @@ class ClosedLoop(InPanels, Tabular):
 
 def closed_loop(
     mechanism: Mechanism,
-    law: FrictionLaw,
-    controller: Controller | Callable[[float, Mapping[str, float]], float],
+    law: Friction,
+    controller: Controller | Callable[[float, Mapping[str, float]], float | Mapping[str, float]],
     *,
     period: float,
     t_end: float,
     delay: float = 0.0,
     hold: Literal["zero", "first"] = "zero",
-    drive: str | None = None,
+    drive: str | Sequence[str] | None = None,
     limit: float | None = None,
     y0: Mapping[str, float] | Sequence[float] | None = None,
     noise: Mapping[str, float] | None = None,
@@ -151,11 +159,12 @@ def closed_loop(
     mechanism : Mechanism
         What moves. A drive that it has already in the place of the command stays and is added to
         it, as a disturbance.
-    law : FrictionLaw
-        What holds it back.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back; laws by contact where there are several.
     controller : callable
         Called with the time and what is measured (coordinates and rates by name) at each sample;
-        gives the command. Its ``reset()`` is called first, if it has one.
+        gives the command, or commands by the names in `drive` where that has several. Its
+        ``reset()`` is called first, if it has one.
     period : float
         Time between samples [s]; the first is at time 0.
     t_end : float
@@ -165,9 +174,9 @@ def closed_loop(
         period. Nothing is commanded before.
     hold : {"zero", "first"}
         Whether a command is held, or goes on along the line through it and the one before.
-    drive : str, optional
+    drive : str or sequence of str, optional
         Path of the drive that is commanded, such as ``"pendulum.drive"``; not needed where the
-        mechanism has one.
+        mechanism has one. A sequence names several, as the joints of an arm have.
     limit : float, optional
         Largest command, in the drive's unit; a larger one is cut. None if not given.
     y0 : mapping or sequence, optional
@@ -214,21 +223,28 @@ def closed_loop(
     (1.4, 0.0)
     """
     solver = EventDriven() if solver is None else solver
-    law = own_law(mechanism, law)
+    law = event_driven_law(mechanism, law)
     _check(controller, solver, hold, limit)
     timing = Timing(period=period, delay=delay, limit=limit)
     last = END.check("closed_loop", "t_end", t_end)
     names = (*mechanism.coordinates, *mechanism.rates)
     sensors = Sensors(names, noise=noise, quantisation=quantisation, seed=seed)
     samples = timing.times(last)
-    commands = Commands(timing, samples, hold, last)
-    place = place_of(mechanism, drive)
-    driven, name = place.commanded(mechanism, commands.untold())
+    places = places_of(mechanism, drive)
+    commands = {name: Commands(timing, samples, hold, last) for name in places}
+    driven, own = mechanism, []
+    for place, command in zip(places.values(), commands.values(), strict=True):
+        driven, name = place.commanded(driven, command.untold())
+        own.append(name)
     start = initial_state("closed_loop", mechanism, law, y0)
-    onward = IncrementalRun(driven, law, drive=name, y0=start, t_end=last, solver=solver)
-    book = _walk(onward, controller, sensors, commands, timing, [*samples, last], progress)
-    driven, _ = place.commanded(mechanism, drive_of(hold, book.stretches, book.end))
-    return _result(onward, driven, book, timing, names, throw)
+    onward = IncrementalRun(driven, law, drives=own, y0=start, t_end=last, solver=solver)
+    several = drive is not None and not isinstance(drive, str)
+    walk = _Walk(onward, controller, sensors, commands, timing, several)
+    book = walk.made([*samples, last], progress)
+    driven = mechanism
+    for name, place in places.items():
+        driven, _ = place.commanded(driven, drive_of(hold, book.stretches[name], book.end))
+    return _result(onward, driven, book, timing, names, tuple(places) if several else (), throw)
 
 
 def _check(
@@ -261,46 +277,73 @@ class _Book:
 
     t: list[float]
     measured: list[dict[str, float]]
-    asked: list[float]
-    stretches: list[Stretch]
+    asked: list[list[float]]
+    stretches: dict[str, list[Stretch]]
+    """By drive."""
     end: float = 0.0
     """End of the last stretch [s]."""
     cancelled: bool = False
 
 
-def _walk(
-    onward: IncrementalRun,
-    controller: Any,
-    sensors: Sensors,
-    commands: Commands,
-    timing: Timing,
-    times: Sequence[float],
-    progress: Callable[[int, int], object] | None,
-) -> _Book:
-    """Go from sample to sample; `times` are theirs and the end."""
-    getattr(controller, "reset", lambda: None)()
-    book, count = _Book([], [], [], []), len(times) - 1
-    every = max(count // REPORTS, 1)
-    for k in range(count):
-        t, end = times[k], times[k + 1]
-        seen = sensors.read(onward.state())
-        asked = _number(controller(t, seen), t)
-        book.t.append(t)
-        book.measured.append(seen)
-        book.asked.append(asked)
-        commands.told.append(timing.within(asked))
-        stretches = commands.stretches(k, t, end)
-        ends = [*[start for start, _, _ in stretches[1:]], end]
-        for (start, value, slope), until in zip(stretches, ends, strict=True):
-            book.stretches.append((start, value, slope))
-            book.end = until
-            if not onward.advance(until, value, slope):
+@dataclass
+class _Walk:
+    """What goes from sample to sample."""
+
+    onward: IncrementalRun
+    controller: Any
+    sensors: Sensors
+    commands: Mapping[str, Commands]
+    """By drive."""
+    timing: Timing
+    several: bool
+    """Whether drives were named in a sequence, so that commands come by name."""
+
+    def made(self, times: Sequence[float], progress: Callable[[int, int], object] | None) -> _Book:
+        """Go from sample to sample; `times` are theirs and the end."""
+        getattr(self.controller, "reset", lambda: None)()
+        book, count = _Book([], [], [], {name: [] for name in self.commands}), len(times) - 1
+        every = max(count // REPORTS, 1)
+        for k in range(count):
+            t, end = times[k], times[k + 1]
+            seen = self.sensors.read(self.onward.state())
+            asked = self._asked(self.controller(t, seen), t)
+            book.t.append(t)
+            book.measured.append(seen)
+            book.asked.append(asked)
+            for command, value in zip(self.commands.values(), asked, strict=True):
+                command.told.append(self.timing.within(value))
+            if not self._onward(k, t, end, book):
                 return book
-        if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
-            book.cancelled = progress(k + 1, count) is False and k + 1 < count
-            if book.cancelled:
-                break
-    return book
+            if progress is not None and ((k + 1) % every == 0 or k + 1 == count):
+                book.cancelled = progress(k + 1, count) is False and k + 1 < count
+                if book.cancelled:
+                    break
+        return book
+
+    def _onward(self, k: int, t: float, end: float, book: _Book) -> bool:
+        """Run from a sample to the next; return whether it was reached."""
+        told = {name: one.stretches(k, t, end) for name, one in self.commands.items()}
+        together = list(zip(*told.values(), strict=True))
+        ends = [*[lines[0][0] for lines in together[1:]], end]
+        for lines, until in zip(together, ends, strict=True):
+            for name, line in zip(told, lines, strict=True):
+                book.stretches[name].append(line)
+            book.end = until
+            if not self.onward.advance(until, [(value, slope) for _, value, slope in lines]):
+                return False
+        return True
+
+    def _asked(self, command: Any, t: float) -> list[float]:
+        """Return the numbers that the controller gave, in the order of drives."""
+        if not self.several:
+            return [_number(command, t)]
+        names = list(self.commands)
+        if not isinstance(command, Mapping) or set(command) != set(names):
+            raise InputError(
+                f"the controller must return commands by drive, {{{', '.join(map(repr, names))}}},"
+                f" got {command!r} at t = {number(t, 6)} s."
+            )
+        return [_number(command[name], t) for name in names]
 
 
 def _number(command: Any, t: float) -> float:
@@ -321,6 +364,7 @@ def _result(
     book: _Book,
     timing: Timing,
     names: Sequence[str],
+    drives: tuple[str, ...],
     throw: bool,
 ) -> ClosedLoop:
     import numpy as np
@@ -331,6 +375,7 @@ def _result(
     if throw:
         refuse(run)
     asked = np.array(book.asked)
+    asked = asked if drives else asked[:, 0]
     cut = timing.limit if timing.limit is not None else math.inf
     return ClosedLoop(
         run=run,
@@ -341,4 +386,5 @@ def _result(
         commands=np.clip(asked, -cut, cut),
         period=timing.period,
         delay=timing.delay,
+        drives=drives,
     )

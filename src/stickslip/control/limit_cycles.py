@@ -70,7 +70,7 @@ def limit_cycle(
     Parameters
     ----------
     run : Trajectory or ClosedLoop
-        The run.
+        The run; of several contacts, as one of them sees it (`Trajectory.contact`).
     state : str
         A column of the run.
     since : float, optional
@@ -88,7 +88,7 @@ def limit_cycle(
     Raises
     ------
     InputError
-        If `since` or `tolerance` is out of its range.
+        If `since` or `tolerance` is out of its range, or the run has several contacts.
     UnknownNameError
         If the run has no column of that name.
 
@@ -104,6 +104,11 @@ def limit_cycle(
     import numpy as np
 
     run = run.run if isinstance(run, ClosedLoop) else run
+    if run.contacts:
+        raise InputError(
+            f"limit_cycle: this run has several contacts ({', '.join(run.contacts)}): give it as"
+            f" one of them sees it, such as run.contact({run.contacts[0]!r})."
+        )
     tolerance = TOLERANCE.check("limit_cycle", "tolerance", tolerance)
     if state not in run.names:
         raise UnknownNameError("column", state, run.names)

@@ -4,6 +4,7 @@ from stickslip.lazy import attach
 
 HOMES = {
     "CarriedLaw": "carrying",
+    "CarriedLaws": "carrying",
     "Checks": "checking.data_quality",
     "Finding": "checking.data_quality",
     "Guess": "readers.guess",
@@ -17,6 +18,7 @@ HOMES = {
     "Rig": "rig",
     "bristle_remark": "carrying",
     "carried": "carrying",
+    "carried_by_contact": "carrying",
     "check": "checking.data_quality",
     "extrapolations": "carrying",
     "guess_data": "readers.guess",
@@ -46,6 +48,7 @@ INSIDE = {
     "condition_name": "condition_values",
     "condition_unit": "condition_values",
     "equated": "estimates",
+    "estimates_by_contact": "carrying",
     "findings_text": "preconditions",
     "inertia_of": "checking.dynamics",
     "interval_of": "differentiation",

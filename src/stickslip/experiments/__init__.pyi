@@ -1,7 +1,10 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.experiments.carrying import CarriedLaw as CarriedLaw
+from stickslip.experiments.carrying import CarriedLaws as CarriedLaws
 from stickslip.experiments.carrying import bristle_remark as bristle_remark
 from stickslip.experiments.carrying import carried as carried
+from stickslip.experiments.carrying import carried_by_contact as carried_by_contact
+from stickslip.experiments.carrying import estimates_by_contact as estimates_by_contact
 from stickslip.experiments.carrying import extrapolations as extrapolations
 from stickslip.experiments.carrying import unfitted_bristles as unfitted_bristles
 from stickslip.experiments.checking.data_quality import Checks as Checks
@@ -71,6 +74,7 @@ from stickslip.experiments.units import read_number as read_number
 
 __all__ = [
     "CarriedLaw",
+    "CarriedLaws",
     "Checks",
     "Finding",
     "Guess",
@@ -84,6 +88,7 @@ __all__ = [
     "Rig",
     "bristle_remark",
     "carried",
+    "carried_by_contact",
     "check",
     "extrapolations",
     "guess_data",

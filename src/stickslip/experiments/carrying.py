@@ -17,12 +17,20 @@ from stickslip.experiments.estimates import (
 )
 from stickslip.experiments.rig import Rig
 from stickslip.formatting import joined, number, quantity, span
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws, assigned
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, turned, vary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["CarriedLaw", "bristle_remark", "carried", "extrapolations", "unfitted_bristles"]
+__all__ = [
+    "CarriedLaw",
+    "CarriedLaws",
+    "bristle_remark",
+    "carried",
+    "carried_by_contact",
+    "extrapolations",
+    "unfitted_bristles",
+]
 
 PER_LOAD: Final = ("1", "1/m", "s/m")
 """Units of what stands over the normal force: levels, stiffness and damping of bristles."""
@@ -50,6 +58,104 @@ class CarriedLaw:
     """The file it is from."""
     fitted_on: Mechanism
     """The mechanism of that file."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CarriedLaws:
+    """Laws by contact for a mechanism, and where they are from."""
+
+    laws: Laws
+    """The laws of the contacts that rub."""
+    estimates: LawEstimates | None
+    """How well they are known, if their file says so."""
+    remarks: tuple[str, ...]
+    """What does not carry over to this mechanism, in sentences; symbols between dollar signs."""
+    source: str
+    """The file they are from."""
+
+
+def carried_by_contact(
+    rig: Rig, mechanism: Mechanism, *, names: str | Mapping[str, str] | None = None
+) -> CarriedLaws:
+    """Return the laws of a rig's contacts as they are on another mechanism with these contacts.
+
+    Parameters
+    ----------
+    rig : Rig
+        Whose laws they are, such as `load_rig` reads from the ``law.toml`` of several joints.
+    mechanism : Mechanism
+        What they are for.
+    names : str or mapping of str to str, optional
+        Which law of each contact, as in `Rig.law_by_contact`.
+
+    Returns
+    -------
+    CarriedLaws
+        The laws, their estimates, and remarks on what does not carry over.
+
+    Raises
+    ------
+    InputError
+        If the rig has no laws by contact, its contacts have other names than those of the
+        mechanism, or levels are coefficients there and forces or torques here.
+
+    Examples
+    --------
+    >>> from stickslip import BlockChain, Coulomb
+    >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
+    >>> chain = BlockChain(blocks=2, mass=1.0, coupling=100.0)
+    >>> rig = Rig(mechanism=chain, contacts={"block-1": known, "block-2": None}, path="law.toml")
+    >>> carried_by_contact(rig, chain).laws.names
+    {'block-1': 'coulomb'}
+    """
+    here = [one.name for one in mechanism.contacts()]
+    if not rig.contacts:
+        raise InputError(
+            f"{rig.path} has no laws by contact, but {mechanism.name} has {', '.join(here)}: write"
+            f" the values into tables such as [friction.{here[0]}]."
+        )
+    if set(here) != set(rig.contacts):
+        raise InputError(
+            f"{rig.path} has laws of {', '.join(rig.contacts)}, but {mechanism.name} has"
+            f" {', '.join(here)}: rename its tables to those of these contacts, with"
+            ' "none" under [friction] where nothing rubs.'
+        )
+    there, own = levels_at(rig.mechanism), levels_at(mechanism)
+    if there != own:
+        raise InputError(
+            f"{rig.path}: the levels of its laws are {_said(there)}, and those of"
+            f" {mechanism.name} are {_said(own)}: write the values into tables such as"
+            f" [friction.{here[0]}] of {mechanism.name}."
+        )
+    found = assigned(tuple(here), rig.law_by_contact(names))
+    assert isinstance(found, Laws)  # of several contacts
+    known = estimates_by_contact(rig, found)
+    rest = [
+        f"{contact}: {sentence}" for contact, law in found.members for sentence in _about_rest(law)
+    ]
+    remarks = (*rest, *_about_doubt(found, known))
+    return CarriedLaws(laws=found, estimates=known, remarks=remarks, source=rig.path)
+
+
+def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
+    """Return how well laws by contact are known; None where a rig's estimates are of others.
+
+    Parameters
+    ----------
+    rig : Rig
+        The rig, with the estimates of its file.
+    laws : Laws
+        Laws by contact.
+
+    Returns
+    -------
+    LawEstimates or None
+        The estimates of the rig, if they are of these laws.
+    """
+    known = rig.estimates
+    named = {} if known is None or isinstance(known.law, str) else known.law
+    return known if named and named.items() <= laws.names.items() else None
 
 
 def carried(
@@ -401,24 +507,29 @@ def _about_rest(law: FrictionLaw) -> list[str]:
     ]
 
 
-def _about_doubt(law: FrictionLaw, known: LawEstimates | None) -> list[str]:
+def _said(levels: Levels) -> str:
+    return "coefficients" if levels == "per load" else levels
+
+
+def _about_doubt(law: FrictionLaw | Laws, known: LawEstimates | None) -> list[str]:
     if known is None:
         return []
-    symbols = {
-        path.removeprefix("friction."): one.symbol for path, one, _ in parameters(law, "friction")
-    }
+    symbols, values = {}, {}
+    for path, one, value in parameters(law, "friction"):
+        name = path.removeprefix("friction.")
+        contact = name.rpartition(".")[0]
+        symbols[name] = f"${one.symbol}$" + (f" of {contact}" if contact else "")
+        values[name] = value
     said = []
     assumed = [
-        name
-        for name in known.not_fitted
-        if getattr(law, name, None) and name not in known.overridden
+        name for name in known.not_fitted if values.get(name) and name not in known.overridden
     ]
     if assumed:
         were = "was" if len(assumed) == 1 else "were"
-        names = joined([f"${symbols[name]}$" for name in assumed])
+        names = joined([symbols[name] for name in assumed])
         said.append(f"{names} {were} given or assumed, not fitted.")
     said += [
-        f"${symbols[name]}$ is not identified ({reason}): other values fit as well."
+        f"{symbols[name]} is not identified ({reason}): other values fit as well."
         for name, reason in known.not_identified.items()
     ]
     return said

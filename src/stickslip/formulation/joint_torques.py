@@ -45,12 +45,23 @@ class JointTorques:
     """Paths of the parameters that slopes are by (k,)."""
     paths: tuple[str, ...]
     """Paths of all parameters that stand in the equations."""
+    bent: str = ""
+    """Which parameters the forces are not linear in, as a sentence; empty if they are in all."""
+    by_position: bool = False
+    """Whether slopes by the coordinates stand behind those by parameters."""
     _function: Any = field(repr=False)
     """Forces (m,) and their slopes (m, k) from time, motion and parameters."""
 
     @classmethod
-    def of(cls, mechanism: Mechanism, linear: Sequence[str]) -> Self:
-        """Derive the forces, and check that they are linear in some parameters.
+    def of(
+        cls,
+        mechanism: Mechanism,
+        linear: Sequence[str],
+        *,
+        by_position: bool = False,
+        may_bend: bool = False,
+    ) -> Self:
+        """Derive the forces, and find whether they are linear in some parameters.
 
         Parameters
         ----------
@@ -58,6 +69,11 @@ class JointTorques:
             What moves; drives of its own count as not there.
         linear : sequence of str
             Paths of the parameters that slopes are wanted by.
+        by_position : bool, default False
+            Whether slopes by the coordinates are wanted too.
+        may_bend : bool, default False
+            Whether forces need not be linear in the parameters; slopes are then those at the
+            mechanism's values.
 
         Returns
         -------
@@ -67,7 +83,7 @@ class JointTorques:
         Raises
         ------
         InputError
-            If the forces are not linear in these parameters together.
+            If the forces are not linear in these parameters together, and have to be.
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
@@ -91,7 +107,12 @@ class JointTorques:
             )
             forces.append((taken - force).subs(undriven).subs(shown))
         slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
-        _check_linear(linear, slopes, symbol)
+        bent = _bent(linear, slopes, symbol)
+        if bent and not may_bend:
+            raise InputError(bent)
+        if by_position:
+            for row, force in zip(slopes, forces, strict=True):
+                row += [collapsed(force.diff(place)) for place in q.values()]
         arguments = [
             t, *q.values(), *rates.values(), *accelerations.values(), *symbol.values()
         ]  # fmt: skip
@@ -99,6 +120,8 @@ class JointTorques:
             coordinates=mechanism.coordinates,
             linear=tuple(linear),
             paths=tuple(known),
+            bent=bent,
+            by_position=by_position,
             _function=se.Lambdify(arguments, [*forces, *(e for row in slopes for e in row)]),
         )
 
@@ -119,14 +142,15 @@ class JointTorques:
         Returns
         -------
         (array (n, m), array (n, m, k))
-            Forces [N] or torques [N m], and what a unit of each parameter adds to them.
+            Forces [N] or torques [N m], and what a unit of each parameter adds to them; with
+            `by_position`, what a unit of each coordinate does behind these (n, m, k + m).
         """
         values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
         fixed = np.broadcast_to([values[path] for path in self.paths], (len(time), len(self.paths)))
         table = np.column_stack([time, q, q_dot, q_ddot, fixed])
         found = np.asarray(self._function(table), dtype=float).reshape(len(time), -1)
         count = len(self.coordinates)
-        return found[:, :count], found[:, count:].reshape(len(time), count, len(self.linear))
+        return found[:, :count], found[:, count:].reshape(len(time), count, -1)
 
     def inertias(self, mechanism: Mechanism, q: Array) -> Array:
         """Return what moves as each coordinate does (m,), all else at rest.
@@ -151,17 +175,18 @@ class JointTorques:
         return np.diagonal(moving - still).copy()
 
 
-def _check_linear(
+def _bent(
     linear: Sequence[str], slopes: Sequence[Sequence[se.Expr]], symbol: Mapping[str, se.Symbol]
-) -> None:
-    """Refuse parameters by which a slope depends on one of them."""
+) -> str:
+    """Return the first parameters of which a slope depends on one, as a sentence."""
     for row in slopes:
         for path, slope in zip(linear, row, strict=True):
             for other in linear:
                 if se.expand(collapsed(slope.diff(symbol[other]))) == 0:
                     continue
                 cure = f"fix {other}" if other == path else f"fix one of them, such as {other}"
-                raise InputError(
-                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])}:"
-                    f" several joints are identified in parameters that enter linearly; {cure}."
+                return (
+                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])},"
+                    f" and do not tell these parameters: {cure}."
                 )
+    return ""

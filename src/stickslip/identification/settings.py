@@ -39,6 +39,9 @@ class RecordSettings:
     """Starts of the search."""
     seed: int = 0
     """Of the jitter of further starts."""
+    position_zeros: bool = False
+    """Whether positions of each record count from a place that is not known, as where encoders are
+    set to 0 wherever an arm rests. Of records of several joints; constant forces are then 0."""
 
     @property
     def changed(self) -> tuple[str, ...]:
@@ -54,5 +57,9 @@ class RecordSettings:
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
             if not (whole and value >= least):
                 raise ParameterError(not_whole(f"RecordSettings.{name}", least, value))
+        if not isinstance(self.position_zeros, bool):
+            raise ParameterError(
+                f"RecordSettings.position_zeros must be True or False, got {self.position_zeros!r}."
+            )
         if self.hold not in get_args(Hold):
             raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))

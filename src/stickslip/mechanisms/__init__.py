@@ -56,6 +56,7 @@ INSIDE = {
     "only_contact": "contacts",
     "refuse_too_many": "contacts",
     "repeats": "drive_period",
+    "slip_among": "contacts",
     "slip_of": "contacts",
     "slipping": "contacts",
 }

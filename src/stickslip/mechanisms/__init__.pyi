@@ -19,6 +19,7 @@ from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
 from stickslip.mechanisms.contacts import refuse_too_many as refuse_too_many
+from stickslip.mechanisms.contacts import slip_among as slip_among
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import slipping as slipping

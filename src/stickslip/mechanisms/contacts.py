@@ -1,6 +1,6 @@
 """Facts of the only contact of a mechanism: what slips there, and what presses at rest."""
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.base import Contact, Mechanism
 
 __all__ = [
@@ -8,6 +8,7 @@ __all__ = [
     "normal_of",
     "only_contact",
     "refuse_too_many",
+    "slip_among",
     "slip_names",
     "slip_of",
     "slipping",
@@ -109,6 +110,51 @@ def slipping(mechanism: Mechanism) -> tuple[str, ...]:
     """
     slips = {name for one in mechanism.contacts() for name in one.slips}
     return tuple(name for name in mechanism.coordinates if name in slips)
+
+
+def slip_among(mechanism: Mechanism, coordinate: str | None, owner: str) -> tuple[str, str]:
+    """Return a coordinate and its rate: as asked, or the only one along which contacts slip.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    coordinate : str or None
+        A moving coordinate; None for the one that slips.
+    owner : str
+        Function that asks, for the error.
+
+    Returns
+    -------
+    (str, str)
+        Names of the coordinate and of its rate.
+
+    Raises
+    ------
+    UnknownNameError
+        If the mechanism has no such coordinate.
+    InputError
+        If none is named and contacts slip along several.
+
+    Examples
+    --------
+    >>> from stickslip import BlockChain, Pendulum
+    >>> slip_among(Pendulum(mass=1.0, length=0.5), None, "basins")
+    ('theta', 'omega')
+    >>> slip_among(BlockChain(blocks=3, mass=1.0, coupling=1.0), "x2", "basins")
+    ('x2', 'v2')
+    """
+    if coordinate is None:
+        among = slipping(mechanism)
+        if len(among) != 1:
+            raise InputError(
+                f"{owner}: the contacts of {type(mechanism).__name__} slip along several"
+                f" coordinates ({', '.join(among)}): name one, such as coordinate={among[0]!r}."
+            )
+        (coordinate,) = among
+    if coordinate not in mechanism.coordinates:
+        raise UnknownNameError("coordinate", coordinate, mechanism.coordinates)
+    return coordinate, mechanism.rates[mechanism.coordinates.index(coordinate)]
 
 
 def normal_of(mechanism: Mechanism) -> str | None:

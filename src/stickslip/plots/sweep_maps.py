@@ -73,7 +73,8 @@ def draw_velocity_map(result: VelocityMap) -> Draw:
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
         factor, unit = scale_of(result.velocity[np.isfinite(result.velocity)], result.unit)
-        label = f"mean velocity, {unit}"
+        of = f" of {result.coordinate}" if result.coordinate else ""
+        label = f"mean velocity{of}, {unit}"
         if len(result.axes) == 1:
             _curve(axes, result, factor, label)
         else:

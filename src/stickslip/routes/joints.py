@@ -40,7 +40,7 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
     names = (JOINTS,)
     measured = "records of several joints"
     uses = frozenset({"validate", "executor"})
-    settings = frozenset({"hold", "starts", "seed"})
+    settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
 
     @override

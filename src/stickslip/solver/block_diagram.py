@@ -1,8 +1,11 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self, final
+
+from typing_extensions import override
 
 from stickslip.drives import Profile
 from stickslip.formulation import formulate
@@ -20,9 +23,13 @@ from stickslip.mechanisms import Mechanism
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-__all__ = ["Diagram", "limits_of"]
+__all__ = ["BlockDiagram", "Diagram", "Lead", "leads_of", "limits_of"]
 
 
+FRICTION = -3
+"""Place of the friction force in a sample of one contact."""
+NORMAL = -2
+"""Place of its normal force."""
 STAND_IN = Coulomb(kinetic_coefficient=0.0)
 """The law that a mechanism's own equations are formulated with."""
 
@@ -60,18 +67,154 @@ class _State:
     """The same with the friction force that was last asked for, and this force."""
 
 
-@dataclass(frozen=True)
-class Diagram:
+class BlockDiagram(ABC):
     """Evaluates forces and rates at a time and a state, as often as asked and nothing else."""
+
+    slips: tuple[int, ...]
+    """Index in the state of the rate of each coordinate along which a contact slips (m,)."""
+    leads: tuple[Lead, ...]
+    """Guided coordinates, which are set before rates are asked for."""
+
+    @property
+    @abstractmethod
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of samples: states, friction, loads, modes."""
+
+    @property
+    @abstractmethod
+    def contacts(self) -> tuple[str, ...]:
+        """Names of the contacts where there are several."""
+
+    @abstractmethod
+    def begun(self, y0: Sequence[float]) -> list[float]:
+        """Return the state at which a run begins (n,), in coordinates of the equations."""
+
+    @abstractmethod
+    def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
+        """Whether contacts can hold their coordinates, by the rules of their laws.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : sequence of bool (m,)
+            Coordinates that are to be held.
+
+        Returns
+        -------
+        tuple of bool (m,)
+            Those of them for which the needed friction is within the break-away level.
+        """
+
+    @abstractmethod
+    def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        """Return the time derivatives of the state.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : sequence of bool (m,)
+            Whether contacts stick: no slip acceleration then, and bristles stay as they are.
+
+        Returns
+        -------
+        list of float (n,)
+            Rates of coordinates, of rates and of bristles.
+        """
+
+    @abstractmethod
+    def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        """Return time and columns.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : sequence of bool (m,)
+            Whether contacts stick.
+
+        Returns
+        -------
+        list of float (1 + columns,)
+            A row of a trajectory; a mode is the sign of the slip velocity, 0 while held.
+        """
+
+    @abstractmethod
+    def lifts(self, row: Sequence[float]) -> bool:
+        """Whether a normal force that is a reaction has fallen below 0 in a sample."""
+
+    @abstractmethod
+    def balance(
+        self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
+    ) -> tuple[float, ...]:
+        """Return the energy of a state and what changes it.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        held : sequence of bool (m,)
+            Whether contacts stick.
+        row : sequence of float
+            The sample at this state.
+
+        Returns
+        -------
+        tuple of float (2 + contacts,)
+            Kinetic and potential energy [J], power supplied, and power taken by the friction of
+            each contact [W].
+        """
+
+    def led(self, t: float, y: list[float]) -> list[float]:
+        """Return a state whose guided coordinates are where their profiles say.
+
+        Steps would add up what each misses of a phase that ends within it, and the guided
+        coordinate would stray: in a block diagram its motion is a source.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : list of float (n,)
+            State; may be written to.
+
+        Returns
+        -------
+        list of float (n,)
+            The state.
+        """
+        for place, rate, profile, ahead, faster in self.leads:
+            position, speed = profile.at(t)
+            y[place], y[rate] = position + ahead + faster * t, speed + faster
+        return y
+
+
+@final
+@dataclass(frozen=True)
+class Diagram(BlockDiagram):
+    """The diagram of one contact, whose law, or printed form, is a block of its own."""
+
+    contacts: ClassVar[tuple[str, ...]] = ()  # type: ignore[misc]  # there is but one
 
     equations: Equations
     """Equations of motion, with the force of the contact left open."""
     law: FrictionLaw | PrintedForm
     """Friction of the contact."""
+    states: tuple[str, ...]
+    """Names of the coordinates and their rates."""
     bristles: tuple[str, ...]
     """Names of the bristle states."""
-    slip: int
-    """Index of the slip velocity in the state."""
+    slips: tuple[int, ...]
+    """Index of the slip velocity in the state (1,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
@@ -107,7 +250,24 @@ class Diagram:
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = _bristles(law)
-        return cls(equations, law, bristles, model.sizes.header[SLIP], _leads(mechanism, y0))
+        states = (*mechanism.coordinates, *mechanism.rates)
+        return cls(
+            equations, law, states, bristles, (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        )
+
+    @property
+    @override
+    def columns(self) -> tuple[str, ...]:
+        return (*self.states, *self.bristles, "friction", "normal_force", "mode")
+
+    @override
+    def begun(self, y0: Sequence[float]) -> list[float]:
+        return list(y0)
+
+    @property
+    def slip(self) -> int:
+        """Index of the slip velocity in the state."""
+        return self.slips[0]
 
     def _at(self, t: float, y: Sequence[float]) -> _State:
         """Set the equations to a state, unless they stand there; lists are not written to after."""
@@ -138,29 +298,6 @@ class Diagram:
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         return y[self.slip], tuple(y[self.equations.sizes.states :][: len(self.bristles)])
 
-    def led(self, t: float, y: list[float]) -> list[float]:
-        """Return a state whose guided coordinates are where their profiles say.
-
-        Steps would add up what each misses of a phase that ends within it, and the guided
-        coordinate would stray: in a block diagram its motion is a source.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : list of float (n,)
-            State; written to.
-
-        Returns
-        -------
-        list of float (n,)
-            The same list.
-        """
-        for place, rate, profile, ahead, faster in self.leads:
-            position, speed = profile.at(t)
-            y[place], y[rate] = position + ahead + faster * t, speed + faster
-        return y
-
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
         """Return friction and normal force; the normal force is that without friction.
 
@@ -189,21 +326,11 @@ class Diagram:
         assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
         return self.law.force(v, normal), normal
 
-    def holds(self, t: float, y: Sequence[float]) -> bool:
-        """Whether the contact can hold the body, by the law's own rule.
+    @override
+    def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
+        return (held[0] and self._can_hold(t, y),)
 
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-
-        Returns
-        -------
-        bool
-            Whether the needed friction is within the break-away level.
-        """
+    def _can_hold(self, t: float, y: Sequence[float]) -> bool:
         normal, needed = self._open(t, y)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
@@ -213,79 +340,56 @@ class Diagram:
         level = towards(self.law, 1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
-    def rates(self, t: float, y: Sequence[float], held: bool) -> list[float]:
-        """Return the time derivatives of the state.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : bool
-            Whether the contact sticks: no slip acceleration then, and bristles stay as they are.
-
-        Returns
-        -------
-        list of float (n,)
-            Rates of coordinates, of rates and of bristles.
-        """
-        friction, normal = self.friction(t, y, held)
+    @override
+    def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        (stuck,) = held
+        friction, normal = self.friction(t, y, stuck)
         n = self.equations.sizes.coordinates
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
-        if held:
+        if stuck:
             accelerations[self.slip - n] = 0.0
         bristle_rates: tuple[float, ...] = (0.0,) * len(z)
-        if z and not held and isinstance(self.law, BristleLaw | PrintedForm):
+        if z and not stuck and isinstance(self.law, BristleLaw | PrintedForm):
             bristle_rates = _bristle_rates(self.law, v, z, normal)
         return [*y[n : 2 * n], *accelerations, *bristle_rates]
 
-    def sample(self, t: float, y: Sequence[float], held: bool) -> list[float]:
-        """Return time, state, friction force, normal force and mode.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        held : bool
-            Whether the contact sticks.
-
-        Returns
-        -------
-        list of float (n + 4,)
-            A row of a trajectory; the mode is the sign of the slip velocity, 0 while held.
-        """
-        friction, normal = self.friction(t, y, held)
+    @override
+    def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        (stuck,) = held
+        friction, normal = self.friction(t, y, stuck)
         v = y[self.slip]
-        return [t, *y, friction, normal, 0.0 if held else float((v > 0) - (v < 0))]
+        return [t, *y, friction, normal, 0.0 if stuck else float((v > 0) - (v < 0))]
 
-    def balance(self, t: float, y: Sequence[float], friction: float) -> tuple[float, float, float]:
-        """Return the energy of a state and what changes it.
+    @override
+    def lifts(self, row: Sequence[float]) -> bool:
+        return row[NORMAL] < 0.0
 
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        y : sequence of float (n,)
-            State.
-        friction : float
-            Friction force [N].
-
-        Returns
-        -------
-        (float, float, float)
-            Kinetic and potential energy [J], power supplied and power taken by friction [W].
-        """
+    @override
+    def balance(
+        self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
+    ) -> tuple[float, ...]:
+        friction = row[FRICTION]
         (energy,) = self.equations.here("energy", 0, self._at(t, y).flags, t)
         *_, supplied = self._free(t, y, friction)
         return float(energy), supplied, friction * y[self.slip]
 
 
-def _leads(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
-    """Return the guided coordinates that a profile tells of, from where the run begins."""
+def leads_of(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
+    """Return the guided coordinates that a profile tells of, from where the run begins.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    y0 : sequence of float (n,)
+        State at time 0: coordinates, rates, bristles [SI].
+
+    Returns
+    -------
+    tuple of Lead
+        The coordinates with their profiles.
+    """
     drives, n = mechanism.drives(), len(mechanism.coordinates)
     found = []
     for name, guide in mechanism.guided().items():

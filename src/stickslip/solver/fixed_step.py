@@ -12,11 +12,13 @@ from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number
+from stickslip.formulation import PAINLEVE, formulate
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
-from stickslip.solver.block_diagram import Diagram, limits_of
+from stickslip.solver.block_diagram import BlockDiagram, Diagram, limits_of
+from stickslip.solver.contact_diagram import ContactDiagram
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
@@ -36,11 +38,6 @@ TABLEAUS: dict[str, Tableau] = {
     "rk4": (((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
 }
 """Runge-Kutta coefficients: rows of stages, then weights."""
-
-FRICTION = -3
-"""Place of the friction force in a sample."""
-NORMAL = -2
-"""Place of the normal force in a sample."""
 
 
 @final
@@ -92,15 +89,8 @@ class FixedStep(Solver):
         t_end: float,
         told: Sequence[str] = (),
     ) -> Trajectory:
-        if isinstance(law, Laws) or len(mechanism.contacts()) > 1:
-            names = ", ".join(one.name for one in mechanism.contacts())
-            raise InputError(
-                f"FixedStep solves one contact, but {type(mechanism).__name__} has {names}: run it"
-                " with EventDriven()."
-            )
         refuse_stops(mechanism)
-        refuse_limits(mechanism, limits_of(mechanism))
-        diagram = Diagram.build(mechanism, law, t_end, y0)
+        diagram = _diagram(mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {number(t_end, 6)} s, got"
@@ -113,10 +103,11 @@ class FixedStep(Solver):
                 " steps."
             )
         times = self._times(t_end)
-        y = list(y0)
-        held = self.stick_rule and y[diagram.slip] == 0 and diagram.holds(0.0, y)
+        y = diagram.begun(y0)
+        rests = tuple(self.stick_rule and y[slip] == 0 for slip in diagram.slips)
+        held = diagram.holds(0.0, y, rests)
         rows = [diagram.sample(0.0, y, held)]
-        balances = [diagram.balance(0.0, y, rows[0][FRICTION])]
+        balances = [diagram.balance(0.0, y, held, rows[0])]
         status = Status.END_TIME
         for t, following in itertools.pairwise(times):
             try:
@@ -125,13 +116,13 @@ class FixedStep(Solver):
                 if not all(map(math.isfinite, row)):
                     status = Status.NOT_FINITE
                     break
-                balance = diagram.balance(following, y, row[FRICTION])
+                balance = diagram.balance(following, y, held, row)
             except (ArithmeticError, ValueError):
                 status = Status.NOT_FINITE
                 break
             rows.append(row)
             balances.append(balance)
-            if row[NORMAL] < 0.0:
+            if diagram.lifts(row):
                 status = Status.LIFT_OFF
                 break
         return _trajectory(mechanism, diagram, np.array(rows), np.array(balances), status)
@@ -145,23 +136,59 @@ class FixedStep(Solver):
         return [*times[:-1], t_end]
 
     def _step(
-        self, diagram: Diagram, t: float, dt: float, y: list[float], held: bool
-    ) -> tuple[list[float], bool]:
-        """Advance one step; with the stick rule, stop at a sign change if the contact holds."""
+        self, diagram: BlockDiagram, t: float, dt: float, y: list[float], held: tuple[bool, ...]
+    ) -> tuple[list[float], tuple[bool, ...]]:
+        """Advance one step; with the stick rule, stop at a sign change what a contact holds."""
         tableau = TABLEAUS[self.method]
-        if held and diagram.holds(t, y):
-            return _advanced(diagram, tableau, t, y, dt, held=True), True
-        new = _advanced(diagram, tableau, t, y, dt, held=False)
-        if self.stick_rule and y[diagram.slip] * new[diagram.slip] < 0:
-            stopped = list(new)
-            stopped[diagram.slip] = 0.0
-            if diagram.holds(t + dt, stopped):
-                return stopped, True
-        return new, False
+        kept = diagram.holds(t, y, held)
+        new = _advanced(diagram, tableau, t, y, dt, kept)
+        slips = list(zip(diagram.slips, kept, strict=True))
+        turned = [self.stick_rule and not stuck and y[i] * new[i] < 0 for i, stuck in slips]
+        if not any(turned):
+            return new, kept
+        stopped = list(new)
+        for (i, _), turns in zip(slips, turned, strict=True):
+            stopped[i] = 0.0 if turns else new[i]
+        caught = diagram.holds(
+            t + dt, stopped, tuple(a or b for a, b in zip(kept, turned, strict=True))
+        )
+        after = tuple(a or b for a, b in zip(kept, caught, strict=True))
+        if not any(turns and holds for turns, holds in zip(turned, caught, strict=True)):
+            return new, kept
+        for (i, _), turns, holds in zip(slips, turned, caught, strict=True):
+            stopped[i] = new[i] if turns and not holds else stopped[i]
+        return stopped, after
+
+
+def _diagram(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws | PrintedForm,
+    t_end: float,
+    y0: Sequence[float],
+) -> BlockDiagram:
+    """Return the diagram of a mechanism, whose equations are parts where contacts are several."""
+    contacts = mechanism.contacts()
+    if not isinstance(law, Laws) and has_one_slip(mechanism):
+        refuse_limits(mechanism, limits_of(mechanism))
+        return Diagram.build(mechanism, law, t_end, y0)
+    if isinstance(law, PrintedForm):
+        names = ", ".join(one.name for one in contacts)
+        raise InputError(
+            f"{law.name} is an equation as printed, for one contact that slips along a coordinate,"
+            f" but {type(mechanism).__name__} has {names}: give {law.corrected.__name__}(...)."
+        )
+    limits = formulate(mechanism, law).limits
+    refuse_limits(mechanism, tuple(name for name in limits if name != PAINLEVE))
+    return ContactDiagram.build(mechanism, law, t_end, y0)
 
 
 def _advanced(
-    diagram: Diagram, tableau: Tableau, t: float, y: list[float], dt: float, *, held: bool
+    diagram: BlockDiagram,
+    tableau: Tableau,
+    t: float,
+    y: list[float],
+    dt: float,
+    held: tuple[bool, ...],
 ) -> list[float]:
     """Take one Runge-Kutta step."""
     stages, weights = tableau
@@ -190,49 +217,49 @@ class _Lines:
     names: tuple[str, ...]
     """Names of the columns."""
     rows: NDArray[np.float64]
-    """Time, columns and mode (n, 2 + columns)."""
+    """Time and columns (n, 1 + columns)."""
 
     def __call__(self, t: NDArray[np.float64]) -> Mapping[str, NDArray[np.float64]]:
         rows = self.rows
-        columns = {
-            name: np.interp(t, rows[:, 0], rows[:, i]) for i, name in enumerate(self.names, start=1)
-        }
         latest = np.searchsorted(rows[:, 0], t, side="right") - 1
-        return {**columns, "mode": rows[latest, -1]}
+        return {
+            name: rows[latest, i]
+            if name.partition(":")[0] == "mode"
+            else np.interp(t, rows[:, 0], rows[:, i])
+            for i, name in enumerate(self.names, start=1)
+        }
 
 
 def _trajectory(
     mechanism: Mechanism,
-    diagram: Diagram,
+    diagram: BlockDiagram,
     rows: NDArray[np.float64],
     balances: NDArray[np.float64],
     status: Status,
 ) -> Trajectory:
     """Wrap the samples; between them everything is joined by straight lines."""
-    names = (
-        *mechanism.coordinates,
-        *mechanism.rates,
-        *diagram.bristles,
-        "friction",
-        "normal_force",
-    )
+    names = diagram.columns
     return Trajectory(
         t=rows[:, 0],
-        names=(*names, "mode"),
-        units=column_units(mechanism, (*diagram.bristles, "friction", "normal_force", "mode")),
+        names=names,
+        units=column_units(mechanism, names[2 * len(mechanism.coordinates) :]),
         events=(),
         status=status,
-        certificate=_certificate(rows[:, 0], balances),
+        certificate=_certificate(rows[:, 0], balances, diagram.contacts),
         span=(0.0, float(rows[-1, 0])),
         evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
     )
 
 
-def _certificate(t: NDArray[np.float64], balances: NDArray[np.float64]) -> Certificate:
-    """Say what the fixed step cost, by energies and powers (n, 3): it is never certified."""
-    energy, power = balances[:, 0], balances[:, 1:]
+def _certificate(
+    t: NDArray[np.float64], balances: NDArray[np.float64], contacts: Sequence[str]
+) -> Certificate:
+    """Say what the fixed step cost, by energies and powers: it is never certified."""
+    energy = balances[:, 0]
+    power = np.column_stack([balances[:, 1], balances[:, 2:].sum(axis=1)])
     work = np.asarray(np.trapezoid(power, t, axis=0))
+    own = np.asarray(np.trapezoid(balances[:, 2:], t, axis=0)).tolist()
     size = max(abs(energy[0]), abs(energy[-1]), *np.abs(work))
     mismatch = abs(energy[-1] - energy[0] - work[0] + work[1])
     return Certificate(
@@ -246,5 +273,6 @@ def _certificate(t: NDArray[np.float64], balances: NDArray[np.float64]) -> Certi
         stick_drift=0.0,
         steps=len(t) - 1,
         rejected=0,
+        work=dict(zip(contacts, own, strict=False)),
         problems=("fixed step: events were not located and the error was not controlled",),
     )

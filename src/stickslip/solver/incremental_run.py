@@ -8,6 +8,7 @@ from typing import final
 
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     MOST_EVENTS,
@@ -29,7 +30,7 @@ __all__ = ["IncrementalRun"]
 
 @final
 class IncrementalRun:
-    """A run from time 0 on, of which one drive is told stretch by stretch.
+    """A run from time 0 on, of which some drives are told stretch by stretch.
 
     Nothing is started anew between stretches: mode, events, work and errors go on, and what is
     recorded is one run with one certificate.
@@ -40,24 +41,24 @@ class IncrementalRun:
         mechanism: Mechanism,
         law: FrictionLaw | Laws,
         *,
-        drive: str,
+        drives: Sequence[str],
         y0: Sequence[float],
         t_end: float,
         solver: EventDriven,
     ) -> None:
         """Begin at time 0.
 
-        `drive` is the name of the drive that is told; the mechanism's own one has zeros, with a
-        piece for each stretch.
+        `drives` are the names of the drives that are told; the mechanism's own ones have zeros,
+        with a piece for each stretch.
 
         Parameters
         ----------
         mechanism : Mechanism
             What moves.
-        law : FrictionLaw
-            Friction of its contact.
-        drive : str
-            Name of the drive that is told.
+        law : FrictionLaw or Laws
+            Friction of its contacts.
+        drives : sequence of str
+            Names of the drives that are told.
         y0 : sequence of float
             State at time 0: coordinates, rates, bristles [SI].
         t_end : float
@@ -73,9 +74,9 @@ class IncrementalRun:
         self.runner = runner = runner_of(model, compiled=compiled)
         inputs = gather(mechanism, law, model, t_end)
         self._width = 1 + 3 * len(model.drives)
-        self._column = 1 + 3 * model.drives.index(drive)
+        self._columns = [1 + 3 * model.drives.index(drive) for drive in drives]
         self._starts = inputs.table[:: self._width].tolist()
-        self._row = 0
+        self._row, self._begun = 0, False
         self._table = runner.flat(inputs.table)
         # what is not told yet may do anything, so no rest is for good
         self._bounds = runner.vector([math.inf] * max(len(inputs.bounds), 1))
@@ -94,19 +95,21 @@ class IncrementalRun:
     def state(self) -> list[float]:
         """Return the states at that time."""
         first = self.runner.header[Y]
-        return [float(x) for x in self._w[first : first + len(self.model.states)]]
+        if not self._begun:  # only then are they told in coordinates of the equations
+            return [float(x) for x in self._w[first : first + len(self.model.states)]]
+        states = range(len(self.model.states))
+        return [float(state_seen(first, i, self._w, self._whole)) for i in states]
 
-    def advance(self, until: float, value: float, slope: float = 0.0) -> bool:
-        """Run on to a time, the drive beginning with a value; return whether it was reached.
+    def advance(self, until: float, lines: Sequence[tuple[float, float]]) -> bool:
+        """Run on to a time, each drive along a line; return whether it was reached.
 
         Parameters
         ----------
         until : float
             End of the stretch [s].
-        value : float
-            Value of the drive at its start, in its unit.
-        slope : float, default 0.0
-            How the value grows in the stretch [unit of the drive / s].
+        lines : sequence of (float, float)
+            Value of each drive that is told at its start, in its unit, and how it grows in the
+            stretch [unit of the drive / s].
 
         Returns
         -------
@@ -115,10 +118,11 @@ class IncrementalRun:
         """
         last, now = bisect_left(self._starts, until), self.t
         for row in range(self._row, last):
-            at = row * self._width + self._column
-            self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
-            self._table[at + 1] += slope
-        self._row = last
+            for column, (value, slope) in zip(self._columns, lines, strict=True):
+                at = row * self._width + column
+                self._table[at] += value + slope * max(self._starts[row] - now, 0.0)
+                self._table[at + 1] += slope
+        self._row, self._begun = last, True
         start = thread_time()
         self._log, self._events = self.runner.run(
             self._w,
@@ -151,7 +155,7 @@ class IncrementalRun:
             )
 
     def finished(self, mechanism: Mechanism) -> Trajectory:
-        """Return the run, of the mechanism with the drive that was told."""
+        """Return the run, of the mechanism with the drives that were told."""
         inputs = gather(mechanism, self.law, self.model, self.t_end)
         whole = [int(x) for x in self._whole]
         record = Record(self.runner, self._log, self._events, self._w, whole)

@@ -11,9 +11,9 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.simulation import ensemble, own_law
+from stickslip.friction import Friction, FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Output, Samples
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -45,7 +45,7 @@ class Attractor:
     period: int
     """After how many cycles it closes; 0 if it does not."""
     velocity: float
-    """Mean slip velocity over the samples [m/s] or [rad/s]."""
+    """Mean velocity over the samples [m/s] or [rad/s]."""
     share: float
     """Share of all starts that end in it."""
 
@@ -102,9 +102,10 @@ class Basins(OnAxes):
 
 def basins(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     starts: Mapping[str, ArrayLike],
     *,
+    coordinate: str | None = None,
     states: Sequence[str] | None = None,
     keep: int = 24,
     settle: int = 200,
@@ -124,10 +125,13 @@ def basins(
     ----------
     mechanism : Mechanism
         What moves, with a periodic drive.
-    law : FrictionLaw
-        What holds it back.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back; laws by contact where there are several.
     starts : mapping
         Initial values of two states, an array each.
+    coordinate : str, optional
+        Coordinate whose mean rate is told; that along which contacts slip if not given. It has to
+        be named where they slip along several.
     states : sequence of str, optional
         What tells motions apart; the two states of the grid if not given. A place that drifts must
         not be among them.
@@ -168,7 +172,8 @@ def basins(
     >>> found.index.shape, [attractor.period for attractor in found.attractors]
     ((4, 3), [1])
     """
-    law = own_law(mechanism, law)
+    law = event_driven_law(mechanism, law)
+    place, _ = slip_among(mechanism, coordinate, "basins")
     axes = _axes(mechanism, law, starts, keep, settle)
     if period is None:
         whole_run("basins", mechanism, keep + settle)
@@ -181,7 +186,7 @@ def basins(
         law,
         columns,
         t_end=times[-1],
-        outputs=_outputs(mechanism, told, times),
+        outputs=_outputs(place, told, times),
         y0=y0,
         solver=compiled(solver),
         executor=executor,
@@ -212,7 +217,7 @@ def _gridded(
 
 
 def _axes(
-    mechanism: Mechanism, law: FrictionLaw, starts: object, keep: int, settle: int
+    mechanism: Mechanism, law: FrictionLaw | Laws, starts: object, keep: int, settle: int
 ) -> dict[str, Array]:
     """Return the axes of the grid by full path, settings checked."""
     counted("basins", "keep", keep, 2)
@@ -222,11 +227,9 @@ def _axes(
     return dict(axis_of(mechanism, law, f"initial.{name}", v) for name, v in starts.items())
 
 
-def _outputs(
-    mechanism: Mechanism, told: Sequence[str], times: Sequence[float]
-) -> dict[str, Output]:
+def _outputs(place: str, told: Sequence[str], times: Sequence[float]) -> dict[str, Output]:
     found: dict[str, Output] = {f"samples {name}": Samples(name, times) for name in told}
-    found["place"] = Samples(slip_names(mechanism)[0], [times[0], times[-1]])
+    found["place"] = Samples(place, [times[0], times[-1]])
     return found
 
 

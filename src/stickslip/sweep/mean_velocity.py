@@ -12,9 +12,9 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, slip_names
-from stickslip.simulation import ensemble, own_law
+from stickslip.friction import Friction
+from stickslip.mechanisms import Mechanism, slip_among
+from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Mean, Output
 from stickslip.sweep.parameter_grid import (
     Array,
@@ -55,7 +55,7 @@ class VelocityMap(OnAxes):
     unit: str
     """SI unit of the velocity."""
     velocity: Array
-    """Mean slip velocity over whole cycles; NaN where a run ended early."""
+    """Mean velocity over whole cycles; NaN where a run ended early."""
     unsettled: Array
     """How far the second half of these cycles differs from all of them: 0 in a steady motion."""
     period: Array
@@ -64,6 +64,8 @@ class VelocityMap(OnAxes):
     """How each run ended, a `Status` each."""
     certified: NDArray[np.bool_]
     """Whether each run passed every check of its certificate."""
+    coordinate: str = ""
+    """The coordinate whose mean rate it is, if one was named."""
 
     def reversals(self) -> Array:
         """Return where the velocity changes its sign along the only axis, by straight lines.
@@ -138,7 +140,7 @@ class VelocityMap(OnAxes):
         if known.size:
             rows.append(
                 (
-                    "mean velocity",
+                    f"mean velocity of {self.coordinate}" if self.coordinate else "mean velocity",
                     f"{number(known.min(), 4)} to {number(known.max(), 4)} {self.unit}",
                 )
             )
@@ -149,9 +151,10 @@ class VelocityMap(OnAxes):
 
 def average_velocity(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     parameters: Mapping[str, ArrayLike],
     *,
+    coordinate: str | None = None,
     cycles: int = 20,
     settle: int = 100,
     period: float | None = None,
@@ -160,17 +163,20 @@ def average_velocity(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> VelocityMap:
-    """Return the mean slip velocity of a driven mechanism over a grid of parameters.
+    """Return the mean velocity of a driven mechanism over a grid of parameters.
 
     Parameters
     ----------
     mechanism : Mechanism
         What moves.
-    law : FrictionLaw
-        What holds it back.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back; laws by contact where there are several.
     parameters : mapping
         The axes of the grid, an array for each path as in `ensemble`, such as
         ``"mechanism.drive.drive.frequency"``; all their combinations are run.
+    coordinate : str, optional
+        Coordinate whose mean rate is taken; that along which contacts slip if not given. It has to
+        be named where they slip along several.
     cycles : int
         Whole cycles of the drive over which the mean is taken; even, so that they can be halved.
     settle : int
@@ -208,7 +214,8 @@ def average_velocity(
     >>> found.velocity.round(6)
     array([0.046037, 0.032335])
     """
-    law = own_law(mechanism, law)
+    law = event_driven_law(mechanism, law)
+    slip, rate = slip_among(mechanism, coordinate, "average_velocity")
     _check(parameters, cycles, settle)
     if period is None:
         whole_run("average_velocity", mechanism, settle + cycles)
@@ -224,7 +231,7 @@ def average_velocity(
             law,
             {path: values[rows] for path, values in columns.items()},
             t_end=float((settle + cycles) * periods[rows].max()),
-            outputs=_means(slip_names(mechanism)[1], cycles, periods[rows]),
+            outputs=_means(rate, cycles, periods[rows]),
             y0=y0,
             solver=compiled(solver),
             executor=executor,
@@ -233,7 +240,8 @@ def average_velocity(
         table.keep(rows, runs)
     units = {path: unit_of(mechanism, law, path) for path in axes}
     shape = tuple(map(len, axes.values()))
-    return table.mapped(axes, units, shape, periods, _unit(mechanism))
+    unit = mechanism.units[mechanism.coordinates.index(slip)] + "/s"
+    return table.mapped(axes, units, shape, periods, unit, coordinate or "")
 
 
 def _check(parameters: object, cycles: int, settle: int) -> None:
@@ -249,11 +257,6 @@ def _means(rate: str, cycles: int, periods: Array) -> dict[str, Output]:
         "all": Mean(rate, last=cycles * periods),
         "late": Mean(rate, last=cycles // 2 * periods),
     }
-
-
-def _unit(mechanism: Mechanism) -> str:
-    slip, _ = slip_names(mechanism)
-    return mechanism.units[mechanism.coordinates.index(slip)] + "/s"
 
 
 class _Table:
@@ -279,6 +282,7 @@ class _Table:
         shape: tuple[int, ...],
         periods: Array,
         unit: str,
+        coordinate: str,
     ) -> VelocityMap:
         """Return all of it over the grid."""
         return VelocityMap(
@@ -290,4 +294,5 @@ class _Table:
             period=periods.reshape(shape),
             status=self.status.reshape(shape),
             certified=self.certified.reshape(shape),
+            coordinate=coordinate,
         )

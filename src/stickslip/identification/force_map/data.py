@@ -75,6 +75,9 @@ class MotionSegment:
     """Displacement [m] that the sensor may not resolve."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
+    zeros: Array | None = None
+    """What a unit of the zero of each position adds to derived friction (n, m), filtered as it is;
+    None where positions count from where the mechanism's do."""
     weighed: bool = False
     """Whether the load is the weight of the mechanism's mass."""
 
@@ -111,6 +114,7 @@ class MotionSegment:
             held=_first(self.held, count),
             held_regressors=_first(self.held_regressors, count),
             applied=_first(self.applied, count),
+            zeros=_first(self.zeros, count),
         )
 
 

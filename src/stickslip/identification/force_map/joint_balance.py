@@ -230,6 +230,8 @@ class _Piece:
     """Forces that the motion takes (n, m)."""
     slopes: Array
     """Their slopes by the parameters that are looked for (n, m, k)."""
+    by_position: Array | None
+    """Their slopes by the positions (n, m, m); None where positions count from a known zero."""
     taken_at_rest: Array
     """The same for each joint as if it did not accelerate (n, m)."""
     slopes_at_rest: Array
@@ -272,20 +274,22 @@ class _Piece:
         accelerations = accelerations[inside]
         motions = tuple(one.within(inside) for one in motions)
         taken, slopes = torques.along(mechanism, time, places, rates, accelerations)
+        count_of = len(torques.linear)
         smooth = smoothed(accelerations, passed)
-        resting, resting_slopes = np.empty_like(taken), np.empty_like(slopes)
+        resting, resting_slopes = np.empty_like(taken), np.empty_like(slopes[..., :count_of])
         for i in range(count):
             still = smooth.copy()
             still[:, i] = 0.0
             force, slope = torques.along(mechanism, time, places, rates, still)
-            resting[:, i], resting_slopes[:, i] = force[:, i], slope[:, i]
+            resting[:, i], resting_slopes[:, i] = force[:, i], slope[:, i, :count_of]
         return cls(
             time=time,
             motions=motions,
             passed=passed,
             applied=applied[inside],
             taken=taken,
-            slopes=slopes,
+            slopes=slopes[..., :count_of],
+            by_position=slopes[..., count_of:] if torques.by_position else None,
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
@@ -315,6 +319,11 @@ class _Piece:
             held=(self.applied[:, i] - self.taken_at_rest[:, i])[picked],
             held_regressors=self.slopes_at_rest[picked, i],
             applied=smoothed(self.applied[:, i], passed)[picked],
+            zeros=(
+                None
+                if self.by_position is None
+                else smoothed(self.by_position[:, i], passed)[picked]
+            ),
             resolution=motion.resolution,
             passed=passed * every,
         )

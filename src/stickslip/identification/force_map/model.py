@@ -80,6 +80,9 @@ class ForceMap(RecordProblem):
 
     A table beside records in time knows no history: bristle laws are compared with their steady
     friction there.
+
+    Where positions of a record count from a place that is not known, that is eliminated too: what
+    it can do to friction, to first order, is projected out of the rows of each stretch.
     """
 
     law: FrictionLaw
@@ -295,6 +298,9 @@ class ForceMap(RecordProblem):
                 column = column + one.seen(by_weight) / linear[k]
             slopes[:, self.free_parameters.paths.index(path)] = column
         basis, inverse = _inverted(local, rows)
+        if one.zeros is not None:
+            free = one.zeros * ~balanced[:, None]  # at rest friction balances whatever there is
+            basis = _spanned(np.column_stack([basis, free[rows]]))
         return _Local(
             start=states[:, 0, 0],
             states=states[..., 0],
@@ -455,6 +461,15 @@ def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
     kept = s > WEAK * s[0]
     inverse[strong] = ((v[kept].T / s[kept]) @ u[:, kept].T) / whole[strong, None]
     return u[:, kept], inverse
+
+
+def _spanned(columns: Array) -> Array:
+    """Return orthonormal columns that span others (n, r)."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    u, s, _ = np.linalg.svd(columns, full_matrices=False)
+    found: Array = u[:, s > WEAK * s.max(initial=0.0)]
+    return found
 
 
 def _failed(values: Array, segment: NDArray[np.intp]) -> ResidualJacobian:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_unused, with_doubts
-from stickslip.formatting import percent
+from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import (
     BristleLaw,
@@ -27,7 +27,7 @@ from stickslip.identification.estimation.containment import (
     search_failure,
     starts_from,
 )
-from stickslip.identification.estimation.levenberg_marquardt import Watch
+from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import SAMPLES
@@ -70,6 +70,12 @@ DOUBTED, BETTER = 0.5, 0.5
 and how much less it must be with the exchange."""
 SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
 """What may be exchanged, and the quantities of a record that it is."""
+ALIKE = 1e-6
+"""Singular value of scaled slopes below which parameters do the same to all forces."""
+BENDS = 20
+"""Times at which slopes by parameters that forces are not linear in are taken anew."""
+SETTLED = 1e-6
+"""Change of these parameters, over their values, at which slopes are no longer taken anew."""
 FOLLOWED = 1_000
 """Samples of a record along which bristles are integrated, unless the filter asks for more."""
 WIDE = 30.0
@@ -108,7 +114,7 @@ def fit_joints(
         Values of parameters that are held [SI], and of constant forces, as
         ``"measurement.offset.force.elbow"``.
     settings : RecordSettings, optional
-        Starts, seed and hold.
+        Starts, seed and hold, and whether positions count from a zero of each record.
     progress : callable, optional
         Called with the least root mean square so far; False ends the search with the best so far.
 
@@ -217,7 +223,31 @@ class _Motion:
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
     ) -> "_Motion":
         """Derive the motions; with the finer samples that bristles are integrated along."""
-        torques = JointTorques.of(asked.mechanism, asked.linear)
+        torques = JointTorques.of(
+            asked.mechanism, asked.linear, by_position=asked.zeros, may_bend=True
+        )
+        for _ in range(BENDS):
+            own = cls.along(torques, asked, measurement, hold, bristles=bristles)
+            if not torques.bent:
+                return own
+            start = {item.path: item.start for item in own.linear}
+            change = _change(asked.mechanism, start)
+            asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", start))
+            if change < SETTLED:
+                break
+        return cls.along(torques, asked, measurement, hold, bristles=bristles)
+
+    @classmethod
+    def along(
+        cls,
+        torques: JointTorques,
+        asked: "_Asked",
+        measurement: Measurement,
+        hold: Hold,
+        *,
+        bristles: bool,
+    ) -> "_Motion":
+        """Derive the motions with slopes at the values of the mechanism."""
         samples = (SAMPLES, min(SAMPLES, SOME), *((FOLLOWED,) if bristles else ()))
         derived = joint_stretches(
             torques, asked.mechanism, measurement, hold=hold, samples=samples, slipping=True
@@ -319,7 +349,7 @@ class JointFitter:
         settings = settings or RecordSettings()
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
-        asked = _Asked.of(mechanism, laws, vary, fixed, measurement)
+        asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=settings.position_zeros)
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
@@ -371,10 +401,16 @@ class JointFitter:
         RecordFit
             The laws by contact, estimates with intervals, predictions of the force of each joint.
         """
-        asked = _Asked.of(self.mechanism, laws, self.vary, self.fixed, self.measurement)
+        asked = _Asked.of(
+            self.mechanism,
+            laws,
+            self.vary,
+            self.fixed,
+            self.measurement,
+            zeros=self.settings.position_zeros,
+        )
         with with_doubts(self.measurement, asked.mechanism):
-            start = self._prepared(asked, near, changed, contained)
-            ready, found = widened_search(start, self.settings, progress, 0.0)
+            ready, found = self._searched(asked, near, changed, contained, progress)
         build = ready.build.at(found.best.values)
         ready = replace(ready, build=build, problem=build.fitted(self.measurement, None))
         fit = cast("RecordFit[Laws]", finished(JOINTS, self.measurement, ready, found, found))
@@ -392,15 +428,43 @@ class JointFitter:
         )
         return replace(fit, sentences=sentences, search_failure=failure)
 
-    def _prepared(
+    def _searched(
         self,
         asked: "_Asked",
         near: RecordFit[Laws] | None,
         changed: str,
         contained: Sequence[FittedLaw],
+        progress: Watch | None,
+    ) -> tuple[FitSetup[JointBalance], OptimizeResult]:
+        """Search, again with slopes where it ended if forces are not linear in parameters."""
+        motion = self.motion
+        for _ in range(BENDS):
+            start = self._prepared(asked, motion, near, changed, contained)
+            ready, found = widened_search(start, self.settings, progress, 0.0)
+            if not motion.torques.bent or found.cancelled:
+                break
+            known = dict(zip(ready.problem.free_parameters.paths, found.best.values, strict=True))
+            own = {path: float(known[path]) for path in motion.torques.linear}
+            at = {item.path: item.start for item in motion.linear}
+            if _change(vary(asked.mechanism, "mechanism", at), own) < SETTLED:
+                break
+            asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", own))
+            bristles = any(map(_has_bristles, asked.laws.values()))
+            motion = _Motion.along(
+                motion.torques, asked, self.measurement, self.settings.hold, bristles=bristles
+            ).at(np.array(list(own.values())))
+            near = None
+        return ready, found
+
+    def _prepared(
+        self,
+        asked: "_Asked",
+        motion: _Motion,
+        near: RecordFit[Laws] | None,
+        changed: str,
+        contained: Sequence[FittedLaw],
     ) -> FitSetup[JointBalance]:
         """Return the problem of all joints, with start values from the record or a fit near by."""
-        motion = self.motion
         if near is not None:
             known = dict(zip(near.free_parameters.paths, near.values.tolist(), strict=True))
             motion = motion.at(np.array([known[path] for path in motion.torques.linear]))
@@ -525,6 +589,8 @@ class _Asked:
     """Values of each law that are held, by name."""
     linear: tuple[str, ...]
     """Paths of the mechanism's parameters that are fitted."""
+    zeros: bool
+    """Whether positions of each record count from a place that is not known."""
     offsets: Mapping[str, float]
     """Constant forces that are held, by coordinate."""
 
@@ -536,6 +602,8 @@ class _Asked:
         vary_: str | Sequence[str] | None,
         fixed: Mapping[str, float] | None,
         measurement: Measurement,
+        *,
+        zeros: bool,
     ) -> "_Asked":
         """Resolve names to full paths."""
         contacts = tuple(one.name for one in contacts_along(mechanism).values())
@@ -593,7 +661,12 @@ class _Asked:
             free=free,
             known=held_laws,
             linear=linear,
-            offsets={path.removeprefix(OFFSET): values[path] for path in held if path in values},
+            zeros=zeros,
+            offsets={
+                path.removeprefix(OFFSET): values.get(path, 0.0)
+                for path in held
+                if zeros or path in values  # a zero and a constant force are hardly told apart
+            },
         )
 
 
@@ -614,6 +687,15 @@ def _law_of(
             f" {given!r}."
         )
     return cast("FrictionLaw | type[FrictionLaw]", given), (LAW,)
+
+
+def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
+    """Return the largest change of parameters from those of a mechanism, over their values."""
+    before = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    return max(
+        (abs(value - before[path]) / max(abs(value), 1e-300) for path, value in values.items()),
+        default=0.0,
+    )
 
 
 def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
@@ -644,13 +726,20 @@ def _start(
             table[:, :k] = one.regressors
             own = np.column_stack([np.sign(v), v, np.ones_like(v)])
             table[:, k + 3 * i : k + 3 * i + 3] = one.seen(own)
-            tables.append(table[rows])
-            wanted.append((i, one.friction[rows]))
+            seen, friction = table[rows], one.friction[rows]
+            if one.zeros is not None:
+                basis = np.linalg.qr(one.zeros[rows])[0]
+                seen = seen - basis @ (basis.T @ seen)
+                friction = friction - basis @ (basis.T @ friction)
+            tables.append(seen)
+            wanted.append((i, friction))
     table = np.concatenate(tables)
     target = np.concatenate([column for _, column in wanted])
     joint = np.concatenate([np.full(len(column), i) for i, column in wanted])
     size = np.linalg.norm(table, axis=0)
     scaled = table / np.where(size > 0.0, size, 1.0)
+    if torques.bent:
+        _refuse_alike(torques.linear, scaled[:, :k])
     found = np.linalg.lstsq(scaled, target, rcond=1e-8)[0] / np.where(size > 0.0, size, 1.0)
     residual = target - table @ found
     left = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
@@ -676,6 +765,16 @@ def _start(
     within = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
     least = 1e-12 * max(force, 1e-300)
     return tuple(items), np.maximum(left, least), np.maximum(within, least)
+
+
+def _refuse_alike(names: Sequence[str], slopes: Array) -> None:
+    """Refuse parameters that do the same to all forces: searches with new slopes would not end."""
+    _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
+    if sizes[-1] < ALIKE:
+        same = [name for name, part in zip(names, directions[-1], strict=True) if abs(part) > ALIKE]
+        raise InputError(
+            f"the motion does not tell {joined(same)} apart: fix one of them, such as {same[-1]}."
+        )
 
 
 def _middle(measurement: Measurement, names: Sequence[str]) -> Array:

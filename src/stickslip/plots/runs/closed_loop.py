@@ -14,7 +14,7 @@ from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.helpers import Array, Sizes, coordinate_name, dense
 from stickslip.plots.core.label_placement import Curve, label_curves
 from stickslip.plots.core.svg import Draw
-from stickslip.plots.core.theme import C1, C2, C3, MUTED, shade
+from stickslip.plots.core.theme import C1, C2, C3, C4, MUTED, shade
 from stickslip.trajectory import Trajectory
 
 __all__ = ["LOOP_SIZES", "draw_closed_loop", "plot_closed_loop"]
@@ -25,6 +25,8 @@ SHORTEST: Final = 1e-3
 """Share of the time shown that a rest must last to be shaded."""
 DASHED: Final = (0, (5, 2))
 SAMPLES: Final = 1200
+COMMANDS: Final = (C3, C4, C1, C2)
+"""Colours of the commands of several drives, in turn."""
 COLUMNS: Final = 600
 """Stretches of time of which the least and the largest command are drawn, where there are many."""
 
@@ -65,7 +67,7 @@ def draw_closed_loop(
     last = float(seen.t[-1])
     rests = [
         (max(a, since), b)
-        for a, b in loop.run.stick_spans()
+        for a, b in _seen_along(loop, state).stick_spans()
         if b - max(a, since) > SHORTEST * (last - since)
     ]
 
@@ -81,6 +83,17 @@ def draw_closed_loop(
         below.set_xlabel("time, s (shaded: at rest)")
 
     return draw
+
+
+def _seen_along(loop: ClosedLoop, state: str) -> Trajectory:
+    """Return the run as the contact along a state sees it, or else the first."""
+    run, coordinates = loop.run, loop.mechanism.coordinates
+    if not run.contacts:
+        return run
+    along = dict(zip(loop.mechanism.rates, coordinates, strict=True)).get(state, state)
+    slips = {one.name: one.slips for one in loop.mechanism.contacts() if one.name in run.contacts}
+    own = [name for name, among in slips.items() if along in among]
+    return run.contact((own or list(slips))[0])
 
 
 def _place(
@@ -101,11 +114,15 @@ def _place(
 def _command(axes: Axes, loop: ClosedLoop, since: float, last: float, level: float | None) -> None:
     """Draw the command when it acts, and what it must reach to break the body away."""
     when = loop.t + loop.delay
-    when, said = when[when >= since], loop.commands[when >= since]
-    t, u = _thinned(when, said)
-    style = "steps-post" if len(t) == len(when) else "default"  # extremes are not held
-    axes.plot(t, u, drawstyle=style, color=C3, linewidth=1.2, zorder=3)
-    curves = [Curve(t, u, "", C3)]  # the panel has its name
+    curves = []
+    shown = loop.commands if loop.drives else loop.commands[:, None]
+    for i, values in enumerate(shown[when >= since].T):
+        t, u = _thinned(when[when >= since], values)
+        style = "steps-post" if len(t) == int(np.sum(when >= since)) else "default"  # not held
+        name = loop.drives[i] if loop.drives else ""  # the panel has its name
+        colour = COMMANDS[i % len(COMMANDS)]
+        axes.plot(t, u, drawstyle=style, color=colour, linewidth=1.2, zorder=3)
+        curves.append(Curve(t, u, name, colour))
     if level is not None:
         for side in (-1.0, 1.0):
             axes.axhline(side * level, color=MUTED, linestyle=DASHED, linewidth=1.0)

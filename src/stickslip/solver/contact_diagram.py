@@ -1,0 +1,257 @@
+"""A mechanism with several contacts as blocks of a diagram, from the parts of its equations."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Self, final
+
+from typing_extensions import override
+
+from stickslip.formulation import Model, formulate
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels.contacts.assembly import prepare, refresh
+from stickslip.kernels.contacts.guards import law_flags
+from stickslip.kernels.contacts.motion import slip_rate, supply
+from stickslip.kernels.contacts.transitions import rubs, set_own_flags
+from stickslip.kernels.coordinates import turn_states
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
+from stickslip.kernels.equations import ENERGY, LOADS, evaluate
+from stickslip.kernels.state_layout import (
+    ACCELERATION,
+    BRISTLE_RATES,
+    CONSTANT_LOADS,
+    FLAGS,
+    FRICTION,
+    LEVELS,
+    LOAD,
+    MODES,
+    N_CONTACTS,
+    N_COORDINATES,
+    N_STATES,
+    N_SWITCHES,
+    NEEDED,
+    OPEN,
+    REACTS,
+    RIGID,
+    SLIPS,
+    TIME,
+    VALUES,
+    Y,
+)
+from stickslip.mechanisms import Mechanism
+from stickslip.solver.block_diagram import BlockDiagram, Lead, leads_of
+from stickslip.solver.drive_schedule import gather
+from stickslip.solver.evaluator import Equations
+
+__all__ = ["ContactDiagram"]
+
+OPENED = 3.0
+"""Mode of a contact without load, as columns have it."""
+
+
+@final
+@dataclass(frozen=True)
+class ContactDiagram(BlockDiagram):
+    """Evaluates forces and rates of a mechanism with several contacts, and nothing else.
+
+    States are those of the equations, in which every independent slip is a coordinate. While
+    contacts along a coordinate are held, its acceleration is 0 and the friction there is what that
+    takes. Loads that are reactions are worked out together with friction.
+    """
+
+    model: Model
+    """Parts of the equations."""
+    equations: Equations
+    """Their numbers."""
+    slips: tuple[int, ...]
+    """Index in the state of the rate of each coordinate along which a contact slips."""
+    leads: tuple[Lead, ...]
+    """Guided coordinates, which are set before rates are asked for."""
+    asked: list[Any] = field(default_factory=list, compare=False, repr=False)
+    """State, time, held and pushed coordinates at which everything was last worked out."""
+
+    @classmethod
+    def build(
+        cls, mechanism: Mechanism, law: FrictionLaw | Laws, t_end: float, y0: Sequence[float]
+    ) -> Self:
+        """Derive the parts of the equations.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        law : FrictionLaw or Laws
+            The law that all contacts share, or laws by contact.
+        t_end : float
+            Last time that drives are asked for [s].
+        y0 : sequence of float (n,)
+            State at time 0: coordinates, rates, bristles [SI].
+
+        Returns
+        -------
+        type of the class
+            The diagram.
+        """
+        model = formulate(mechanism, law)
+        equations = Equations(model, gather(mechanism, law, model, t_end))
+        w, whole = equations.w, equations.whole
+        first, n = whole[SLIPS], whole[N_COORDINATES]
+        slips = sorted({n + whole[first + c] for c in range(whole[N_CONTACTS])})
+        found = cls(model, equations, tuple(slips), leads_of(mechanism, y0))
+        found._put(0.0, y0)
+        for _ in range(whole[N_SWITCHES]):
+            set_own_flags(w, whole)
+        prepare(0.0, w, whole)  # gives the change of coordinates, too
+        return found
+
+    @property
+    @override
+    def columns(self) -> tuple[str, ...]:
+        contacts = self.model.contacts
+        kinds = ("friction", "normal_force", "mode")
+        own = tuple(f"{kind}:{name}" for kind in kinds for name in contacts)
+        return (*self.model.states, *(kinds if self.model.alone else own))
+
+    @property
+    @override
+    def contacts(self) -> tuple[str, ...]:
+        return () if self.model.alone else self.model.contacts
+
+    def _put(self, t: float, y: Sequence[float]) -> None:
+        w, whole = self.equations.w, self.equations.whole
+        first = whole[Y]
+        w[first : first + whole[N_STATES]] = y
+        w[TIME] = t
+
+    def _turned(self, y: Sequence[float], back: int) -> list[float]:
+        """Return a state in coordinates of the equations, or back in those of the mechanism."""
+        w, whole = self.equations.w, self.equations.whole
+        first, count = whole[Y], whole[N_STATES]
+        w[first : first + count] = y
+        turn_states(first, back, w, whole)
+        self.asked.clear()
+        return [float(x) for x in w[first : first + count]]
+
+    @override
+    def begun(self, y0: Sequence[float]) -> list[float]:
+        return self._turned(y0, 0)
+
+    @override
+    def led(self, t: float, y: list[float]) -> list[float]:
+        if not self.leads:
+            return y
+        return self._turned(super().led(t, self._turned(y, 1)), 0)
+
+    def _at(
+        self,
+        t: float,
+        y: Sequence[float],
+        held: tuple[bool, ...],
+        pushed: Mapping[int, int] | None = None,
+    ) -> tuple[list[Any], list[int]]:
+        """Work everything out at a state, with some coordinates held; return where it stands.
+
+        While it is decided who is held, `pushed` has the directions of those that are not.
+        """
+        w, whole = self.equations.w, self.equations.whole
+        asked: list[Any] = [t, held, dict(pushed or {})]
+        if self.asked and self.asked[0] is y and self.asked[1:] == asked:
+            return w, whole
+        self.equations.load_at(t)
+        self._put(t, y)
+        set_own_flags(w, whole)
+        if not whole[CONSTANT_LOADS]:
+            evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
+        for c in range(whole[N_CONTACTS]):
+            closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
+            whole[whole[OPEN] + c] = 0 if closed else 1
+        n, modes = whole[N_COORDINATES], whole[MODES]
+        kept = dict(zip(self.slips, held, strict=True))
+        for i in range(n):
+            rate = y[n + i] or asked[2].get(n + i, 0)
+            whole[modes + i] = FORWARD if rate > 0.0 else BACKWARD if rate < 0.0 else FREE
+            if kept.get(n + i):
+                whole[modes + i] = HELD_FAST
+            elif not rubs(i, whole):
+                whole[modes + i] = FREE
+        law_flags(t, w, whole, whole[Y])
+        refresh(t, w, whole, whole[Y])
+        self.asked[:] = [y, *asked]
+        return w, whole
+
+    @override
+    def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
+        if not any(held):
+            return tuple(held)
+        whole = self.equations.whole
+        n, rigid = whole[N_COORDINATES], whole[RIGID]
+        rests = (y[slip] == 0.0 and bool(whole[rigid + slip - n]) for slip in self.slips)
+        kept = tuple(rests)  # whoever is at rest is decided with those that are to be held
+        pushed: dict[int, int] = {}
+        while any(kept):
+            slip, side = self._weakest(t, y, kept, pushed)
+            if side == 0:
+                break
+            pushed[slip] = side
+            kept = tuple(one and slip != own for one, own in zip(kept, self.slips, strict=True))
+        return tuple(a and b for a, b in zip(kept, held, strict=True))
+
+    def _weakest(
+        self, t: float, y: Sequence[float], held: tuple[bool, ...], pushed: Mapping[int, int]
+    ) -> tuple[int, int]:
+        """Return the held slip that exceeds its level most and where it is pushed, 0 if none."""
+        w, whole = self._at(t, y, held, pushed)
+        n, found, excess = whole[N_COORDINATES], (0, 0), 0.0
+        for slip, one in zip(self.slips, held, strict=True):
+            needed = float(w[whole[NEEDED] + slip - n])
+            level = float(w[whole[LEVELS] + 2 * (slip - n) + (0 if needed >= 0.0 else 1)])
+            if not one or (abs(needed) <= level and rubs(slip - n, whole)):
+                continue
+            beyond = abs(needed) / level if level > 0.0 else math.inf
+            if beyond > excess:
+                found, excess = (slip, 1 if needed > 0.0 else -1), beyond
+        return found
+
+    @override
+    def rates(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        w, whole = self._at(t, y, tuple(held))
+        n, states = whole[N_COORDINATES], whole[N_STATES]
+        first, bristles = whole[ACCELERATION], whole[BRISTLE_RATES]
+        return [*y[n : 2 * n], *w[first : first + n], *w[bristles : bristles + states - 2 * n]]
+
+    @override
+    def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
+        w, whole = self._at(t, y, tuple(held))
+        count, friction, load = whole[N_CONTACTS], whole[FRICTION], whole[LOAD]
+        is_open = [bool(whole[whole[OPEN] + c]) for c in range(count)]
+        loads = [0.0 if is_open[c] else w[load + c] for c in range(count)]
+        modes = []
+        for c in range(count):
+            sticks = whole[whole[MODES] + whole[whole[SLIPS] + c]] == HELD_FAST
+            v = 0.0 if sticks else slip_rate(c, w, whole, whole[Y])
+            modes.append(OPENED if is_open[c] else float((v > 0) - (v < 0)))
+        forces = w[friction : friction + count]
+        row = [float(x) for x in (*forces, *loads, *modes)]
+        return [t, *self._turned(y, 1), *row]
+
+    @override
+    def lifts(self, row: Sequence[float]) -> bool:
+        whole, count = self.equations.whole, self.equations.whole[N_CONTACTS]
+        loads = row[1 + whole[N_STATES] + count :][:count]
+        return any(whole[whole[REACTS] + c] and load < 0.0 for c, load in enumerate(loads))
+
+    @override
+    def balance(
+        self, t: float, y: Sequence[float], held: Sequence[bool], row: Sequence[float]
+    ) -> tuple[float, ...]:
+        w, whole = self._at(t, y, tuple(held))
+        values, at = whole[VALUES], whole[Y]
+        evaluate(ENERGY, 0, whole[FLAGS], t, w, at, values)
+        energy = float(w[values])
+        supply(t, w, whole, at, values)
+        supplied = float(w[values])
+        taken = [
+            float(w[whole[FRICTION] + c] * slip_rate(c, w, whole, at))
+            for c in range(whole[N_CONTACTS])
+        ]
+        return energy, supplied, *taken
