@@ -183,6 +183,7 @@ class ModeSizes(Sizes):
         return {
             at.N_LIMITS: self.limits,
             at.N_WALLS: len(self.walls),
+            at.N_CHANNELS: self.channels,
             at.SLIP: self.slip,
             at.CAN_STICK: int(self.can_stick),
             at.CAN_LIFT: int(self.can_lift),
