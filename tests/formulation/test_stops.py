@@ -13,9 +13,9 @@ import pytest
 from typing_extensions import override
 
 from stickslip import Coulomb, EventDriven, simulate
-from stickslip.drives import Drive
+from stickslip.drives import Drive, Pulse
 from stickslip.errors import ParameterError, SimulationError
-from stickslip.mechanisms import BoundedMechanism, Contact, Stop, stops_between
+from stickslip.mechanisms import BoundedMechanism, Contact, Guide, Stop, stops_between
 from stickslip.quantities import Quantity
 from stickslip.results import Status
 
@@ -112,6 +112,67 @@ def test_an_impact_through_a_shell_at_its_stop_bounces_until_both_agree():
     assert after["xi_dot"][0] == pytest.approx(0.0, abs=1e-12)
     assert run["x"].max() == 0
     assert run.certificate.certified
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Tray(BoundedMechanism):
+    """A tray that a guide carries at a constant speed, and a block that hits its rim."""
+
+    name: ClassVar[str] = "tray"
+    coordinates: ClassVar[tuple[str, ...]] = ("x", "s", "z")
+    rates: ClassVar[tuple[str, ...]] = ("v", "u", "w")
+    units: ClassVar[tuple[str, ...]] = ("m", "m", "m")
+    mass: ClassVar[float] = 3.0
+    contact_names: ClassVar[tuple[str, ...]] = ("block",)
+    idle: bool = False
+    """Whether a second block, at rest beside the tray, rubs too."""
+
+    @override
+    def kinetic_energy(self, q: Mapping, q_dot: Mapping):
+        along = q_dot["x"] + q_dot["s"]
+        return 0.5 * (self.mass * along * along + q_dot["z"] * q_dot["z"])
+
+    @override
+    def potential_energy(self, t, q: Mapping):
+        return 0.0
+
+    @override
+    def forces(self, t, q: Mapping, q_dot: Mapping, drives: Mapping):
+        return {}
+
+    @override
+    def drives(self) -> Mapping[str, Drive]:
+        return {"carry": Pulse(level=0.0, duration=1.0)}
+
+    @override
+    def guided(self) -> Mapping[str, Guide]:
+        return {"s": Guide(drive="carry", effort="push", unit="N")}
+
+    @override
+    def contacts(self) -> tuple[Contact, ...]:
+        beside = (Contact(slip="z", load=1.0, name="beside"),) if self.idle else ()
+        return (Contact(slip="x", load=1.0, name="block"), *beside)
+
+    @override
+    def stops(self) -> tuple[Stop, ...]:
+        return (Stop(coordinate="x", position=0.5, side="upper", restitution=0.6),)
+
+
+@pytest.mark.parametrize("idle", [False, True], ids=["one contact", "two contacts"])
+def test_what_a_guide_does_in_an_impact_is_work_that_it_supplies(idle):
+    carry, level = -2.0, 0.1
+    start = {"v": 1.0, "u": carry}
+    run = simulate(Tray(idle=idle), Coulomb(kinetic_coefficient=level), t_end=1.0, y0=start)
+    assert run.certificate.certified
+    [hit] = [event for event in run.events if "stop" in event.reason]
+    before = (1.0 - 2.0 * (level / 3.0) * 0.5) ** 0.5
+    impact = carry * 3.0 * -1.6 * before  # what turns the block round, it gives to the tray
+    rubbing = carry * -level * (hit.t - (1.0 - hit.t))  # the other way after the impact
+    trust = run.certificate
+    assert trust.work_supplied == pytest.approx(impact + rubbing, rel=1e-12)
+    assert trust.work_stops == pytest.approx(0.5 * 3.0 * (1 - 0.36) * before**2, rel=1e-12)
+    assert trust.energy_error < 1e-14
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.6])

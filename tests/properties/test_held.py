@@ -4,6 +4,7 @@ The state does not change while a body is held, so no error of the state keeps s
 course of the needed friction has to.
 """
 
+import itertools
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -13,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from tests.contact_cases import Plain
 
 from stickslip import Axis, Coulomb, EventDriven, simulate
-from stickslip.drives import Sine
+from stickslip.drives import Drive, Sine
 from stickslip.maths import sin
 from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
@@ -128,15 +129,76 @@ def test_no_peak_is_slept_through_in_many_runs(seed):
     assert [k for k in range(60) if missed(*draw(rng, (Shaken, ShakenTwo)[k % 2]))] == []
 
 
+@dataclass(frozen=True, kw_only=True)
+class Blocks(Plain):
+    """Blocks of which one is pushed; each carries a part of the next one's inertia."""
+
+    name: ClassVar[str] = "blocks"
+    coordinates: ClassVar[tuple[str, ...]] = ("a", "b", "c", "d", "e", "f")
+    rates: ClassVar[tuple[str, ...]] = ("a_dot", "b_dot", "c_dot", "d_dot", "e_dot", "f_dot")
+    units: ClassVar[tuple[str, ...]] = ("m",) * 6
+    push: Drive
+    shared: Annotated[float, Quantity("s", "kg", low=0)] = 0.0
+
+    def kinetic_energy(self, q, q_dot):
+        speeds = [q_dot[i] for i in self.coordinates]
+        along = [u + v for u, v in itertools.pairwise(speeds)]
+        return 0.5 * (sum(v * v for v in speeds) + self.shared * sum(v * v for v in along))
+
+    def drives(self):
+        return {"push": self.push}
+
+    def forces(self, t, q, q_dot, drives):
+        return {self.coordinates[1]: drives["push"]}
+
+    def contacts(self):
+        return tuple(Contact(name=i, slip=i, load=1.0) for i in self.coordinates)
+
+
+class TwoBlocks(Blocks):
+    coordinates = Blocks.coordinates[:2]
+    rates = Blocks.rates[:2]
+    units = Blocks.units[:2]
+
+
+class ThreeBlocks(Blocks):
+    coordinates = Blocks.coordinates[:3]
+    rates = Blocks.rates[:3]
+    units = Blocks.units[:3]
+
+
+def pushed(kind, push):
+    """Return an axis, or blocks with inertia in common or none, that a drive pushes."""
+    if kind is Axis:
+        return Axis(inertia=1.0, drive=push)
+    cls, shared = kind
+    return cls(push=push, shared=shared)
+
+
+KINDS = [
+    Axis,
+    *((cls, shared) for cls in (TwoBlocks, ThreeBlocks, Blocks) for shared in (0.0, 0.5)),
+]
+
+
 @pytest.mark.parametrize("excess", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14])
-def test_a_sine_just_above_the_level_breaks_away_at_every_peak(excess):
-    axis = Axis(inertia=1.0, drive=Sine(amplitude=1.0 + excess, frequency=0.5))
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: str(getattr(kind, "__name__", kind)))
+def test_a_sine_just_above_the_level_breaks_away_at_every_peak(kind, excess):
+    sine = Sine(amplitude=1.0 + excess, frequency=0.5)
     law = Coulomb(kinetic_coefficient=0.5, static_coefficient=1.0)
-    run = simulate(axis, law, t_end=3.8, solver=PLAIN)
+    run = simulate(pushed(kind, sine), law, t_end=3.8, solver=PLAIN)
     broken = [e.t for e in run.events if e.reason == "break-away"]
     expected = np.arcsin(1.0 / (1.0 + excess)) / np.pi + np.arange(4)
     # the moment is as uncertain as the root of the force's rounding
     np.testing.assert_allclose(broken, expected, atol=2e-8)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: str(getattr(kind, "__name__", kind)))
+def test_a_sine_of_the_level_and_one_below_it_are_held(kind):
+    law = Coulomb(kinetic_coefficient=0.5, static_coefficient=1.0)
+    for amplitude in (1.0, 1.0 - 1e-12):
+        sine = Sine(amplitude=amplitude, frequency=0.5)
+        assert not simulate(pushed(kind, sine), law, t_end=3.8, solver=PLAIN).events
 
 
 def test_an_oscillation_with_the_same_phase_at_all_samples_is_seen():

@@ -140,7 +140,9 @@ def test_slopes_go_through_a_guided_motion():
 def test_a_limit_ends_the_run_where_the_torque_reaches_it():
     run = simulate(Swinging(strongest=0.3), LAWS, t_end=3.0, y0=START, solver=PLAIN, throw=False)
     assert run.status is Status.LIMIT
-    assert run.events[-1].reason == "motor"
+    end = run.events[-1]
+    assert end.reason == "motor"
+    assert end.from_mode == end.to_mode == run["mode:wheels"][-1] != 0
     assert run["torque"][-1] == pytest.approx(0.3, rel=1e-12)
     whole = simulate(Swinging(), LAWS, t_end=3.0, y0=START, solver=PLAIN)
     before = whole.at(np.linspace(0.0, run.span[1], 400))["torque"]

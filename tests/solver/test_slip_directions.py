@@ -228,17 +228,61 @@ def closing(coordinates, slips):
 
 def test_slips_that_depend_on_each_other_are_refused_by_name():
     loop = closing(
-        ("a", "b", "c"),
+        ("a", "b", "c", "d"),
         {
             "one": {"a": 1.0, "b": -1.0},
             "two": {"b": 1.0, "c": -1.0},
+            "beside": {"c": 1.0, "d": -1.0},  # has no part in the loop
+            "ground": "d",
             "three": {"a": 1.0, "c": -1.0},
         },
     )
-    with pytest.raises(InputError, match=r"'three' follows from those of one, two.*\(None\)"):
+    with pytest.raises(InputError, match=r"'three' follows from those of one, two: .*\(None\)"):
         simulate(loop, coulomb(0.5), t_end=1.0, solver=PLAIN)
-    laws = {"one": coulomb(0.5), "two": coulomb(0.5), "three": None}
+    laws = dict.fromkeys(("one", "two", "beside", "ground"), coulomb(0.5)) | {"three": None}
     assert simulate(loop, laws, t_end=1.0, y0={"a_dot": 1.0}, solver=PLAIN).certificate.certified
+
+
+@pytest.mark.parametrize(("torque", "holds"), [(2.5, True), (4.1, True), (4.3, False)])
+def test_a_loop_whose_support_yields_holds_what_its_clutches_can_carry(torque, holds):
+    """Clutches between three shafts, of which the third is fixed to its shaft by a spring.
+
+    The torque acts on the first shaft, of 1/6 of the inertia: 5/6 of it has to go through clutches
+    of 2 and 1.5 N m, which can carry up to 4.2 N m so.
+    """
+
+    class Shafts(Plain):
+        name = "shafts"
+        coordinates = ("a", "b", "c", "ring")
+        rates = ("a_dot", "b_dot", "c_dot", "ring_dot")
+        units = ("rad",) * 4
+
+        def kinetic_energy(self, q, q_dot):
+            pairs = zip((1.0, 2.0, 3.0, 1e-3), self.coordinates, strict=True)
+            return sum((0.5 * inertia * q_dot[i] * q_dot[i] for inertia, i in pairs), 0.0)
+
+        def potential_energy(self, t, q):
+            return 50.0 * (q["ring"] - q["c"]) * (q["ring"] - q["c"])
+
+        def forces(self, t, q, q_dot, drives):
+            damping = 0.5 * (q_dot["ring"] - q_dot["c"])
+            return {"a": torque, "c": damping, "ring": -damping}
+
+        def contacts(self):
+            ways = {"one": ("a", "b"), "two": ("b", "c"), "three": ("a", "ring")}
+            return tuple(
+                Contact(name=name, slip={i: 1.0, j: -1.0}, load=1.0)
+                for name, (i, j) in ways.items()
+            )
+
+    laws = {"one": coulomb(2.0), "two": coulomb(3.0), "three": coulomb(1.5)}
+    run = simulate(Shafts(), laws, t_end=4.0, solver=PLAIN)
+    assert run.certificate.certified
+    assert all(run[f"mode:{name}"][-1] == 0 for name in laws) is holds
+    if holds:
+        # whatever slipped at first, the whole of 6 kg m^2 then gains speed as one
+        last, before = run.at([4.0, 3.9])["a_dot"]
+        assert (last - before) / 0.1 == pytest.approx(torque / 6.001, rel=2e-3)
 
 
 def test_multiples_of_a_slip_are_one_direction():

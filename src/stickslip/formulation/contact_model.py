@@ -106,14 +106,17 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
-    if slopes or any(bristles):  # what is stiff is integrated with the Jacobian
+    dampens = equations.dampens() or any(one.may_dampen for one in laws)
+    if slopes or dampens:  # what is stiff is integrated with the Jacobian
         along = [*symbols.states, symbols.t]
     if slopes:
         drives = [se.Symbol(f"p{i}") for i in range(3 * len(symbols.drives))]
         own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
         along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
     columns = equations.part_slopes(along)
-    sizes = _sizes(mechanism, own, equations, laws, board, len(paths), bristles, columns)
+    sizes = _sizes(
+        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens
+    )
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
     for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
@@ -230,6 +233,11 @@ class _Equations:
         """Whether an expression changes in a run."""
         return bool(_names(e) & self.moving) and bool(_names(se.expand(e)) & self.moving)
 
+    def dampens(self) -> bool:
+        """Whether the power that goes in has products of rates: motions die away, or grow."""
+        rates = {str(rate) for rate in self.symbols.rates}
+        return any(_names(self.supplied.diff(v)) & rates for v in self.symbols.rates)
+
     def constant_mass(self) -> bool:
         """Whether the mass matrix is constant."""
         return not any(self.varies(e) for e in self.parts.mass.values())
@@ -280,6 +288,8 @@ def _sizes(
     parameter_count: int,
     bristles: Sequence[int],
     columns: Sequence[Mapping[int, se.Expr]],
+    *,
+    dampens: bool,
 ) -> ContactSizes:
     parts = equations.parts
     return ContactSizes(
@@ -309,7 +319,7 @@ def _sizes(
         constant_mass=equations.constant_mass(),
         constant_loads=equations.constant_loads(),
         affine=equations.affine(),
-        exact=equations.affine() and all(one.is_linear for one in laws),
+        exact=not dampens and equations.affine() and all(one.is_linear for one in laws),
         supplies=parts.supplied != 0,
         part_slopes=tuple(tuple(column) for column in columns),
     )

@@ -330,6 +330,15 @@ class LawParts:
         """Whether friction is affine in the speed, and no switch changes how."""
         return not self.margins and all(case[6] == 1 for case in self.numbers.values())
 
+    @property
+    def may_dampen(self) -> bool:
+        """Whether friction changes with the speed, or there are bristles, so that it may be stiff.
+
+        Both are seen at the slopes of friction along the speed and at the rates of bristles.
+        """
+        cases = self.numbers.values()
+        return any(case[4] != 0 or case[5] != 0 or len(case) > LAW_NUMBERS for case in cases)
+
 
 def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     """Trace a law: y0 is the slip speed, then come its parameters, its bristles and its load.

@@ -157,7 +157,7 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
             continue
         free = _reduced(row, echelon)
         if not free:
-            others = ", ".join(other for _, other in found.values())
+            others = ", ".join(_closing(row, list(found.values())))
             raise InputError(
                 f"{owner}: the slip of the contact {name!r} follows from those of {others}: while"
                 " all of them hold, forces are not determined, and neither is who slips first."
@@ -224,6 +224,20 @@ def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
             for j, factor in other.items():
                 rest[j] = se.expand(rest.get(j, se.Integer(0)) - weight * factor)
     return {j: rest[j] for j in sorted(rest) if not _vanishes_for_all_parameters(rest[j])}
+
+
+def _closing(row: Row, found: Sequence[tuple[Row, str]]) -> list[str]:
+    """Return the names of the contacts with whose slips a row closes a loop, and of no others."""
+    needed = list(found)
+    for one in found:
+        fewer = [other for other in needed if other is not one]
+        echelon: dict[int, Row] = {}
+        for other, _ in fewer:
+            free = _reduced(other, echelon)
+            echelon[next(iter(free))] = free
+        if not _reduced(row, echelon):
+            needed = fewer
+    return [name for _, name in needed]
 
 
 def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tuple[Entries, ...]]:

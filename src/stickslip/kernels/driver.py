@@ -157,8 +157,10 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
+    STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
+    CHANGED.
 
     Parameters
     ----------
@@ -181,9 +183,10 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a jump of forces.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS,
+    EVENTS, STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
+    CHANGED.
 
     Parameters
     ----------
@@ -205,11 +208,11 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS, MODES.
-    Writes: STEP, STRIDE, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
-    CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE, STATUS,
+    STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Writes: STEP, STRIDE, SUPPLIED, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES,
+    STAGES, MATRIX, PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS,
+    STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -246,10 +249,11 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
-    Reads: TIME, STEP, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS, PIECE, STEPS,
-    EVENTS, STALLS, BOOKS, MODES.
-    Writes: STEP, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT,
-    WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
+    Reads: TIME, STEP, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS,
+    PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Writes: STEP, SUPPLIED, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
+    PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
+    CHANGED.
     """
     whole[STATUS] = RUNNING
     enter_pieces(table, w, whole)

@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD
-from stickslip.kernels.equations import FIELD, GUARDS, WALLS_OF, evaluate
+from stickslip.kernels.equations import ENERGY, FIELD, GUARDS, WALLS_OF, evaluate
 from stickslip.kernels.state_layout import (
     BOOKS,
     FIRST_WALL,
@@ -13,11 +13,13 @@ from stickslip.kernels.state_layout import (
     HEADER,
     LOST,
     MODE,
+    N_CHANNELS,
     N_COORDINATES,
     N_WALLS,
     SCALE,
     SLIP,
     STEPS,
+    SUPPLIED,
     TIME,
     VALUES,
     WALL_COLUMNS,
@@ -27,6 +29,7 @@ from stickslip.kernels.state_layout import (
 
 __all__ = [
     "approach",
+    "energy_now",
     "pressed_by",
     "resting_speed",
     "strike",
@@ -202,11 +205,38 @@ def resting_speed(t: float, size: float, push: float, place: float, restitution:
     return max(RESTING * size, INSTANT * abs(t * push), blurred)
 
 
+def energy_now(w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state, where guides may do work in an impact; else 0.
+
+    A guide keeps the rate of its coordinate. Its impulse follows from the changes of the others,
+    and its work is what the energy changes by and the stops do not take.
+
+    Reads: TIME, Y, MODE, FLAGS.
+    Writes: VALUES.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    float
+        Energy [J].
+    """
+    if whole[N_CHANNELS] == 0:
+        return 0.0
+    evaluate(ENERGY, whole[MODE], whole[FLAGS], w[TIME], w, whole[Y], whole[VALUES])
+    return w[whole[VALUES]]
+
+
 def strike(wall: int, w: Vector, whole: Wholes) -> bool:
     """Change the rates by an impact; return whether a coordinate that does not slip stays there.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS.
 
     Parameters
     ----------
@@ -243,6 +273,7 @@ def strike(wall: int, w: Vector, whole: Wholes) -> bool:
     if speed <= smallest and push > 0.0:
         restitution = 0.0
     if speed > 0.0:
+        before = energy_now(w, whole)
         for i in range(coordinates):
             w[y + coordinates + i] -= (1.0 + restitution) * side * speed * w[at + 3 + i]
         w[y + rate] = 0.0 - side * restitution * speed
@@ -250,4 +281,6 @@ def strike(wall: int, w: Vector, whole: Wholes) -> bool:
             lost = 0.5 * w[at + 2] * (1.0 - restitution * restitution) * speed * speed
             w[LOST] += lost
             w[GROSS] += lost
+            if whole[N_CHANNELS] > 0:
+                w[SUPPLIED] += energy_now(w, whole) - before + lost
     return rate != slip and push > 0.0 and (speed <= 0.0 or restitution == 0.0)

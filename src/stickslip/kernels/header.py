@@ -183,6 +183,7 @@ class ModeSizes(Sizes):
         return {
             at.N_LIMITS: self.limits,
             at.N_WALLS: len(self.walls),
+            at.N_CHANNELS: self.channels,
             at.SLIP: self.slip,
             at.CAN_STICK: int(self.can_stick),
             at.CAN_LIFT: int(self.can_lift),
@@ -245,7 +246,7 @@ class ContactSizes(Sizes):
     affine: bool
     """Whether the forces are affine in states and time, at any flags, and loads constant."""
     exact: bool
-    """Whether all modes are, whatever the flags are: their rows keep one state only."""
+    """Whether all modes are, whatever the flags are, and never stiff: rows keep one state only."""
     supplies: bool
     """Whether anything puts power in."""
     part_slopes: tuple[tuple[int, ...], ...]

@@ -177,8 +177,8 @@ def set_mode(w: Vector, whole: Wholes) -> None:
 def transition(guard: int, w: Vector, whole: Wholes) -> float:
     """Change mode or flags for a violated guard; return the margin of the decision.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STEPS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS.
     """
     first_wall = whole[FIRST_WALL]
     first_limit = whole[FIRST_LIMIT]
@@ -251,8 +251,10 @@ def forbidden(w: Vector, whole: Wholes) -> int:
 def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
     """Turn the switches whose margins jumped with the drives, nested ones included.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, MODE, FLAGS, STATUS, STEPS, EVENTS,
+    STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
+    CHANGED.
 
     Parameters
     ----------
@@ -278,8 +280,9 @@ def turn_switches(w: Vector, whole: Wholes, events: Vector) -> None:
 def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transitions that follow from a jump of forces, and from the start.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
+    CHANGED.
 
     Parameters
     ----------
@@ -318,8 +321,9 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
 def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard, and of a limit that lies behind it.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER, CHANGED.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
+    CHANGED.
 
     Parameters
     ----------
@@ -342,8 +346,8 @@ def handle_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def note_event(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make the transition of a guard and write it to the rows of events.
 
-    Reads: TIME, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
-    Writes: GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, MODE, FLAGS, STATUS, STEPS, EVENTS, STALLS, BOOKS.
+    Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
     mode = whole[MODE]

@@ -412,7 +412,7 @@ LEVEL_SLOPES = 127
 BRISTLE_SLOPES = 128
 
 N_CHANNELS = 129
-"""With several contacts: efforts of guided coordinates."""
+"""Efforts of guided coordinates."""
 STRUCK = 130
 """Place in `whole` of how each coordinate meets its stop in an impact."""
 

@@ -16,14 +16,12 @@ from stickslip.kernels.guard_roots import (
 )
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
-from stickslip.kernels.model_interface import jacobian
 from stickslip.kernels.questions import CROSSING, SERIES_STEP, ask_here, ask_of
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
     FIRST_WALL,
     FRACTION,
     LENGTH,
-    MATRIX,
     N_CONTACTS,
     POLYNOMIAL,
     REJECTED,
@@ -80,8 +78,6 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     error = dop853_step(t, h, w, whole, rtol)
     if error <= 1.0:
         dop853_dense(t, h, w, whole)
-        if whole[N_CONTACTS] == 0:
-            jacobian(t, w, whole, y, whole[MATRIX])
     return error
 
 
@@ -130,7 +126,7 @@ def accepted_step(
         if error <= 1.0:
             # a step cut short by the end of a piece says little of the next one
             w[slot] = max(proposed, w[slot]) if last else proposed
-            if stepper != STIFF and whole[N_CONTACTS] == 0:
+            if stepper != STIFF:
                 watch_stiffness(h, w, whole)
             return h
         whole[REJECTED] += 1

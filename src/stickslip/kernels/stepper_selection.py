@@ -3,7 +3,7 @@
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import EXACT, SMOOTH, STIFF
 from stickslip.kernels.error_scale import size_of
-from stickslip.kernels.model_interface import linear
+from stickslip.kernels.model_interface import jacobian, linear
 from stickslip.kernels.rodas5p import rodas_step
 from stickslip.kernels.state_layout import (
     HAS_BRISTLES,
@@ -11,6 +11,7 @@ from stickslip.kernels.state_layout import (
     MODE,
     N_CONTACTS,
     N_STATES,
+    N_VARIABLES,
     SCALE,
     SLIP,
     SLOW,
@@ -114,11 +115,11 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
 def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     """Go over to Rodas5P where steps stay short for the sake of a motion that has died away.
 
-    The Jacobian at the start of the step stands at MATRIX; less its trace is the sum of all
-    dampings.
+    Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
+    asked for only where nothing changes much.
 
-    Reads: Y, Y1, SCALE, MATRIX, SLOW.
-    Writes: STEP, STEPPER, SLOW.
+    Reads: TIME, Y, Y1, SCALE, MODE, FLAGS, SLOW.
+    Writes: STEP, MATRIX, STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -129,18 +130,32 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole-numbered state of the run.
     """
-    matrix = whole[MATRIX]
+    if whole[N_CONTACTS] > 0 and whole[N_VARIABLES] == 0:
+        return  # there are no slopes, for nothing dies away
     y1 = whole[Y1]
     y = whole[Y]
     n = whole[N_STATES]
-    damping = 0.0
-    for i in range(n):
-        damping -= w[matrix + i * n + i]
-    slow = h * damping > 1.0
+    slow = True
     for i in range(n):
         change = abs(w[y1 + i] - w[y + i])
         slow = slow and change <= SLOW_CHANGE * size_of(i, 0.0, w, whole)
+    if slow:
+        slow = h * damping_of(w, whole) > 1.0
     whole[SLOW] = whole[SLOW] + 1 if slow else 0
     if whole[SLOW] > SLOW_STEPS:
         whole[STEPPER] = STIFF
         w[STEP] = h
+
+
+def damping_of(w: Vector, whole: Wholes) -> float:
+    """Return the sum of all rates at which motions die away, less those at which others grow.
+
+    Reads: TIME, Y, MODE, FLAGS.
+    Writes: MATRIX, ANSWER, CHANGED.
+    """
+    matrix, n = whole[MATRIX], whole[N_STATES]
+    jacobian(w[TIME], w, whole, whole[Y], matrix)
+    damping = 0.0
+    for i in range(n):
+        damping -= w[matrix + i * n + i]
+    return damping

@@ -98,9 +98,10 @@ __all__ = [
     "side_of",
 ]
 
-WITHIN = 1e-13
-"""Share of its level by which needed friction may exceed it, in decisions as in guards: where both
-are equal, rounding would let it break away and stop without end."""
+WITHIN = 2e-15
+"""Share of its level, nine units in the last place of 1, by which needed friction may exceed it, in
+decisions as in guards: where both are equal, rounding would let it break away and stop without end.
+"""
 
 
 def prepare(t: float, w: Vector, whole: Wholes) -> None:

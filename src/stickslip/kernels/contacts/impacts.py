@@ -11,8 +11,13 @@ from stickslip.kernels.contacts.assembly import put_mass, refresh
 from stickslip.kernels.contacts.factors import factorise, solve_free
 from stickslip.kernels.contacts.stops import finite, margin_of, stopped_side
 from stickslip.kernels.enums import FREE, HELD_FAST
-from stickslip.kernels.equations import ENERGY, evaluate
-from stickslip.kernels.hard_stops import approach, resting_speed, wall_coordinate, wall_side
+from stickslip.kernels.hard_stops import (
+    approach,
+    energy_now,
+    resting_speed,
+    wall_coordinate,
+    wall_side,
+)
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BOOKS,
@@ -20,7 +25,6 @@ from stickslip.kernels.state_layout import (
     CONSTANT_MASS,
     DIAGONAL,
     FIRST_WALL,
-    FLAGS,
     GROSS,
     KEPT,
     LEVELS,
@@ -37,7 +41,6 @@ from stickslip.kernels.state_layout import (
     STRUCK,
     SUPPLIED,
     TIME,
-    VALUES,
     WALL_COLUMNS,
     WALLS,
     Y,
@@ -59,7 +62,7 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
     STRUCK tells then which coordinates have reached a stop: 2.
 
     Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STEPS, BOOKS, MODES,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS, BOOKS, MODES,
     LAW_FLAGS, OPEN.
     Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
     NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
@@ -131,18 +134,6 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
     whole[modes + i] = mode
     refresh(w[TIME], w, whole, y)
     return 0.0 if pressed else restitution
-
-
-def energy_now(w: Vector, whole: Wholes) -> float:
-    """Return the energy of the state, where guides may do work in an impact; else 0.
-
-    Reads: TIME, Y, FLAGS.
-    Writes: VALUES.
-    """
-    if whole[N_CHANNELS] == 0:
-        return 0.0
-    evaluate(ENERGY, 0, whole[FLAGS], w[TIME], w, whole[Y], whole[VALUES])
-    return w[whole[VALUES]]
 
 
 def share_impulses(w: Vector, whole: Wholes) -> None:

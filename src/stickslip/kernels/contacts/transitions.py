@@ -238,7 +238,7 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
         guard = whole[FIRST_LIMIT] + limit
         if w[whole[VALUES] + guard] < 0.0 and whole[STATUS] == RUNNING:
             whole[STATUS] = LIMITED + limit
-            write_event(guard, 0, 0, 0, 0.0, w, whole)
+            write_remark(guard, 0, w, whole)
 
 
 def open_and_close(w: Vector, whole: Wholes) -> None:
@@ -302,8 +302,8 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
 
     Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
     REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
-    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, FLAGS, STATUS, STEPS, STEPPER, BOOKS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
+    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, MODE, FLAGS, STATUS, STEPS, STEPPER, BOOKS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
     Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
     NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
     LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT,
@@ -322,7 +322,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     whole[CHANGED] = 0
     if whole[FIRST_LIMIT] <= guard < whole[FIRST_WALL]:
         whole[STATUS] = LIMITED + guard - whole[FIRST_LIMIT]
-        write_event(guard, 0, 0, 0, 0.0, w, whole)
+        write_remark(guard, 0, w, whole)
         return
     remember(whole)
     none_forced(whole)
@@ -338,7 +338,7 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     elif guard >= first_own_switch(whole):
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
-        write_event(guard, 0, 0, 0, 0.0, w, whole)
+        write_unchanged(guard, 0, w, whole)
         open_and_close(w, whole)  # loads may jump with the switch
     elif guard >= first_contact_guard(whole):
         lifted = switch_or_open(guard, w, whole)
@@ -364,13 +364,10 @@ def lift_guard(contact: int, whole: Wholes) -> int:
 def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
     """End the run where a contact lifts off.
 
-    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS.
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
     Writes: CHANGES, STATUS, CHANGED.
     """
-    now = mode_of(
-        contact, whole[whole[MODES] + whole[whole[SLIPS] + contact]], 0, w, whole, whole[Y]
-    )
-    write_event(guard, contact, now, now, 0.0, w, whole)
+    write_remark(guard, contact, w, whole)
     whole[STATUS] = LIFTED_OFF
 
 
@@ -378,7 +375,7 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     """Make the impacts of an instant; what has another rate then slips, or is to be decided.
 
     Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STEPS, BOOKS, MODES,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS, BOOKS, MODES,
     LAW_FLAGS, OPEN.
     Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
     NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
@@ -462,14 +459,14 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
 def switch_or_open(guard: int, w: Vector, whole: Wholes) -> int:
     """Turn a switch of a law, or open or close a contact; return what lifts off, or -1.
 
-    Reads: TIME, FLAGS, CHANGED, LAW_FLAGS, CLOSED.
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED.
     Writes: CHANGES, CHANGED, LAW_FLAGS, OPEN.
     """
     wide = whole[LAW_SWITCHES] + 1
     contact, which = divmod(guard - first_contact_guard(whole), wide)
     if which < whole[LAW_SWITCHES]:
         whole[whole[LAW_FLAGS] + contact] ^= 1 << which
-        write_event(guard, contact, 0, 0, 0.0, w, whole)
+        write_unchanged(guard, contact, w, whole)
         return -1
     if whole[whole[REACTS] + contact]:
         return contact
@@ -539,6 +536,30 @@ def write_changes(guard: int, w: Vector, whole: Wholes) -> None:
                 back = 0 if needed >= 0.0 else 1
                 margin = w[whole[LEVELS] + 2 * i + back] - abs(needed)
             write_event(OF_MODES - 1 - guard, c, before, after, margin, w, whole)
+
+
+def write_unchanged(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
+    """Write an event that changes no mode, before those of the instant that do.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE, CLOSED.
+    Writes: CHANGES, CHANGED.
+    """
+    before, _ = modes_about(contact, w, whole)
+    write_event(guard, contact, before, before, 0.0, w, whole)
+
+
+def write_remark(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
+    """Write an event that changes no mode, after all others of the instant.
+
+    Reads: TIME, Y, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN.
+    Writes: CHANGES, CHANGED.
+    """
+    mode, is_open = (
+        whole[whole[MODES] + whole[whole[SLIPS] + contact]],
+        whole[whole[OPEN] + contact],
+    )
+    now = mode_of(contact, mode, is_open, w, whole, whole[Y])
+    write_event(guard, contact, now, now, 0.0, w, whole)
 
 
 def write_event(
