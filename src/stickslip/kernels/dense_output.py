@@ -69,22 +69,23 @@ def interpolate(w: Vector, whole: Wholes, x: float, to: int) -> None:
         w[to + i] = value * x + w[at]
 
 
-def values_of_two(w: Vector, x: float, first: int, terms: int, to: int) -> None:
-    """Evaluate the series of two states, whose terms stand side by side from `first` on.
+def values_of_two(w: Vector, x: float, at: int, terms: int, to: int) -> None:
+    """Evaluate the series of two states, whose terms stand side by side from `at` on.
 
+    Reads: `at`.
     Writes: `to`.
     """
     square = x * x
-    last = first + 2 * terms
+    last = at + 2 * terms
     even_x, even_v, odd_x, odd_v = w[last], w[last + 1], 0.0, 0.0
     if terms % 2 == 1:
         odd_x, odd_v = even_x, even_v
         last -= 2
         even_x, even_v = w[last], w[last + 1]
-    for at in range(last - 4, first - 1, -4):
-        even_x = even_x * square + w[at]
-        even_v = even_v * square + w[at + 1]
-        odd_x = odd_x * square + w[at + 2]
-        odd_v = odd_v * square + w[at + 3]
+    for k in range(last - 4, at - 1, -4):
+        even_x = even_x * square + w[k]
+        even_v = even_v * square + w[k + 1]
+        odd_x = odd_x * square + w[k + 2]
+        odd_v = odd_v * square + w[k + 3]
     for i in range(2):
         w[to + i] = even_x + x * odd_x if i == 0 else even_v + x * odd_v
