@@ -136,7 +136,10 @@ class Diagram:
         return normal, needed
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
-        return y[self.slip], tuple(y[self.equations.sizes.states :][: len(self.bristles)])
+        if not self.bristles:
+            return y[self.slip], ()
+        first = self.equations.sizes.states
+        return y[self.slip], tuple(y[first : first + len(self.bristles)])
 
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
