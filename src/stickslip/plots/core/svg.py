@@ -9,7 +9,7 @@ import io
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 from xml.etree import ElementTree
 
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -205,7 +205,7 @@ def _drawn(
     }
     with theme.house_style():
         figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=72 * scale, layout="constrained")
-        canvas = FigureCanvasSVG(figure)
+        canvas: Any = FigureCanvasSVG(figure)
         figure.set_facecolor(background)
         draw(figure, narrow)
         if all(axes.get_subplotspec() is None for axes in figure.axes):
