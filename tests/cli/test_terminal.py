@@ -124,6 +124,13 @@ def test_a_last_name_that_several_have_lists_them(run):
     assert load_rig(overrides={paths[0]: 0.2}).laws
 
 
+def test_a_last_name_with_a_slip_of_the_pen_is_offered(run):
+    code, _, err = run("simulate", "demo", "--set", "masss=2")
+    assert code == 2
+    assert "Did you mean 'mass'?" in err
+    assert "Known: data, estimates" in run("simulate", "demo", "--set", "colour=2")[2]
+
+
 N = 1500
 T = np.arange(N) / 250
 

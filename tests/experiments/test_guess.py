@@ -31,6 +31,10 @@ def rows(columns, separator=";", write=german, end="\n", trailing=""):
     )
 
 
+def points(value):
+    return f"{value:.4f}"
+
+
 def stamps(pattern, mark=","):
     """Return time stamps over midnight, to the millisecond."""
     begin = datetime(2024, 3, 1, 23, 59, 55)
@@ -64,6 +68,11 @@ FILES = {
         "Zeit;Weg;Kraft\ns;mm;N\n" + rows(MM, write=lambda v: german(v, thousands="\u00a0")),
         "utf-8",
     ),
+    "blanks": (
+        "Prüfstand 3, Müller\n Zeit   Weg  Kraft\n s mm N\n" + rows(MM, "   ", trailing=" "),
+        "cp1252",
+    ),
+    "blanks below a comment": ("# t/s x/mm F/N\n" + rows(MM, " \t", points), "utf-8"),
     "quotes": ("Zeit,Weg,Kraft\ns,mm,N\n" + rows(MM, ",", lambda v: f'"{german(v)}"'), "utf-8"),
     "all quoted": (
         '"Zeit";"Weg";"Kraft"\n"s";"mm";"N"\n' + rows(MM, ";", lambda v: f'"{german(v)}"'),
@@ -345,10 +354,6 @@ def scope(separator, clock, write):
     """Return an export of TwinCAT Scope, with a column of times or samples for each channel."""
     columns = [clock, 1e3 * X, clock, F]
     return SCOPE_HEAD.format(separator) + rows(columns, separator, write)
-
-
-def points(value):
-    return f"{value:.4f}"
 
 
 LOGGERS = {

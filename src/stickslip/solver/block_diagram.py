@@ -296,7 +296,10 @@ class Diagram(BlockDiagram):
         return normal, needed
 
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
-        return y[self.slip], tuple(y[self.equations.sizes.states :][: len(self.bristles)])
+        if not self.bristles:
+            return y[self.slip], ()
+        first = self.equations.sizes.states
+        return y[self.slip], tuple(y[first : first + len(self.bristles)])
 
     def friction(self, t: float, y: Sequence[float], held: bool) -> tuple[float, float]:
         """Return friction and normal force; the normal force is that without friction.

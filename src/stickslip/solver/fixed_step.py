@@ -198,16 +198,26 @@ def _advanced(
             slopes.append(diagram.rates(t, y, held))
             continue
         at = t + dt * sum(row)
-        point = [
-            value + dt * sum(a * slope[i] for a, slope in zip(row, slopes, strict=True))
-            for i, value in enumerate(y)
-        ]
-        slopes.append(diagram.rates(at, diagram.led(at, point), held))
-    new = [
+        point = diagram.led(at, _moved(y, dt, row, slopes))
+        slopes.append(diagram.rates(at, point, held))
+    return diagram.led(t + dt, _moved(y, dt, weights, slopes))
+
+
+def _moved(
+    y: Sequence[float], dt: float, weights: Sequence[float], slopes: Sequence[Sequence[float]]
+) -> list[float]:
+    """Return a state moved along slopes, each with its weight; few of them without a loop."""
+    match weights, slopes:
+        case (a,), (first,):
+            return [value + dt * (a * p) for value, p in zip(y, first, strict=True)]
+        case (a, b), (first, second):
+            return [
+                value + dt * (a * p + b * q) for value, p, q in zip(y, first, second, strict=True)
+            ]
+    return [
         value + dt * sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True))
         for i, value in enumerate(y)
     ]
-    return diagram.led(t + dt, new)
 
 
 @dataclass(frozen=True)

@@ -154,7 +154,7 @@ def _parsed(
             warnings.simplefilter("error", pd.errors.ParserWarning)
             table = pd.read_csv(
                 io.BytesIO(data),
-                sep=layout.separator,
+                sep=r"\s+" if layout.separator == " " else layout.separator,
                 decimal=layout.decimal,
                 thousands=layout.thousands or None,
                 names=own,
@@ -315,7 +315,8 @@ def _check_single(path: Path, name: str, rows: list[str]) -> None:
         if alike and all(_NUMBER.fullmatch(cells[0]) for cells in several):
             raise InputError(
                 f"{path}: has a single column {shown(name)}, with cells separated by {words}."
-                " Separate the cells by commas, semicolons or tabs."
+                " Separate the cells by commas, semicolons or tabs"
+                + ("." if mark else f", or let `stickslip init {path.name}` write a rig file.")
             )
 
 

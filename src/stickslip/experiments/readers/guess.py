@@ -276,7 +276,7 @@ def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
         refuse_numbers(path, text)
         return None, {}
     layout = found.layout
-    marks = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars"}
+    marks = {";": "semicolons", ",": "commas", "\t": "tabs", "|": "bars", " ": "blanks"}
     decimal = "comma" if layout.decimal == "," else "point"
     thousands = f", thousands parted by {layout.thousands!r}" if layout.thousands else ""
     header = ", ".join(map(repr, (name for name in found.names if name)))

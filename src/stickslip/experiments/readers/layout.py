@@ -13,9 +13,9 @@ from stickslip.units import is_unit
 
 __all__ = ["Layout", "Text", "cells_of", "decoded", "is_number", "layout_of", "unit_in"]
 
-Separator = Literal[",", ";", "\t", "|"]
-SEPARATORS: Final = (";", "\t", ",", "|")
-"""Marks between cells, the surest first: commas also stand in numbers."""
+Separator = Literal[",", ";", "\t", "|", " "]
+SEPARATORS: Final = (";", "\t", ",", "|", " ")
+"""Marks between cells, the surest first: commas also stand in numbers, and blanks in names."""
 LOOKED_AT: Final = 400
 """Lines at the top among which header and rows are sought."""
 LONGEST_CELL: Final = 100_000
@@ -55,7 +55,7 @@ class Layout:
     encoding: str = "utf-8-sig"
     """Code page, such as ``"cp1252"`` of older programs under Windows."""
     separator: str = ","
-    """What stands between cells."""
+    """What stands between cells; a blank stands for any number of blanks and tabs."""
     decimal: str = "."
     """Decimal mark, a point or a comma."""
     thousands: str = ""
@@ -171,6 +171,8 @@ def bare_cells(line: str, separator: str, *, skipinitialspace: bool = False) -> 
     list of str
         The cells.
     """
+    if separator == " ":
+        return line.lstrip("#% \t").split()  # a header may be marked as a comment
     try:
         found = csv.reader([line], delimiter=separator, skipinitialspace=skipinitialspace)
         return next(found, [])
@@ -341,6 +343,8 @@ def _marks(
     """
     numbers = [cell for row in rows for cell in row if is_number(cell)]
     decimal: Literal[".", ","] = "."
+    if separator == " " and any("." in cell for cell in numbers):
+        return ".", ""
     if separator != "," or any('"' in line for line in _upper(text)[:LOOKED_AT]):
         last = Counter(mark for cell in numbers for mark in _last_mark(cell))
         both = any("." in cell and "," in cell for cell in numbers)

@@ -1,7 +1,7 @@
 """Exports of TwinCAT Scope: channels side by side, each with times of its own."""
 
-import csv
 import io
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError
-from stickslip.experiments.readers.layout import is_number
+from stickslip.experiments.readers.layout import cells_of, is_number
 from stickslip.formatting import count
 from stickslip.units import is_unit, shown
 
@@ -60,8 +60,8 @@ def read_scope(text: str) -> tuple[pd.DataFrame, int]:
     head: dict[str, list[str]] = {}
     found: list[str] = []
     first = begins
-    for line in csv.reader(lines[begins:], delimiter=separator):
-        found = [cell.strip() for cell in line]
+    for line in lines[begins:]:
+        found = cells_of(line, separator)
         if any(found) and is_number(found[0]):
             break
         if any(found):
@@ -76,21 +76,32 @@ def read_scope(text: str) -> tuple[pd.DataFrame, int]:
             " have a time and a value each."
         )
     decimal = "," if separator != "," and any("," in line for line in lines[first:]) else "."
-    rows = pd.read_csv(
-        io.StringIO("\n".join(lines[first:])),
-        sep=separator,
-        decimal=decimal,
-        header=None,
-        names=list(range(len(found))),
-        index_col=False,
-        low_memory=False,
-    )
+    rows = _parsed(lines[first:], separator, decimal, len(found))
     tables = [_channel(rows, head, place) for place in range(len(names))]
     if all(table.index.equals(tables[0].index) for table in tables):
         return pd.concat(tables, axis=1).reset_index(), first + 1
     return pd.concat(
         [one[~one.index.duplicated()] for one in tables], axis=1
     ).sort_index().reset_index(), 1
+
+
+def _parsed(lines: Sequence[str], separator: str, decimal: str, width: int) -> pd.DataFrame:
+    """Return rows of cells, by the numbers of their columns."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            return pd.read_csv(
+                io.StringIO("\n".join(lines)),
+                sep=separator,
+                decimal=decimal,
+                header=None,
+                names=list(range(width)),
+                index_col=False,
+                low_memory=False,
+            )
+    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
+        reason = str(error).strip().splitlines()[0].rpartition("error: ")[2].rstrip(".")
+        raise InputError(f"has rows of different lengths ({reason}).") from None
 
 
 def _channel(rows: pd.DataFrame, head: Mapping[str, Sequence[str]], place: int) -> pd.DataFrame:
@@ -100,13 +111,11 @@ def _channel(rows: pd.DataFrame, head: Mapping[str, Sequence[str]], place: int) 
     name = f"{own['name']} [{unit}]" if unit and is_unit(unit) else own["name"]
     part = rows[[2 * place, 2 * place + 1]].set_axis([TIME, name], axis=1)
     part = part[part[TIME].notna()]
-    if not pd.api.types.is_numeric_dtype(part[TIME].dtype):
-        wrong = part[TIME][pd.to_numeric(part[TIME], errors="coerce").isna()]
-        raise InputError(
-            f"{shown(wrong.iloc[0])} is not a time of the channel {shown(own['name'])}."
-        )
+    times = pd.to_numeric(part[TIME], errors="coerce")
+    if times.isna().any():
+        wrong = part[TIME][times.isna()].iloc[0]
+        raise InputError(f"{shown(wrong)} is not a time of the channel {shown(own['name'])}.")
     period = pd.to_numeric(own.get("sampletime[ms]", ""), errors="coerce")
-    steps = np.diff(part[TIME].to_numpy(dtype=float))
-    if np.isfinite(period) and steps.size and np.median(steps) == 1.0 != period:
-        part[TIME] *= float(period)  # samples were counted
-    return part.set_index(TIME)
+    steps = np.diff(times.to_numpy(dtype=float))
+    counted = np.isfinite(period) and steps.size > 0 and np.median(steps) == 1.0
+    return part.assign(**{TIME: times * float(period) if counted else times}).set_index(TIME)

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from stickslip.errors import InputError
 
-__all__ = ["LARGEST", "apply", "parse", "read_bytes", "resolved"]
+__all__ = ["LARGEST", "apply", "parse", "paths_of", "read_bytes", "resolved"]
 
 T = TypeVar("T")
 
@@ -244,7 +244,7 @@ def resolved(
     >>> resolved({"mechanism": {"mass": 1.0}}, {"mass": 2, "t_end": 3}, ["run.t_end"])
     {'mechanism.mass': 2, 'run.t_end': 3}
     """
-    paths = dict.fromkeys((*_paths(tables), *known))
+    paths = dict.fromkeys((*paths_of(tables), *known))
     firsts = {path.partition(".")[0] for path in paths}
     found: dict[Any, T] = {}
     for path, value in overrides.items():
@@ -259,14 +259,27 @@ def resolved(
     return found
 
 
-def _paths(node: Any, prefix: str = "") -> Iterator[str]:
-    """Yield the paths of all values in tables; a value with its mark is one."""
+def paths_of(node: Any, prefix: str = "") -> Iterator[str]:
+    """Yield the paths of all values in tables; a value with its mark is one.
+
+    Parameters
+    ----------
+    node : mapping or list
+        Tables of a rig file.
+    prefix : str
+        What each path begins with.
+
+    Yields
+    ------
+    str
+        Dotted path of a value.
+    """
     inner = node.items() if isinstance(node, Mapping) else enumerate(node)
     for key, value in inner:
         path = f"{prefix}{key}"
         tables = isinstance(value, Mapping) and "value" not in value
         if tables or (isinstance(value, list) and any(isinstance(one, dict) for one in value)):
-            yield from _paths(value, f"{path}.")
+            yield from paths_of(value, f"{path}.")
         else:
             yield path
 

@@ -104,7 +104,7 @@ class LayoutTable(Table):
 
     encoding: str = "utf-8-sig"
     """Code page, such as cp1252."""
-    separator: Literal[",", ";", "\t", "|"] = ","
+    separator: Literal[",", ";", "\t", "|", " "] = ","
     """Mark between cells."""
     decimal: Literal[".", ","] = "."
     """Decimal mark."""

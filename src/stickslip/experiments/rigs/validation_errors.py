@@ -5,7 +5,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, nearest
+from stickslip.experiments.readers.toml import paths_of
 from stickslip.units import shown
 
 __all__ = ["complaint", "place"]
@@ -76,7 +77,11 @@ def complaint(
         made = any(path.startswith(full + ".") for path in overridden)
         where = place(full, file, [*overridden, full] if made else overridden)
         table = f" in {_heading(key)}" if key else ""
-        return UnknownNameError(f"key{table} of {where}:", context["key"], context["known"])
+        known = context["known"]
+        if not key and context["key"] in overridden:  # the end of a path, perhaps
+            ends = {path.rpartition(".")[2] for path in paths_of(raw)} - {context["key"]}
+            known = ends if nearest(context["key"], ends) else known
+        return UnknownNameError(f"key{table} of {where}:", context["key"], known)
     if kind == "unknown_name":
         owner = f"{context['kind']} in {key} of {where}:"
         return UnknownNameError(owner, context["key"], context["known"])

@@ -9,7 +9,7 @@ import io
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 from xml.etree import ElementTree
 
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -205,18 +205,21 @@ def _drawn(
     }
     with theme.house_style():
         figure = Figure(figsize=(size[0] / 72, size[1] / 72), dpi=72 * scale, layout="constrained")
-        FigureCanvasSVG(figure)
+        canvas: Any = FigureCanvasSVG(figure)
         figure.set_facecolor(background)
         draw(figure, narrow)
         if all(axes.get_subplotspec() is None for axes in figure.axes):
             figure.set_layout_engine("none")  # it warns if every place was given by hand
         engine = figure.get_layout_engine()
-        if kind == "svg" and engine is not None:
-            engine.execute(figure)
-            figure.set_layout_engine("none")  # `savefig` would draw all once more to lay it out
         buffer = io.BytesIO()
         metadata = dict.fromkeys(stamps[kind])
-        figure.savefig(buffer, format=kind, dpi=72 * scale, metadata=metadata)
+        if kind == "svg":  # `savefig` would draw all twice more to lay it out
+            if engine is not None:
+                engine.execute(figure)
+                figure.set_layout_engine("none")
+            canvas.print_svg(buffer, metadata=metadata)
+        else:
+            figure.savefig(buffer, format=kind, dpi=72 * scale, metadata=metadata)
     return buffer.getvalue()
 
 
