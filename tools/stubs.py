@@ -45,7 +45,15 @@ EXTRA = {
     "stickslip.mechanisms": {"MECHANISM_MODULES": "dict[str, str]"},
 }
 """Further names, which no module defines, with their types."""
-CONSTRUCTED = ("stickslip.drives", "stickslip.friction", "stickslip.mechanisms")
+CONSTRUCTED = (
+    "stickslip.adapters",
+    "stickslip.control",
+    "stickslip.drives",
+    "stickslip.friction",
+    "stickslip.mechanisms",
+    "stickslip.optimisation",
+    "stickslip.solver",
+)
 """Packages of whose classes with quantities the constructors are declared."""
 GIVEN = "stickslip.quantities", "Given"
 """Module and name of what a constructor takes for a number."""
@@ -183,6 +191,8 @@ class Declaration:
 
         self.imports["_Given"] = GIVEN
         for field, owner in fields_with_owners(kind):
+            if not field.init:
+                continue
             annotation = annotations(owner)[field.name]
             spelt = ast.unparse(annotation)
             if field.name in fields_of(kind) and "[int" not in spelt:
@@ -191,8 +201,7 @@ class Declaration:
                 text = "int"
             else:
                 text = self._spelt(annotation, owner)
-            if field.init:
-                yield f"{field.name}: {text}{default_of(field)}"
+            yield f"{field.name}: {text}{default_of(field)}"
 
     def _methods(self, kind: type) -> Iterator[str]:
         """Yield the class methods that make an object: of a final class, `Self` is the class."""
