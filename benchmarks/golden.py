@@ -1,4 +1,4 @@
-"""Golden files: what the public commands write for twelve rigs and records, kept to compare with.
+"""Golden files: what the public commands write for thirteen rigs and records, kept to compare with.
 
 ``python -m benchmarks.golden record FOLDER`` runs the commands of every case of
 `benchmarks.golden_cases` in a temporary folder and keeps in ``FOLDER/<case>/``, as plain text:
@@ -236,7 +236,10 @@ def page_text(text: str) -> str:
     return "\n".join(page.lines)
 
 
-FORMS = {".json": json_text, ".csv": csv_text, ".toml": rounded, ".html": page_text}
+FORMS = {
+    ".json": json_text, ".csv": csv_text, ".toml": rounded, ".html": page_text,
+    **dict.fromkeys((".h", ".c", ".m", ".mo", ".xml", ".urdf"), rounded),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

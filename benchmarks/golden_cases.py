@@ -393,6 +393,64 @@ def controlled(truth: str, seed: int) -> Callable[[Path], None]:
     return prepare
 
 
+SLIDE = """
+title = "Slide that is pushed to and fro"
+
+[mechanism]
+type = "axis"
+inertia = "3 kg"
+
+[[mechanism.drive]]
+type = "sine"
+amplitude = "40 N"
+frequency = "2 Hz"
+
+[friction.stribeck]
+kinetic_coefficient = 20
+static_coefficient = 28
+stribeck_velocity = "30 mm/s"
+viscous_coefficient = 40
+
+[friction.lugre]
+kinetic_coefficient = 20
+static_coefficient = 28
+stribeck_velocity = "30 mm/s"
+bristle_stiffness = 1e5
+bristle_damping = 300
+
+[friction.direction-dependent]
+forward_kinetic_coefficient = 15
+backward_kinetic_coefficient = 18
+
+[run]
+t_end = "2 s"
+"""
+
+
+EXPORTED = '''
+"""Each law to each target, in one process."""
+
+from stickslip import export, load_rig
+
+rig = load_rig("slide.toml")
+for law, targets in {
+    "stribeck": ("c", "matlab", "modelica", "urdf", "csv", "json"),
+    "lugre": ("c", "modelica"),
+    "direction-dependent": ("c", "mjcf"),
+}.items():
+    for to in targets:
+        code = export(rig, to, law=law, name="slide")
+        code.save(f"{law}-{to}")
+        print(law, to, *code.files, *code.remarks, sep="\\n  ")
+'''
+
+
+def slide(folder: Path) -> None:
+    """Write an axis with three laws, and what exports them."""
+    write(folder / "slide.toml", SLIDE)
+    write(folder / "exported.py", EXPORTED)
+
+
 LAW = "--law stickslip-report/law.toml"
 RUN = f"{LAW} -o run.csv"
 PLAIN = "coulomb,coulomb-viscous"
@@ -526,6 +584,15 @@ CASES: tuple[Case, ...] = (
             stickslip(
                 "select", "select axis.toml --laws coulomb-viscous,stribeck,lugre --starts 2", 0, 3
             ),
+        ),
+    ),
+    Case(
+        name="exports",
+        seconds=6,
+        prepare=slide,
+        commands=(
+            script("exported"),
+            stickslip("mjcf", "export slide.toml --law stribeck --to mjcf --name slide"),
         ),
     ),
 )

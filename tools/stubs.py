@@ -2,10 +2,21 @@
 
 Type checkers and editors do not run `__getattr__`. They read these stubs, which name the same
 modules as the table HOMES that the packages load from.
+
+Constructors of laws, mechanisms and drives take texts with units where they keep numbers. No type
+of a dataclass's field says so: stubs declare such a class as a subclass with a constructor.
 """
 
+import ast
+import copy
+import dataclasses
 import importlib
+import inspect
+import sys
+import textwrap
 from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
@@ -34,6 +45,18 @@ EXTRA = {
     "stickslip.mechanisms": {"MECHANISM_MODULES": "dict[str, str]"},
 }
 """Further names, which no module defines, with their types."""
+CONSTRUCTED = (
+    "stickslip.adapters",
+    "stickslip.control",
+    "stickslip.drives",
+    "stickslip.friction",
+    "stickslip.mechanisms",
+    "stickslip.optimisation",
+    "stickslip.solver",
+)
+"""Packages of whose classes with quantities the constructors are declared."""
+GIVEN = "stickslip.quantities", "Given"
+"""Module and name of what a constructor takes for a number."""
 
 
 def folder(package: str) -> Path:
@@ -59,18 +82,207 @@ def stub(package: str) -> str:
     for name, module in homes(package).items():
         modules[f"{root(package)}.{module}"].append(name)
     extra = EXTRA.get(package, {})
+    found = importlib.import_module(package)
+    kinds = [getattr(found, name) for name in sorted(homes(package))] * (package in CONSTRUCTED)
+    made = [one for one in kinds if has_quantities(one)]
+    built = [Declaration(one, made) for one in made]
+    own = {one.name for one in built}
+    needed = {(m, n, alias) for one in built for alias, (m, n) in one.imports.items()}
     lines = [
         "# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.",
+        *(["from dataclasses import dataclass", "from typing import final", ""] if built else []),
     ]
-    lines += [
-        f"from {module} import {name} as {name}"
-        for module in sorted(modules)
-        for name in sorted(modules[module])
-    ]
+    lines += sorted(
+        [
+            *(
+                f"from {module} import {name} as {name}"
+                for module in modules
+                for name in modules[module]
+                if name not in own
+            ),
+            *(f"from {module} import {name} as {alias}" for module, name, alias in needed),
+        ]
+    )
     lines += ["", *(f"{name}: {kind}\n" for name, kind in extra.items())]
+    lines += [line for one in built for line in one.lines()]
     names = importlib.import_module(package).__all__
     lines += ["__all__ = [", *(f'    "{name}",' for name in names), "]", ""]
     return "\n".join(lines)
+
+
+def has_quantities(found: object) -> bool:
+    """Whether a class has fields that are numbers with a unit, and is made by users."""
+    from stickslip.quantities import Parametrised, fields_of
+
+    if not (inspect.isclass(found) and issubclass(found, Parametrised)):
+        return False
+    return bool(fields_of(found)) and not inspect.isabstract(found)
+
+
+@cache
+def imported(module: str) -> Mapping[str, tuple[str, str]]:
+    """Return module and name of what a module imports or defines, by the name it has there."""
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    found = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {one.asname or one.name: (node.module, one.name) for one in node.names}
+    for node in tree.body:
+        match node:
+            case ast.ClassDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
+                found[name] = module, name
+            case ast.Assign(targets=[ast.Name(id=name)]):
+                found[name] = module, name
+    return found
+
+
+@cache
+def annotations(kind: type) -> Mapping[str, ast.expr]:
+    """Return the annotations of the fields that a class declares itself."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+    assert isinstance(tree, ast.ClassDef)
+    return {
+        node.target.id: node.annotation
+        for node in tree.body
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    }
+
+
+def fields_with_owners(kind: type) -> Iterator[tuple[dataclasses.Field[object], type]]:
+    """Yield each field with the class that declares it."""
+    for field in dataclasses.fields(kind):  # type: ignore[arg-type]  # a dataclass
+        yield field, next(one for one in kind.__mro__ if field.name in annotations(one))
+
+
+def held_by(kind: type, made: Sequence[type]) -> list[str]:
+    """Return the fields of a class whose types name one of those that are declared anew."""
+    known = {(one.__module__, one.__name__) for one in made}
+    return [
+        field.name
+        for field, owner in fields_with_owners(kind)
+        if any(
+            imported(owner.__module__).get(node.id) in known
+            for node in ast.walk(annotations(owner)[field.name])
+            if isinstance(node, ast.Name)
+        )
+    ]
+
+
+class Declaration:
+    """A class as stubs declare it, with all that its types name."""
+
+    def __init__(self, kind: type, made: Sequence[type]) -> None:
+        self.name = kind.__name__
+        self.is_final = getattr(kind, "__final__", False)
+        self.base = f"_{self.name}"
+        self.imports = {self.base: (kind.__module__, self.name)}
+        self.attributes = []
+        for field, owner in fields_with_owners(kind):
+            if field.name in held_by(kind, made):
+                public = Renamed(owner.__module__, {}, made)
+                text = ast.unparse(public.visit(copy.deepcopy(annotations(owner)[field.name])))
+                self.imports |= public.imports
+                self.attributes.append(f"{field.name}: {text}{default_of(field)}")
+        self.parameters = list(self._parameters(kind))
+        self.methods = list(self._methods(kind))
+
+    def _parameters(self, kind: type) -> Iterator[str]:
+        from stickslip.quantities import fields_of
+
+        self.imports["_Given"] = GIVEN
+        for field, owner in fields_with_owners(kind):
+            if not field.init:
+                continue
+            annotation = annotations(owner)[field.name]
+            spelt = ast.unparse(annotation)
+            if field.name in fields_of(kind) and "[int" not in spelt:
+                text = "_Given | None" if "None" in spelt else "_Given"
+            elif field.name in fields_of(kind):
+                text = "int"
+            else:
+                text = self._spelt(annotation, owner)
+            yield f"{field.name}: {text}{default_of(field)}"
+
+    def _methods(self, kind: type) -> Iterator[str]:
+        """Yield the class methods that make an object: of a final class, `Self` is the class."""
+        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+        assert isinstance(tree, ast.ClassDef)
+        for node in tree.body:
+            if not isinstance(node, ast.FunctionDef) or node.returns is None:
+                continue
+            if ast.unparse(node.returns) != "Self" or not node.decorator_list:
+                continue
+            taken = [
+                f"{one.arg}: {self._spelt(one.annotation, kind)}{' = ...' if default else ''}"
+                for one, default in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+                if one.annotation is not None
+            ]
+            self.imports["_override"] = "typing_extensions", "override"
+            yield "    @classmethod"
+            yield "    @_override"
+            yield f"    def {node.name}("
+            yield "        cls,"
+            yield "        *,"
+            yield from (f"        {one}," for one in taken)
+            yield f"    ) -> {self.name}: ..."
+
+    def _spelt(self, annotation: ast.expr, owner: type) -> str:
+        return ast.unparse(
+            Renamed(owner.__module__, self.imports, ()).visit(copy.deepcopy(annotation))
+        )
+
+    def lines(self) -> Iterator[str]:
+        """Yield the declaration of a subclass with the constructor."""
+        if self.is_final:
+            yield "@final"
+        yield "@dataclass(frozen=True, kw_only=True, init=False)"
+        ignored = "  # type: ignore[misc]  # final but for this" if self.is_final else ""
+        yield f"class {self.name}({self.base}):{ignored}"
+        yield from (f"    {one}" for one in self.attributes)
+        yield "    def __init__("
+        yield "        self,"
+        yield "        *,"
+        yield from (f"        {one}," for one in self.parameters)
+        yield "    ) -> None: ..."
+        yield from self.methods
+        yield ""
+
+
+def default_of(field: dataclasses.Field[object]) -> str:
+    """Return how a stub says that a field has a default."""
+    missing = dataclasses.MISSING
+    has = field.default is not missing or field.default_factory is not missing
+    return " = ..." if has else ""
+
+
+class Renamed(ast.NodeTransformer):
+    """Names of a module by private ones, which a stub imports."""
+
+    def __init__(
+        self, module: str, imports: dict[str, tuple[str, str]], public: Sequence[type]
+    ) -> None:
+        self.module, self.imports = module, imports
+        self.public = {(one.__module__, one.__name__) for one in public}
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        """Rename what is not built in."""
+        known = imported(self.module)
+        if node.id not in known or known[node.id] in self.public:
+            return node
+        self.imports[f"_{node.id}"] = known[node.id]
+        return ast.Name(id=f"_{node.id}", ctx=node.ctx)
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        """Leave the texts of a literal as they are."""
+        if ast.unparse(node.value) == "Literal":
+            return ast.Subscript(self.visit(node.value), node.slice, node.ctx)
+        return self.generic_visit(node)
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        """Read a name that stands in quotes."""
+        if isinstance(node.value, str) and node.value.isidentifier():
+            return self.visit_Name(ast.Name(id=node.value, ctx=ast.Load()))
+        return node
 
 
 if __name__ == "__main__":

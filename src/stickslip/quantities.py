@@ -21,6 +21,7 @@ from stickslip.units import is_pint, number_in
 __all__ = [
     "SCALES",
     "Converted",
+    "Given",
     "Group",
     "Numbers",
     "Parametrised",
@@ -54,6 +55,19 @@ class HasArray(Protocol):
         """Return the array."""
 
 
+class HasUnit(Protocol):
+    """A quantity of the unit library pint, of any registry."""
+
+    @property
+    def magnitude(self) -> Any:
+        """The number."""
+
+    def to_base_units(self) -> Any:
+        """Return the quantity in base units."""
+
+
+Given: TypeAlias = float | str | HasUnit
+"""A number as constructors take it: in SI units, as a text such as ``"60 mm"``, or of pint."""
 Numbers: TypeAlias = Sequence[float] | HasArray
 """A series of numbers, as arguments take it."""
 

@@ -18,6 +18,7 @@ from stickslip import (
     SpringBlock,
     Stribeck,
     export,
+    load_rig,
     simulate,
 )
 from stickslip.errors import InputError
@@ -85,6 +86,26 @@ def test_the_effect_on_a_rig_is_the_difference_of_two_exact_runs():
     assert f"{ends[1]:.3f} m with the joint's friction" in said
     written = " ".join(found.files["stribeck.xml"].split())
     assert all(" ".join(line.split()) in written for line in found.remarks)
+
+
+def test_the_rig_of_the_law_s_own_file_is_taken_if_it_moves(tmp_path):
+    file = tmp_path / "law.toml"
+    text = (
+        '[mechanism]\ntype = "axis"\ninertia = 3.0\n{drive}[friction.stribeck]\n'
+        "kinetic_coefficient = 5.0\nstatic_coefficient = 7.0\nstribeck_velocity = 0.02\n"
+        "[run]\nt_end = 1.0\n"
+    )
+    drive = '[[mechanism.drive]]\ntype = "pulse"\nlevel = 20.0\nduration = 0.3\n'
+    file.write_text(text.format(drive=drive))
+    found = export(load_rig(file), "mjcf")
+    assert any(line.startswith("On law.toml, simulated exactly to 1 s") for line in found.remarks)
+    other = export(load_rig(file), "urdf", largest_speed=1.0)
+    assert any(line.startswith("On law.toml") for line in other.remarks)
+    file.write_text(text.format(drive=""))
+    with pytest.raises(InputError, match="range of speeds"):
+        export(load_rig(file), "mjcf")
+    still = export(load_rig(file), "mjcf", largest_speed=1.0)
+    assert not any(line.startswith("On ") for line in still.remarks)
 
 
 def test_a_law_that_is_a_joint_already_changes_nothing_on_a_rig():

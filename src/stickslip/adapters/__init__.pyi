@@ -1,4 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
 from stickslip.adapters.control_systems import DescribingFunction as DescribingFunction
 from stickslip.adapters.control_systems import to_describing_function as to_describing_function
 from stickslip.adapters.control_systems import to_nonlinear_system as to_nonlinear_system
@@ -9,8 +12,31 @@ from stickslip.adapters.initial_value_problems import ModeSolution as ModeSoluti
 from stickslip.adapters.initial_value_problems import to_ivp as to_ivp
 from stickslip.adapters.motor_task import CAPSULE as CAPSULE
 from stickslip.adapters.motor_task import CART as CART
-from stickslip.adapters.motor_task import MotorTask as MotorTask
+from stickslip.adapters.motor_task import MotorTask as _MotorTask
 from stickslip.adapters.registration import register_environments as register_environments
+from stickslip.friction import FrictionLaw as _FrictionLaw
+from stickslip.mechanisms import Mechanism as _Mechanism
+from stickslip.quantities import Given as _Given
+from stickslip.solver import EventDriven as _EventDriven
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class MotorTask(_MotorTask):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mechanism: _Mechanism,
+        law: _FrictionLaw,
+        effort_limit: _Given,
+        position_limit: _Given,
+        rate_limit: _Given,
+        speed_bound: _Given,
+        work_weight: _Given,
+        period: _Given = ...,
+        duration: _Given = ...,
+        start_spread: _Given = ...,
+        solver: _EventDriven = ...,
+    ) -> None: ...
 
 __all__ = [
     "CAPSULE",

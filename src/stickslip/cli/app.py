@@ -421,7 +421,7 @@ def export(
             "--to",
             metavar="TARGET",
             help="c (C99), matlab (MATLAB, Simulink, Octave), modelica, mjcf (MuJoCo), urdf,"
-            " csv (lookup table) or json; fmu (the whole rig with its law, for co-simulation).",
+            " csv (lookup table) or json; fmu (the whole rig with its law).",
         ),
     ],
     law: Annotated[

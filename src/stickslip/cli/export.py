@@ -167,7 +167,7 @@ def _export_fmu(
     if as_json:
         print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
         return
-    stdout().print(f"FMU for FMI {wanted.fmi}.0, co-simulation: {file}", markup=False)
+    stdout().print(f"FMU for FMI {wanted.fmi}.0: {file}", markup=False)
 
 
 def _number(option: str, text: str | None, quantity: Quantity) -> float | None:

@@ -1,16 +1,77 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
+from collections.abc import Callable as _Callable
 from stickslip.control.actuation import place_of as place_of
 from stickslip.control.equations_of_motion import Dynamics as Dynamics
 from stickslip.control.equations_of_motion import dynamics_at as dynamics_at
 from stickslip.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.control.feedback_loop import Controller as Controller
+from stickslip.control.feedback_loop import Controller as _Controller
 from stickslip.control.feedback_loop import closed_loop as closed_loop
-from stickslip.control.friction_compensation import FrictionCompensation as FrictionCompensation
+from stickslip.control.friction_compensation import FrictionCompensation as _FrictionCompensation
+from stickslip.control.friction_compensation import Load as _Load
 from stickslip.control.friction_compensation import compensation as compensation
 from stickslip.control.limit_cycles import LimitCycle as LimitCycle
 from stickslip.control.limit_cycles import limit_cycle as limit_cycle
-from stickslip.control.partial_feedback_linearisation import PartialLinearisation as PartialLinearisation
-from stickslip.control.pid import PID as PID
+from stickslip.control.partial_feedback_linearisation import PartialLinearisation as _PartialLinearisation
+from stickslip.control.pid import PID as _PID
+from stickslip.control.pid import Signal as _Signal
+from stickslip.friction import FrictionLaw as _FrictionLaw
+from stickslip.mechanisms import Mechanism as _Mechanism
+from stickslip.quantities import Given as _Given
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class FrictionCompensation(_FrictionCompensation):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        law: _FrictionLaw,
+        width: _Given,
+        factor: _Given = ...,
+        load: _Load = ...,
+        velocity: str | _Callable[[float], float] = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PID(_PID):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        proportional: _Given,
+        integral: _Given = ...,
+        derivative: _Given = ...,
+        reference: _Signal = ...,
+        reference_rate: _Signal = ...,
+        state: str = ...,
+        rate: str | None = ...,
+        filter_time: _Given = ...,
+        limit: _Given | None = ...,
+        tracking_time: _Given | None = ...,
+        feedforward: _Controller | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PartialLinearisation(_PartialLinearisation):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mechanism: _Mechanism,
+        law: _FrictionLaw,
+        track: str,
+        stiffness: _Given,
+        damping: _Given,
+        reference: _Signal = ...,
+        reference_rate: _Signal = ...,
+        reference_acceleration: _Signal = ...,
+        drive: str | None = ...,
+        rest_speed: _Given = ...,
+        least: _Given = ...,
+    ) -> None: ...
 
 __all__ = [
     "ClosedLoop",

@@ -1,4 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
 from stickslip.drives.base import BEGINNING as BEGINNING
 from stickslip.drives.base import Drive as Drive
 from stickslip.drives.base import Piece as Piece
@@ -6,18 +9,110 @@ from stickslip.drives.base import Straight as Straight
 from stickslip.drives.base import Sum as Sum
 from stickslip.drives.elementary import PiecewiseAffine as PiecewiseAffine
 from stickslip.drives.elementary import PiecewiseLinear as PiecewiseLinear
-from stickslip.drives.elementary import Pulse as Pulse
-from stickslip.drives.elementary import Ramp as Ramp
+from stickslip.drives.elementary import Pulse as _Pulse
+from stickslip.drives.elementary import Ramp as _Ramp
 from stickslip.drives.elementary import Sampled as Sampled
-from stickslip.drives.elementary import Sine as Sine
-from stickslip.drives.elementary import Square as Square
+from stickslip.drives.elementary import Sine as _Sine
+from stickslip.drives.elementary import Square as _Square
 from stickslip.drives.motion_profiles import Profile as Profile
-from stickslip.drives.motion_profiles import SevenStep as SevenStep
-from stickslip.drives.motion_profiles import SineSwing as SineSwing
-from stickslip.drives.motion_profiles import SplineSwing as SplineSwing
-from stickslip.drives.motion_profiles import ThreePhase as ThreePhase
+from stickslip.drives.motion_profiles import SevenStep as _SevenStep
+from stickslip.drives.motion_profiles import SineSwing as _SineSwing
+from stickslip.drives.motion_profiles import SplineSwing as _SplineSwing
+from stickslip.drives.motion_profiles import ThreePhase as _ThreePhase
 from stickslip.drives.registry import DRIVES as DRIVES
 from stickslip.drives.registry import PROFILES as PROFILES
+from stickslip.quantities import Given as _Given
+from typing import Literal as _Literal
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Pulse(_Pulse):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        level: _Given,
+        duration: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Ramp(_Ramp):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        rate: _Given,
+        start: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SevenStep(_SevenStep):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        fast: _Given,
+        slow: _Given,
+        top_rate: _Given,
+        pause: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Sine(_Sine):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        frequency: _Given,
+        phase: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SineSwing(_SineSwing):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        frequency: _Given,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SplineSwing(_SplineSwing):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        positions: tuple[float, ...],
+        duration: _Given,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Square(_Square):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        high: _Given,
+        low: _Given = ...,
+        period: _Given,
+        duty: _Given = ...,
+        start: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class ThreePhase(_ThreePhase):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        fast: _Given,
+        slow: _Given,
+        first: _Literal['fast', 'slow'] = ...,
+    ) -> None: ...
 
 __all__ = [
     "Drive",

@@ -15,7 +15,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
-from stickslip.quantities import Converted, Numbers, Quantity
+from stickslip.quantities import Converted, Given, Numbers, Quantity
 from stickslip.tables import Tabular
 from stickslip.units import is_pint, number_in, pint_magnitude
 
@@ -38,10 +38,10 @@ Array = NDArray[np.float64]
 Kind = Literal["scalars", "series", "friction-map"]
 Uncertainty = Literal["rounding", "standard", "interval"]
 Series: TypeAlias = Converted[Numbers | None, Array | None]
-Values: TypeAlias = Converted[float | Numbers | None, Array | float | None]
-Moving: TypeAlias = Converted[float | Numbers | Mapping[str, Numbers] | None, Array | float | None]
+Values: TypeAlias = Converted[Given | Numbers | None, Array | float | None]
+Moving: TypeAlias = Converted[Given | Numbers | Mapping[str, Numbers] | None, Array | float | None]
 """What may be given by joint; it is then kept in `Measurement.joints`."""
-ByQuantity: TypeAlias = Converted[float | Mapping[str, float], Mapping[str, float]]
+ByQuantity: TypeAlias = Converted[Given | Mapping[str, Given], Mapping[str, float]]
 # defaults, whose type a type checker need not compare with what is kept
 ABSENT: Any = None
 NONE_STATED: Any = field(default_factory=dict)

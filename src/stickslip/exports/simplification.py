@@ -1,15 +1,17 @@
 """Dry and viscous friction of a joint in place of a law, what that leaves, and what it changes."""
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Annotated, ClassVar, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, StickslipError
 from stickslip.experiments import Rig
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity
@@ -163,8 +165,17 @@ def simplified(subject: Subject) -> Simplified:
         largest=float(np.abs(residual).max()),
         rms=float(np.sqrt(np.mean(residual**2))),
         lost=tuple(_lost(subject, joint, speed, load)),
-        effect=() if subject.rig is None else _effect(subject, subject.rig, joint),
+        effect=tuple(_effects(subject, joint)),
     )
+
+
+def _effects(subject: Subject, joint: JointFriction) -> Iterator[str]:
+    """Yield the effect on the rig that was named, or on that of the law's file if it moves."""
+    if subject.rig is not None:
+        yield from _effect(subject, subject.rig, joint)
+    elif subject.own_rig is not None:
+        with contextlib.suppress(StickslipError):  # nobody has asked for a run of it
+            yield from _effect(subject, subject.own_rig, joint, only_if_moving=True)
 
 
 def _lost(
@@ -204,7 +215,9 @@ def _lost(
         )
 
 
-def _effect(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[str, ...]:
+def _effect(
+    subject: Subject, rig: Rig, joint: JointFriction, *, only_if_moving: bool = False
+) -> tuple[str, ...]:
     """Return what the joint changes of the motion of a rig, both computed exactly."""
     mechanism, law = rig.mechanism, subject.law
     if len(mechanism.contacts()) != 1:
@@ -219,13 +232,19 @@ def _effect(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[str, ...]
     t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
     true, changed = law_run.at(t), joint_run.at(t)
     length, unit = partial(quantity, unit=true.units[slip]), true.units[rate]
+    if only_if_moving and not true[rate].any() and not changed[rate].any():
+        return ()
+    rounding = ROUNDING * float(np.abs(true[slip]).max())
     apart = np.abs(changed[slip] - true[slip])
+    apart[apart <= rounding] = 0.0
     end, other = (float(one[slip][-1]) for one in (true, changed))
+    further = other - end if abs(other - end) > rounding else 0.0
     fastest, faster = (float(np.abs(one[rate]).max()) for one in (true, changed))
+    where = Path(rig.path).name or rig.heading
     return (
-        f"On {rig.path or rig.heading}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
+        f"On {where}, simulated exactly to {quantity(rig.t_end, 's')}: {slip}"
         f" ends at {length(end)} with the law and at {length(other)} with the joint's friction,"
-        f" {length(other - end)} apart.",
+        f" {length(further)} apart.",
         f"Their largest distance is {length(float(apart.max()))}, at"
         f" {quantity(float(t[apart.argmax()]), 's')}; the largest speeds are"
         f" {quantity(fastest, unit)} and {quantity(faster, unit)}.",

@@ -47,6 +47,8 @@ class Subject:
     """End of the range of use [m/s] or [rad/s], if it is known."""
     rig: Rig | None = None
     """A rig on which the effect of a simplification is computed."""
+    own_rig: Rig | None = None
+    """The rig of the law's file, which stands in for it where a run of it is possible and moves."""
 
     @cached_property
     def equations(self) -> Equations:

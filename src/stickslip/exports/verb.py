@@ -1,12 +1,13 @@
 """Exports a law to another program."""
 
+import contextlib
 import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried, levels_at
 from stickslip.exports.base import Export, Target
 from stickslip.exports.identifiers import identifier
@@ -183,6 +184,7 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
         levels=levels if law_load is None else "per load",
         source=origin,
         rig=rig,
+        own_rig=source if source.path and len(source.mechanism.contacts()) == 1 else None,
     )
 
 
@@ -262,7 +264,11 @@ def _speed(subject: Subject, given: float | None) -> float | None:
         return SPEED.check("export", "largest_speed", given)
     if subject.rig is not None and len(subject.rig.mechanism.contacts()) == 1:
         return _fastest(subject, subject.rig)
-    return None if subject.estimates is None else subject.estimates.largest_speed
+    known = None if subject.estimates is None else subject.estimates.largest_speed
+    if known is None and subject.own_rig is not None:
+        with contextlib.suppress(StickslipError):  # nobody has asked for a run of it
+            return _fastest(subject, subject.own_rig)
+    return known
 
 
 def _fastest(subject: Subject, rig: Rig) -> float | None:

@@ -1,4 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
 from stickslip.friction.base import BristleLaw as BristleLaw
 from stickslip.friction.base import Containment as Containment
 from stickslip.friction.base import DirectionalLaw as DirectionalLaw
@@ -12,23 +15,24 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
-from stickslip.friction.coulomb import Coulomb as Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous as CoulombViscous
-from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as CoulombViscousStatic
-from stickslip.friction.dahl import Dahl as Dahl
-from stickslip.friction.direction_dependent import DirectionDependent as DirectionDependent
-from stickslip.friction.lugre import LuGre as LuGre
-from stickslip.friction.power_viscous import PowerViscous as PowerViscous
+from stickslip.friction.coulomb import Coulomb as _Coulomb
+from stickslip.friction.coulomb_viscous import CoulombViscous as _CoulombViscous
+from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as _CoulombViscousStatic
+from stickslip.friction.dahl import Dahl as _Dahl
+from stickslip.friction.direction_dependent import DirectionDependent as _DirectionDependent
+from stickslip.friction.lugre import LuGre as _LuGre
+from stickslip.friction.power_viscous import PowerViscous as _PowerViscous
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
-from stickslip.friction.published import PrintedCartDynamics as PrintedCartDynamics
-from stickslip.friction.published import PrintedCoulomb as PrintedCoulomb
+from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
+from stickslip.friction.published import PrintedCoulomb as _PrintedCoulomb
 from stickslip.friction.published import PrintedForm as PrintedForm
 from stickslip.friction.published import RightEquation as RightEquation
-from stickslip.friction.quadratic_drag import QuadraticDrag as QuadraticDrag
+from stickslip.friction.quadratic_drag import QuadraticDrag as _QuadraticDrag
 from stickslip.friction.rate_state import Evolution as Evolution
+from stickslip.friction.rate_state import Evolution as _Evolution
 from stickslip.friction.rate_state import RATE_STATE_FORMS as RATE_STATE_FORMS
-from stickslip.friction.rate_state import RateState as RateState
+from stickslip.friction.rate_state import RateState as _RateState
 from stickslip.friction.rate_state import RateStateForm as RateStateForm
 from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
@@ -38,10 +42,195 @@ from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
-from stickslip.friction.stribeck import Stribeck as Stribeck
-from stickslip.friction.viscous import Viscous as Viscous
+from stickslip.friction.stribeck import Stribeck as _Stribeck
+from stickslip.friction.viscous import Viscous as _Viscous
+from stickslip.quantities import Given as _Given
+from typing_extensions import override as _override
 
 LAW_MODULES: dict[str, str]
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Coulomb(_Coulomb):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class CoulombViscous(_CoulombViscous):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        static_coefficient: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class CoulombViscousStatic(_CoulombViscousStatic):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Dahl(_Dahl):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        exponent: _Given = ...,
+        viscous_coefficient: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @classmethod
+    @_override
+    def from_forces(
+        cls,
+        *,
+        load: float,
+        kinetic_force: float,
+        bristle_stiffness: float,
+        exponent: float = ...,
+        viscous_coefficient: float = ...,
+        viscous_exponent: float = ...,
+        static_switch: bool = ...,
+    ) -> Dahl: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionDependent(_DirectionDependent):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_viscous_coefficient: _Given = ...,
+        backward_viscous_coefficient: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGre(_LuGre):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        viscous_coefficient: _Given = ...,
+        exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @classmethod
+    @_override
+    def from_forces(
+        cls,
+        *,
+        load: float,
+        kinetic_force: float,
+        static_force: float,
+        stribeck_velocity: float,
+        bristle_stiffness: float,
+        bristle_damping: float,
+        viscous_coefficient: float = ...,
+        exponent: float = ...,
+        viscous_exponent: float = ...,
+        static_switch: bool = ...,
+    ) -> LuGre: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PowerViscous(_PowerViscous):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        exponent: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PrintedCartDynamics(_PrintedCartDynamics):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        weight: _Given,
+        signed: bool = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PrintedCoulomb(_PrintedCoulomb):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class QuadraticDrag(_QuadraticDrag):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given = ...,
+        quadratic_coefficient: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class RateState(_RateState):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        reference_coefficient: _Given,
+        direct_effect: _Given,
+        evolution_effect: _Given = ...,
+        critical_distance: _Given | None = ...,
+        reference_velocity: _Given,
+        evolution: _Evolution = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Stribeck(_Stribeck):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given = ...,
+        exponent: _Given = ...,
+        break_away_coefficient: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Viscous(_Viscous):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        viscous_coefficient: _Given,
+    ) -> None: ...
 
 __all__ = [
     "BristleLaw",

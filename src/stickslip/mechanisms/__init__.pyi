@@ -1,9 +1,15 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
+from stickslip.drives import Drive as _Drive
+from stickslip.drives import Profile as _Profile
 from stickslip.mechanisms.actuators import MOTORS as MOTORS
 from stickslip.mechanisms.actuators import Motor as Motor
-from stickslip.mechanisms.actuators import Prescribed as Prescribed
-from stickslip.mechanisms.actuators import Torque as Torque
-from stickslip.mechanisms.axis import Axis as Axis
+from stickslip.mechanisms.actuators import Motor as _Motor
+from stickslip.mechanisms.actuators import Prescribed as _Prescribed
+from stickslip.mechanisms.actuators import Torque as _Torque
+from stickslip.mechanisms.axis import Axis as _Axis
 from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
 from stickslip.mechanisms.base import Contact as Contact
 from stickslip.mechanisms.base import Guide as Guide
@@ -11,10 +17,10 @@ from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
-from stickslip.mechanisms.block_chain import BlockChain as BlockChain
-from stickslip.mechanisms.capsule import Capsule as Capsule
+from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
+from stickslip.mechanisms.capsule import Capsule as _Capsule
 from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
-from stickslip.mechanisms.clutch_train import Rotor as Rotor
+from stickslip.mechanisms.clutch_train import Rotor as _Rotor
 from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
@@ -24,31 +30,328 @@ from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import slipping as slipping
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
-from stickslip.mechanisms.disc_brake import DiscBrake as DiscBrake
+from stickslip.mechanisms.disc_brake import DiscBrake as _DiscBrake
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of
 from stickslip.mechanisms.drive_period import cycle_or_none as cycle_or_none
 from stickslip.mechanisms.drive_period import repeats as repeats
-from stickslip.mechanisms.lining import Lining as Lining
+from stickslip.mechanisms.lining import Lining as _Lining
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism as MatrixMechanism
-from stickslip.mechanisms.pendulum import Pendulum as Pendulum
-from stickslip.mechanisms.pendulum_cart import PendulumCart as PendulumCart
+from stickslip.mechanisms.pendulum import Pendulum as _Pendulum
+from stickslip.mechanisms.pendulum_cart import PendulumCart as _PendulumCart
 from stickslip.mechanisms.registry import MECHANISMS as MECHANISMS
 from stickslip.mechanisms.registry import mechanisms as mechanisms
 from stickslip.mechanisms.rigid_bodies import joint_places as joint_places
-from stickslip.mechanisms.robot import Robot as Robot
-from stickslip.mechanisms.robot import RobotJoint as RobotJoint
-from stickslip.mechanisms.serial_arm import Link as Link
-from stickslip.mechanisms.serial_arm import SerialArm as SerialArm
-from stickslip.mechanisms.spring_block import SpringBlock as SpringBlock
-from stickslip.mechanisms.towed_block import TowedBlock as TowedBlock
-from stickslip.mechanisms.two_feet import TwoFeet as TwoFeet
-from stickslip.mechanisms.two_link_arm import TwoLinkArm as TwoLinkArm
-from stickslip.mechanisms.two_mass_axis import TwoMassAxis as TwoMassAxis
+from stickslip.mechanisms.robot import Robot as _Robot
+from stickslip.mechanisms.robot import RobotJoint as _RobotJoint
+from stickslip.mechanisms.serial_arm import Link as _Link
+from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
+from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
+from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
+from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
+from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
+from stickslip.mechanisms.two_mass_axis import TwoMassAxis as _TwoMassAxis
 from stickslip.mechanisms.urdf import RobotDescription as RobotDescription
 from stickslip.mechanisms.urdf import read_urdf as read_urdf
+from stickslip.quantities import Given as _Given
+from typing import Literal as _Literal
 
 MECHANISM_MODULES: dict[str, str]
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Axis(_Axis):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        inertia: _Given,
+        drive: _Drive | None = ...,
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        load: _Given = ...,
+        offset: _Given = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BlockChain(_BlockChain):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        blocks: int,
+        mass: _Given,
+        coupling: _Given,
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        speed: _Given | None = ...,
+        load: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Capsule(_Capsule):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        capsule_mass: _Given,
+        inner_mass: _Given,
+        drive: _Motor = ...,
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        gravity: _Given = ...,
+        incline: _Given = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DiscBrake(_DiscBrake):  # type: ignore[misc]  # final but for this
+    pads: tuple[Lining, ...]
+    def __init__(
+        self,
+        *,
+        inertia: _Given,
+        pads: tuple[_Lining, ...],
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        drive: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Lining(_Lining):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        radius: _Given,
+        load: _Given = ...,
+        press: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Link(_Link):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        length: _Given,
+        centre: _Given,
+        inertia: _Given,
+        rotor_inertia: _Given = ...,
+        gear_ratio: _Given = ...,
+        damping: _Given = ...,
+        torque: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Pendulum(_Pendulum):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        length: _Given,
+        inertia: _Given = ...,
+        drive: _Drive | None = ...,
+        damping: _Given = ...,
+        load: _Given = ...,
+        gravity: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PendulumCart(_PendulumCart):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        cart_mass: _Given,
+        ball_mass: _Given,
+        length: _Given,
+        pendulum: _Motor = ...,
+        pivot_stiffness: _Given = ...,
+        pivot_angle: _Given = ...,
+        pivot_damping: _Given = ...,
+        pivot_load: _Given | None = ...,
+        gravity: _Given = ...,
+        incline: _Given = ...,
+        wheelbase: _Given | None = ...,
+        pivot_height: _Given = ...,
+        centre_height: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Prescribed(_Prescribed):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        profile: _Profile,
+        limit: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Robot(_Robot):  # type: ignore[misc]  # final but for this
+    joints: tuple[RobotJoint, ...]
+    def __init__(
+        self,
+        *,
+        joints: tuple[_RobotJoint, ...],
+        gravity: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class RobotJoint(_RobotJoint):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        joint: str,
+        kind: _Literal['revolute', 'prismatic'] = ...,
+        parent: str = ...,
+        place: tuple[float, ...] = ...,
+        orientation: tuple[float, ...] = ...,
+        axis: tuple[float, ...] = ...,
+        mass: _Given,
+        centre_x: _Given = ...,
+        centre_y: _Given = ...,
+        centre_z: _Given = ...,
+        inertia_xx: _Given = ...,
+        inertia_yy: _Given = ...,
+        inertia_zz: _Given = ...,
+        inertia_xy: _Given = ...,
+        inertia_xz: _Given = ...,
+        inertia_yz: _Given = ...,
+        damping: _Given = ...,
+        armature: _Given = ...,
+        effort: _Drive | None = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Rotor(_Rotor):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        inertia: _Given,
+        damping: _Given = ...,
+        torque: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SerialArm(_SerialArm):  # type: ignore[misc]  # final but for this
+    links: tuple[Link, ...]
+    def __init__(
+        self,
+        *,
+        links: tuple[_Link, ...],
+        gravity: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SpringBlock(_SpringBlock):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        stiffness: _Given = ...,
+        compression: _Given = ...,
+        attached: bool = ...,
+        drive: _Drive | None = ...,
+        gravity: _Given = ...,
+        incline: _Given = ...,
+        lower_stop: _Given | None = ...,
+        upper_stop: _Given | None = ...,
+        restitution: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Torque(_Torque):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        drive: _Drive | None = ...,
+        limit: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TowedBlock(_TowedBlock):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        stiffness: _Given,
+        speed: _Given,
+        damping: _Given = ...,
+        load: _Given | None = ...,
+        gravity: _Given = ...,
+        modulation: _Drive | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TwoFeet(_TwoFeet):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        mass: _Given,
+        front: _Given,
+        rear: _Given,
+        height: _Given = ...,
+        stiffness: _Given = ...,
+        damping: _Given = ...,
+        drive: _Drive | None = ...,
+        gravity: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TwoLinkArm(_TwoLinkArm):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        upper_mass: _Given,
+        upper_length: _Given,
+        upper_centre: _Given,
+        upper_inertia: _Given,
+        lower_mass: _Given,
+        lower_centre: _Given,
+        lower_inertia: _Given,
+        rotor_inertia: _Given = ...,
+        gear_ratio: _Given = ...,
+        shoulder_drive: _Drive | None = ...,
+        elbow_drive: _Drive | None = ...,
+        gravity: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        motor_inertia: _Given,
+        load_inertia: _Given,
+        stiffness: _Given,
+        damping: _Given = ...,
+        drive: _Drive | None = ...,
+        rubs: _Literal['load', 'motor', 'both'] = ...,
+        load: _Given = ...,
+        offset: _Given = ...,
+    ) -> None: ...
 
 __all__ = [
     "Axis",

@@ -22,11 +22,14 @@ from stickslip.mechanisms.rigid_bodies import (
     transposed,
     turned,
 )
-from stickslip.mechanisms.robot import Robot, RobotJoint
 from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
+
+    from stickslip.mechanisms import Robot, RobotJoint  # as stubs declare them for users
+else:
+    from stickslip.mechanisms.robot import Robot, RobotJoint
 
 __all__ = ["RobotDescription", "read_urdf"]
 

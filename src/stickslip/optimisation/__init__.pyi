@@ -1,9 +1,12 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
 from stickslip.optimisation.cycle_metrics import Cycle as Cycle
 from stickslip.optimisation.cycle_metrics import guide_of as guide_of
 from stickslip.optimisation.cycle_metrics import measure as measure
 from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_limits
-from stickslip.optimisation.limits import Limits as Limits
+from stickslip.optimisation.limits import Limits as _Limits
 from stickslip.optimisation.limits import Margin as Margin
 from stickslip.optimisation.optimise import optimise_profile as optimise_profile
 from stickslip.optimisation.parametrisation import KINDS as KINDS
@@ -14,6 +17,20 @@ from stickslip.optimisation.problem import GoalName as GoalName
 from stickslip.optimisation.problem import ScoredMotion as ScoredMotion
 from stickslip.optimisation.result import Optimum as Optimum
 from stickslip.optimisation.scenarios import Scenarios as Scenarios
+from stickslip.quantities import Given as _Given
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Limits(_Limits):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        position: _Given,
+        rate: _Given,
+        effort: _Given | None = ...,
+        load_share: _Given = ...,
+        back_slip: _Given | None = ...,
+    ) -> None: ...
 
 __all__ = [
     "Cycle",

@@ -1,4 +1,8 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
+from stickslip.quantities import Given as _Given
 from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
 from stickslip.solver.compile.messages import notice as notice
@@ -11,10 +15,11 @@ from stickslip.solver.ensembles import as_numbers as as_numbers
 from stickslip.solver.ensembles import run_ensemble as run_ensemble
 from stickslip.solver.evaluator import Equations as Equations
 from stickslip.solver.event_driven import BareRun as BareRun
-from stickslip.solver.event_driven import EventDriven as EventDriven
+from stickslip.solver.event_driven import EventDriven as _EventDriven
 from stickslip.solver.event_driven import status_of as status_of
-from stickslip.solver.fixed_step import FixedStep as FixedStep
+from stickslip.solver.fixed_step import FixedStep as _FixedStep
 from stickslip.solver.fixed_step import Method as Method
+from stickslip.solver.fixed_step import Method as _Method
 from stickslip.solver.incremental_ensemble import IncrementalEnsemble as IncrementalEnsemble
 from stickslip.solver.incremental_run import IncrementalRun as IncrementalRun
 from stickslip.solver.initial_states import within_stops as within_stops
@@ -28,7 +33,32 @@ from stickslip.solver.reducers import Output as Output
 from stickslip.solver.reducers import Samples as Samples
 from stickslip.solver.reducers import Sensitivity as Sensitivity
 from stickslip.solver.reducers import reasons as reasons
+from stickslip.solver.run import Tier as _Tier
 from stickslip.solver.run import prepare as prepare
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class EventDriven(_EventDriven):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        tolerance: _Given = ...,
+        stiff_tolerance: _Given = ...,
+        max_steps: _Given = ...,
+        estimate_error: bool = ...,
+        tier: _Tier = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        dt: _Given,
+        method: _Method = ...,
+        stick_rule: bool = ...,
+    ) -> None: ...
 
 __all__ = [
     "EventCount",

@@ -114,7 +114,7 @@ def variables_of(
                 description=f"Drive {drive}, held over each communication step",
             )
         )
-    units = column_units(
+    units: dict[str, str] = column_units(
         mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
     )
     found += _parameters(mechanism, law, model, units, len(found))
@@ -165,13 +165,13 @@ def variables_of(
                 description=f"Time derivative of {state}",
             )
         )
-    for index, (name, words) in enumerate(_guards(mechanism, model)):
+    for index, (name, meaning) in enumerate(_guards(mechanism, model)):
         found.append(
             Variable(
                 name=f"indicator.{name}",
                 role="indicator",
                 index=index,
-                description=f"Event indicator, above 0 while the mode lasts: {words}",
+                description=f"Event indicator, above 0 while the mode lasts: {meaning}",
             )
         )
     return tuple(found)
