@@ -121,9 +121,7 @@ def test_friction_of_feet_moves_load_from_one_to_the_other():
     here = dynamics_at(body)
     # moments about the front foot: of the weight, and of friction at the ground, 0.15 m below
     np.testing.assert_allclose(here.normal, [19.62 * 0.4, 19.62 * 0.6], rtol=1e-12)
-    np.testing.assert_allclose(
-        here.normal_force([1.0, 2.0]) - here.normal, [0.9, -0.9], rtol=1e-12
-    )
+    np.testing.assert_allclose(here.normal_force([1.0, 2.0]) - here.normal, [0.9, -0.9], rtol=1e-12)
 
 
 def test_the_figure_shows_all_commands_and_rests_of_the_contact():
@@ -134,7 +132,9 @@ def test_the_figure_shows_all_commands_and_rests_of_the_contact():
 
 def test_limit_cycles_are_asked_of_one_contact():
     run = simulate(Pair(stiffness=40.0), LAWS, t_end=1.0, y0={"a": 1.0}, solver=PLAIN)
-    with pytest.raises(InputError, match=r"several contacts \(left, right\).*run.contact\('left'\)"):
+    with pytest.raises(
+        InputError, match=r"several contacts \(left, right\).*run.contact\('left'\)"
+    ):
         limit_cycle(run, "a")
     assert limit_cycle(run.contact("left"), "a", since=0.0).kind in ("decaying", "none")
 

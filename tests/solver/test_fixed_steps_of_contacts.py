@@ -32,9 +32,7 @@ def test_two_axes_move_as_each_does_alone(method, rule):
         # roundings of 200 steps, of which none may tip a decision
         np.testing.assert_allclose(both[q], alone["x"], rtol=0, atol=1e-14)
         np.testing.assert_array_equal(both[f"mode:{name}"], alone["mode"])
-        np.testing.assert_allclose(
-            both[f"friction:{name}"], alone["friction"], rtol=0, atol=1e-10
-        )
+        np.testing.assert_allclose(both[f"friction:{name}"], alone["friction"], rtol=0, atol=1e-10)
         work = both.certificate.work[name]
         assert work == pytest.approx(alone.certificate.work_friction, rel=1e-9)
 
@@ -67,9 +65,7 @@ def test_feet_come_to_rest_where_the_closed_form_says_and_share_what_holds_them(
     """Closed form of reference R7: the loads are reactions that depend on friction."""
     body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
     laws = {"front": coulomb(0.6, 0.7), "rear": coulomb(0.2, 0.3)}
-    run = simulate(
-        body, laws, t_end=2.0, y0={"x": 0.9}, solver=FixedStep(dt=2e-3, method="heun")
-    )
+    run = simulate(body, laws, t_end=2.0, y0={"x": 0.9}, solver=FixedStep(dt=2e-3, method="heun"))
     last = {name: run[name][-1] for name in run.names}
     # a reversal is noticed up to a step late: 5 N / 2 kg over 2 ms is 5 mm/s, and 10 um
     assert last["x"] == pytest.approx(-0.07443116883117, abs=5e-5)

@@ -31,9 +31,7 @@ def test_basins_of_one_of_two_axes_are_those_of_the_axis_alone():
     drive, starts = Sine(amplitude=4.0, frequency=1.0), np.array([-1.0, 0.5])
     pair = Pair(stiffness=100.0, left_drive=drive)
     settings = {"settle": 1, "keep": 2, "solver": PLAIN, "period": 1.0}
-    both = basins(
-        pair, LAWS, {"a": starts, "a_dot": [0.0]}, coordinate="a", **settings
-    )
+    both = basins(pair, LAWS, {"a": starts, "a_dot": [0.0]}, coordinate="a", **settings)
     alone = basins(axis(drive, 100.0), LAW, {"x": starts, "v": [0.0]}, **settings)
     np.testing.assert_array_equal(both.index, alone.index)
     for one, other in zip(both.attractors, alone.attractors, strict=True):
