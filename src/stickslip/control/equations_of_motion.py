@@ -94,7 +94,8 @@ class Dynamics:
         """
         by_friction = _times(self.normal_by_friction, friction)
         by_command = _times(self.normal_by_command, command)
-        return self.normal + by_friction + by_command
+        found: float | NDArray[np.float64] = self.normal + by_friction + by_command
+        return found
 
 
 @final

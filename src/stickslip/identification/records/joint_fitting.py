@@ -436,7 +436,7 @@ class JointFitter:
         changed: str,
         contained: Sequence[FittedLaw],
         progress: Watch | None,
-    ) -> tuple[FitSetup[JointBalance], OptimizeResult]:
+    ) -> tuple[FitSetup, OptimizeResult]:
         """Search, again with slopes where it ended if forces are not linear in parameters."""
         motion = self.motion
         for _ in range(BENDS):
