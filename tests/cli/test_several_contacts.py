@@ -136,13 +136,9 @@ def test_several_contacts_are_animated(called):
 
 
 REFUSED = {
-    "sweep": ("sweep", "rig.toml", "--vary", "mechanism.mass=1:2:3", "-o", "map.csv"),
     "plan": ("plan", "rig.toml", "-o", "plan.html"),
-    "profile": ("profile", "optimise", "rig.toml", "--angle", "1", "--rate", "1"),
     "warmup": ("warmup", "--rig", "rig.toml"),
-    "fixed step": ("simulate", "rig.toml", "--fixed-step", "0.01", "-o", "run.csv"),
     "enforce": ("simulate", "rig.toml", "--enforce", "-o", "run.csv"),
-    "law of a file": ("simulate", "rig.toml", "--law", "rig.toml", "-o", "run.csv"),
 }
 
 
@@ -153,6 +149,73 @@ def test_what_takes_one_contact_names_those_there_are_and_writes_nothing(called,
     assert "front, rear" in err
     assert "Traceback" not in err
     assert [path.name for path in Path().iterdir()] == ["rig.toml"]
+
+
+DRIVEN = FEET.replace(
+    'stiffness = "50 N/m"',
+    'stiffness = "50 N/m"\ndrive = { type = "sine", amplitude = "30 N", frequency = "2 Hz" }',
+)
+OTHER = FEET.replace("kinetic_coefficient = 0.6", "kinetic_coefficient = 0.5")
+
+
+def test_a_map_of_contacts_along_one_coordinate_is_computed(called):
+    asked = ("--vary", "friction.front.kinetic_coefficient=0.5:0.6:2", "--settle", "1")
+    written = ("--cycles", "2", "-o", "map.csv", "--json")
+    code, out, err = called(DRIVEN, "sweep", "rig.toml", *asked, *written)
+    assert (code, json.loads(out)["laws"]) == (0, {"front": "coulomb", "rear": "coulomb"}), err
+    assert len(exported("map.csv")) == 2
+    other = ("--coordinate", "y", "--force", *written)
+    code, _, err = called(DRIVEN, "sweep", "rig.toml", *asked, *other)
+    assert code == 2
+    assert "unknown coordinate 'y'" in err
+
+
+def test_fixed_steps_are_taken_and_are_not_certified(called):
+    asked = ("--fixed-step", "0.005", "--t-end", "0.1", "-o", "run.csv", "--samples", "3")
+    code, out, _ = called(FEET, "simulate", "rig.toml", *asked)
+    assert code == 0
+    assert "Not certified: fixed step" in out
+    assert "mode:rear" in exported("run.csv")
+    code, _, err = called(FEET, "simulate", "rig.toml", "--fixed-step", "0.01", "--ensemble", "3")
+    assert code == 2
+    assert "leave --fixed-step out" in err
+
+
+def test_laws_by_contact_are_taken_from_another_file(called):
+    Path("law.toml").write_text(FEET + ESTIMATES)
+    asked = ("simulate", "rig.toml", "--law", "law.toml", "--json")
+    code, out, err = called(OTHER, *asked)
+    found = json.loads(out)
+    assert (code, err) == (0, "")
+    assert found["law_file"]["file"] == "law.toml"
+    assert found["final"]["x"] == pytest.approx(-0.07443116883117, abs=1e-12)
+    changed = ("--set", "friction.front.kinetic_coefficient=0.55")
+    assert json.loads(called(OTHER, *asked, *changed)[1])["final"]["x"] != found["final"]["x"]
+
+
+BAD_LAWS = {
+    "other contacts": (
+        '[mechanism]\ntype = "two-mass-axis"\nrubs = "both"\nmotor_inertia = 1\n'
+        "load_inertia = 1\nstiffness = 1\n[friction.load]\nkinetic_coefficient = 1\n"
+        "[friction.motor]\nkinetic_coefficient = 1\n",
+        "law.toml has laws of load, motor, but two-feet has front, rear: rename",
+    ),
+    "one law": (
+        '[mechanism]\ntype = "axis"\ninertia = "1 kg"\n[friction]\nkinetic_coefficient = 1\n',
+        "law.toml has no laws by contact, but two-feet has front, rear: write the values into",
+    ),
+    "another override": (FEET, "friction.front.stribeck_velocity names no parameter of coulomb"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_LAWS)
+def test_a_file_whose_laws_do_not_fit_is_refused_in_words(called, case):
+    text, message = BAD_LAWS[case]
+    Path("law.toml").write_text(text)
+    more = ("--set", "friction.front.stribeck_velocity=1") if text == FEET else ()
+    code, out, err = called(FEET, "simulate", "rig.toml", "--law", "law.toml", *more)
+    assert (code, out) == (2, "")
+    assert message in err
 
 
 @pytest.mark.parametrize("command", ["fit", "select"])

@@ -256,7 +256,7 @@ def test_samples_that_are_not_numbers_are_refused_with_the_joint(measured):
         ({**BOTH, "elbow": 3}, None, "takes a FrictionLaw, its type or its name, got int"),
         (TRUTH["elbow"], None, "would be shared by all joints"),
         (BOTH, "kinetic_coefficient", "friction.elbow.kinetic_coefficient' or 'friction.should"),
-        (BOTH, ["friction.*", "upper_length"], "not linear in mechanism.upper_length"),
+        (BOTH, ["friction.*", "upper_mass", "upper_centre"], "upper_mass and mechanism.upper_cen"),
     ],
 )
 def test_a_wrong_request_is_refused_in_words(laws, vary, message, measured):

@@ -16,13 +16,13 @@ from stickslip.cli.console import (
     write_folder,
 )
 from stickslip.cli.interrupts import Interrupts
-from stickslip.cli.law_choice import LawAsked, rig_and_law
+from stickslip.cli.law_choice import LawAsked, friction_content, friction_of, rig_and_friction
 from stickslip.cli.numbers import range_of
 from stickslip.cli.progress import Improving
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Rig, read_number
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation import (
     GOALS,
@@ -102,9 +102,10 @@ def run(
     """
     if not as_json:
         refuse_overwriting(output, output, force=force, files=FILES)
-    rig, chosen = rig_and_law(path, changes, settings.law)
-    found = _found(rig, chosen.law, settings)
-    head = {"rig": rig.heading, "digest": rig.digest, **chosen.to_dict()}
+    rig, chosen = rig_and_friction(path, changes, settings.law)
+    found = _found(rig, friction_of(chosen), settings)
+    head = {"rig": rig.heading, "digest": rig.digest}
+    head |= friction_content(chosen, rig.mechanism)
     content = document("profile", head | found.to_dict())
     if as_json:
         print_json(content)
@@ -116,7 +117,7 @@ def run(
         note("The search was stopped early; this is the best motion so far.")
 
 
-def _found(rig: Rig, law: FrictionLaw, settings: Settings) -> Optimum:
+def _found(rig: Rig, law: FrictionLaw | Laws, settings: Settings) -> Optimum:
     """Search with a bar; Ctrl-C once ends the search."""
     goal = named(GOALS, settings.goal, "goal")
     limits = _limits(rig.mechanism, settings.limits)
@@ -157,7 +158,9 @@ def _limits(mechanism: Mechanism, given: Mapping[str, str | None]) -> Limits:
     return Limits(**values)
 
 
-def _interval(mechanism: Mechanism, law: FrictionLaw, text: str) -> tuple[str, tuple[float, float]]:
+def _interval(
+    mechanism: Mechanism, law: FrictionLaw | Laws, text: str
+) -> tuple[str, tuple[float, float]]:
     """Read ``path=low..high``, with units or in SI."""
     path, equals, ends = text.partition("=")
     if not (equals and ".." in ends and path.strip()):

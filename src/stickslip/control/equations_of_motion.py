@@ -38,11 +38,11 @@ class Dynamics:
     """W (n,), of several contacts (n, c): 1 at the coordinate that slips."""
     command_direction: "NDArray[np.float64]"
     """B (n,), of several commands (n, d); zeros where nothing is commanded."""
-    normal: "float | NDArray[np.float64]"
+    normal: Any
     """Normal force N_0 without friction and command [N], of several contacts (c,)."""
-    normal_by_friction: "float | NDArray[np.float64]"
+    normal_by_friction: Any
     """N_F, of several contacts (c, c)."""
-    normal_by_command: "float | NDArray[np.float64]"
+    normal_by_command: Any
     """N_u, of several contacts (c,) or (c, d)."""
     contacts: tuple[str, ...] = ()
     """Names of the contacts where there are several, in the order of columns."""
@@ -75,9 +75,7 @@ class Dynamics:
         )
         return np.asarray(np.linalg.solve(self.mass, right))
 
-    def normal_force(
-        self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0
-    ) -> "float | NDArray[np.float64]":
+    def normal_force(self, friction: "ArrayLike" = 0.0, command: "ArrayLike" = 0.0) -> Any:
         """Return the normal force under a friction force and a command [N].
 
         Parameters
@@ -303,7 +301,12 @@ def dynamics_at(
     if len(mechanism.contacts()) > 1:
         return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
     if drive is not None and not isinstance(drive, str):
-        (drive,) = places_of(mechanism, drive)
+        named = list(places_of(mechanism, drive))
+        if len(named) > 1:
+            raise InputError(
+                f"dynamics_at takes one drive of a mechanism with one contact, got {named!r}."
+            )
+        (drive,) = named
     evaluator = Evaluator(mechanism, drive)
     state = _states(q or {}, mechanism.coordinates)
     state += _states(q_dot or {}, mechanism.rates)

@@ -34,11 +34,12 @@ REPORTS = 100
 class Controller(Protocol):
     """Computes a command from what is measured.
 
-    Any function will do. One that keeps a state has a ``reset()``, which is called before a run.
+    Any function will do; one that commands several drives returns a mapping. One that keeps a state
+    has a ``reset()``, which is called before a run.
     """
 
-    def __call__(self, t: float, measured: Mapping[str, float], /) -> float | Mapping[str, float]:
-        """Return the command at a sample; of several drives, the commands by drive.
+    def __call__(self, t: float, measured: Mapping[str, float], /) -> float:
+        """Return the command at a sample.
 
         Parameters
         ----------

@@ -42,6 +42,7 @@ HOMES = {
     "read_urdf": "urdf",
     "slip_names": "contacts",
     "static_normal_force": "contacts",
+    "static_normal_forces": "contacts",
     "stops_between": "base",
     "stops_of": "base",
 }

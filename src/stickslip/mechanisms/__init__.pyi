@@ -30,6 +30,7 @@ from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import slipping as slipping
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
+from stickslip.mechanisms.contacts import static_normal_forces as static_normal_forces
 from stickslip.mechanisms.disc_brake import DiscBrake as _DiscBrake
 from stickslip.mechanisms.drive_period import WHOLE as WHOLE
 from stickslip.mechanisms.drive_period import cycle_of as cycle_of
@@ -388,6 +389,7 @@ __all__ = [
     "read_urdf",
     "slip_names",
     "static_normal_force",
+    "static_normal_forces",
     "stops_between",
     "stops_of",
 ]

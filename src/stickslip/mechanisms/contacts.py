@@ -1,5 +1,7 @@
 """Facts of the only contact of a mechanism: what slips there, and what presses at rest."""
 
+from collections.abc import Mapping
+
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.base import Contact, Mechanism
 
@@ -13,6 +15,7 @@ __all__ = [
     "slip_of",
     "slipping",
     "static_normal_force",
+    "static_normal_forces",
 ]
 
 
@@ -207,3 +210,54 @@ def static_normal_force(mechanism: Mechanism) -> float:
     places = dict.fromkeys((*mechanism.coordinates, normal), 0.0)
     raised = mechanism.potential_energy(0.0, places | {normal: 1.0})
     return float(raised - mechanism.potential_energy(0.0, places))
+
+
+def static_normal_forces(mechanism: Mechanism) -> dict[str, float]:
+    """Return the normal force at each contact while nothing moves [N], by the contact's name.
+
+    Raises
+    ------
+    InputError
+        If the weight does not determine the normal forces.
+
+    Examples
+    --------
+    >>> from stickslip import TwoFeet
+    >>> body = TwoFeet(mass=2.0, front=0.3, rear=0.2)
+    >>> {name: round(force, 9) for name, force in static_normal_forces(body).items()}
+    {'front': 7.848, 'rear': 11.772}
+    """
+    import numpy as np
+
+    contacts = mechanism.contacts()
+    if len(contacts) == 1 and not isinstance(contacts[0].normal, Mapping):
+        return {contacts[0].name: static_normal_force(mechanism)}
+    found = {one.name: float(1.0 if one.load is None else one.load) for one in contacts}
+    carried = [one for one in contacts if one.normal is not None]
+    held = list(dict.fromkeys(name for one in carried for name in one.normals))
+    if not held:
+        return found
+    still = dict.fromkeys((*mechanism.coordinates, *held, *mechanism.held()), 0.0)
+
+    def weight(name: str) -> float:  # central, since a tilt raises a body by its square, too
+        ends = (mechanism.potential_energy(0.0, still | {name: side}) for side in (1e-3, -1e-3))
+        up, down = ends
+        return float(up - down) / 2e-3
+
+    rows = [[_factor(one, name) for one in carried] for name in held]
+    forces, _, rank, _ = np.linalg.lstsq(
+        np.array(rows, dtype=float), np.array([weight(name) for name in held]), rcond=None
+    )
+    if rank < len(carried):
+        names = ", ".join(one.name for one in carried)
+        raise InputError(
+            f"the weight of {type(mechanism).__name__} does not tell what {names} carry."
+        )
+    return found | dict(zip((one.name for one in carried), forces.tolist(), strict=True))
+
+
+def _factor(contact: Contact, name: str) -> float:
+    """Return how a unit of normal force acts on a held coordinate."""
+    if isinstance(contact.normal, str) or contact.normal is None:
+        return 1.0 if contact.normal == name else 0.0
+    return float(contact.normal.get(name, 0.0))

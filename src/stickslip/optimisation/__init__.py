@@ -21,6 +21,8 @@ HOMES = {
 INSIDE = {
     "GoalName": "problem",
     "KindName": "parametrisation",
+    "load_shares": "cycle_metrics",
+    "slip_of_body": "cycle_metrics",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -4,7 +4,9 @@ from typing import final
 
 from stickslip.optimisation.cycle_metrics import Cycle as Cycle
 from stickslip.optimisation.cycle_metrics import guide_of as guide_of
+from stickslip.optimisation.cycle_metrics import load_shares as load_shares
 from stickslip.optimisation.cycle_metrics import measure as measure
+from stickslip.optimisation.cycle_metrics import slip_of_body as slip_of_body
 from stickslip.optimisation.cycle_metrics import units_of_limits as units_of_limits
 from stickslip.optimisation.limits import Limits as _Limits
 from stickslip.optimisation.limits import Margin as Margin

@@ -11,13 +11,22 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Profile
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, Prescribed, slip_of, static_normal_force
+from stickslip.friction import FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism, Prescribed, slipping, static_normal_forces
 from stickslip.simulation import simulate
 from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Cycle", "fitted", "guide_of", "measure", "motor_of", "units_of_limits"]
+__all__ = [
+    "Cycle",
+    "fitted",
+    "guide_of",
+    "load_shares",
+    "measure",
+    "motor_of",
+    "slip_of_body",
+    "units_of_limits",
+]
 
 Array = NDArray[np.float64]
 
@@ -168,14 +177,60 @@ def units_of_limits(mechanism: Mechanism) -> dict[str, str]:
     }
 
 
-def measure(mechanism: Mechanism, law: FrictionLaw, *, samples: int = SAMPLES) -> Cycle:
+def slip_of_body(mechanism: Mechanism) -> str:
+    """Return the coordinate along which the body slips whose inner motion is prescribed.
+
+    Raises
+    ------
+    InputError
+        If contacts slip along several coordinates that no motion prescribes.
+    """
+    guided = mechanism.guided()
+    found = [name for name in slipping(mechanism) if name not in guided]
+    if not found:
+        raise InputError(
+            f"the motion prescribes {', '.join(slipping(mechanism))}, the slip itself: there is"
+            " nothing to optimise."
+        )
+    if len(found) > 1:
+        raise InputError(
+            f"the contacts of {type(mechanism).__name__} slip along {', '.join(found)}: a motion is"
+            " optimised for the travel along one coordinate."
+        )
+    return found[0]
+
+
+def load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
+    """Return normal forces over those at rest, by column of a run.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Whose run it is.
+    seen : Trajectory
+        The run.
+
+    Returns
+    -------
+    dict of str to array
+        The shares, of each contact that rubs.
+    """
+    found = {}
+    for contact, force in static_normal_forces(mechanism).items():
+        for column in ("normal_force", f"normal_force:{contact}"):
+            if column in seen.names:
+                found[column] = seen[column] / force
+    return found
+
+
+def measure(mechanism: Mechanism, law: FrictionLaw | Laws, *, samples: int = SAMPLES) -> Cycle:
     """Run cycles until they repeat, and measure the last one.
 
     Parameters
     ----------
     mechanism : Mechanism
         With a prescribed motion.
-    law : FrictionLaw
+    law : FrictionLaw or Laws
         What holds it back.
     samples : int
         Evenly spread times at which extremes are looked for; between the neighbours of the best
@@ -238,7 +293,7 @@ def _cut_short(run: Trajectory, period: float, lasted: float) -> Cycle:
 
 def _repeats(mechanism: Mechanism, run: Trajectory, count: int, period: float) -> bool:
     """Whether the last cycle is like the one before it."""
-    slip = slip_of(mechanism)
+    slip = slip_of_body(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     last = run.at(np.linspace((count - 1) * period, count * period, 33))
     before = run.at([(count - 2) * period])
@@ -257,7 +312,7 @@ def _measured(
     repeats: bool,
     samples: int,
 ) -> Cycle:
-    slip = slip_of(mechanism)
+    slip = slip_of_body(mechanism)
     begin, end = (count - 1) * profile.period, count * profile.period
     nodes = _nodes(run, profile, float(begin), float(end), samples)
     seen = run.at(nodes)
@@ -291,7 +346,7 @@ def _columns(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
         "position": seen[coordinate],
         "rate": seen[rate],
         "effort": seen[effort],
-        "load_share": seen["normal_force"] / static_normal_force(mechanism),
+        "load_share": np.min(list(load_shares(mechanism, seen).values()), axis=0),
     }
 
 

@@ -7,9 +7,8 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.mechanisms import only_contact
 from stickslip.optimisation.cma_search import Told, judged_at
-from stickslip.optimisation.cycle_metrics import Cycle, motor_of
+from stickslip.optimisation.cycle_metrics import Cycle, motor_of, slip_of_body
 from stickslip.optimisation.limits import UNIT_OF_BACK_SLIP
 from stickslip.optimisation.parametrisation import Space
 from stickslip.optimisation.problem import FAILED, Problem, ScoredMotion
@@ -294,8 +293,7 @@ def travel_gradient(problem: Problem, space: Space, u: Array, cycle: Cycle) -> A
     array (size,)
         Slopes [m].
     """
-    contact = only_contact(problem.mechanism)
-    x = contact.slip
+    x = slip_of_body(problem.mechanism)
     v = problem.mechanism.rates[problem.mechanism.coordinates.index(x)]
     names = list(space.paths(u))
     ends = [cycle.begin, cycle.run.span[1]]

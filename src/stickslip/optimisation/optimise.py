@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from stickslip.drives import Profile
 from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole, renamed
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.friction import Friction, FrictionLaw, Laws
+from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.checkpoint import Memory
 from stickslip.optimisation.cma_search import Told, search
-from stickslip.optimisation.cycle_metrics import fitted, guide_of, measure, motor_of
+from stickslip.optimisation.cycle_metrics import fitted, measure, motor_of, slip_of_body
 from stickslip.optimisation.limits import Limits
 from stickslip.optimisation.local_refinement import polish
 from stickslip.optimisation.parametrisation import KindName, Space, kind_of, space_of
@@ -22,7 +22,7 @@ from stickslip.optimisation.problem import FINER, GOALS, GoalName, Problem, Scor
 from stickslip.optimisation.result import Optimum
 from stickslip.optimisation.scenarios import scenarios_of
 from stickslip.quantities import named
-from stickslip.simulation import own_law, simulate
+from stickslip.simulation import event_driven_law, simulate
 
 __all__ = ["optimise_profile"]
 
@@ -40,13 +40,13 @@ LEAST_ROUNDS = 40
 @renamed
 def optimise_profile(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: Friction,
     *,
     limits: Limits,
     goal: GoalName = "travel",
     kind: KindName = "three-phase",
     interval: Mapping[str, tuple[float, float]] | None = None,
-    scenarios: Sequence[FrictionLaw] | None = None,
+    scenarios: Sequence[Friction] | None = None,
     quantile: float = 0.05,
     points: int = 5,
     knots: int = 12,
@@ -67,7 +67,7 @@ def optimise_profile(
     mechanism : Mechanism
         With a prescribed motion, such as ``PendulumCart(pendulum=Prescribed(...))`` or
         ``Capsule(drive=Prescribed(...))``; a limit of its motor holds beside `limits`.
-    law : FrictionLaw
+    law : FrictionLaw or mapping of str to FrictionLaw
         What holds it back.
     limits : Limits
         What the motion may take.
@@ -135,11 +135,13 @@ def optimise_profile(
     (True, True)
     """
     plan = _plan(mechanism, limits, evaluations, seed)
-    law = own_law(mechanism, law)
+    law = event_driven_law(mechanism, law)
     _check(progress)
     problem = Problem(
         mechanism=plan.mechanism,
-        scenarios=scenarios_of(plan.mechanism, law, interval, scenarios, quantile, points),
+        scenarios=scenarios_of(
+            plan.mechanism, law, interval, _each(mechanism, scenarios), quantile, points
+        ),
         goal=named(GOALS, goal, "goal"),
         limits=plan.limits,
     )
@@ -157,6 +159,13 @@ def optimise_profile(
     return _optimum(work, law, known, best, reference.judged, start)
 
 
+def _each(mechanism: Mechanism, laws: Sequence[Friction] | None) -> list[FrictionLaw | Laws] | None:
+    """Return laws of scenarios, checked; what is no sequence of them is told later."""
+    if laws is None or len(mechanism.contacts()) < 2:
+        return laws  # type: ignore[return-value]  # a sequence of laws
+    return [event_driven_law(mechanism, law) for law in laws]
+
+
 def _versions() -> list[str]:
     """Return the versions that a search depends on."""
     from importlib.metadata import version
@@ -166,7 +175,7 @@ def _versions() -> list[str]:
 
 def _optimum(
     work: "_Work",
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     kind: str,
     best: "_Best",
     reference: ScoredMotion | None,
@@ -198,7 +207,7 @@ def _optimum(
     )
 
 
-def _steady_end(mechanism: Mechanism, law: FrictionLaw) -> float:
+def _steady_end(mechanism: Mechanism, law: FrictionLaw | Laws) -> float:
     """Return when the cycles of a motion have come to repeat [s]."""
     return measure(mechanism, law).run.span[1]
 
@@ -226,11 +235,7 @@ def _plan(mechanism: Mechanism, limits: Limits, evaluations: int, seed: int) -> 
         if type(value) is not int or value < least:
             raise ParameterError(not_whole(name, least, value))
     motor = getattr(mechanism, motor_of(mechanism))
-    slip = slip_of(mechanism)
-    if guide_of(mechanism)[0] == slip:
-        raise InputError(
-            f"the motion prescribes {slip}, the slip itself: there is nothing to optimise."
-        )
+    slip_of_body(mechanism)
     given = limits.given()
     if motor.limit is not None:
         given["effort"] = min(given.get("effort", motor.limit), motor.limit)

@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Profile
 from stickslip.experiments import rig_toml
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
 from stickslip.optimisation.limits import Limits, Margin
@@ -38,7 +38,7 @@ class Optimum(Tabular):
 
     mechanism: Mechanism
     """With the best motion."""
-    law: FrictionLaw
+    law: FrictionLaw | Laws
     """What holds it back."""
     kind: str
     """Kind of motion."""

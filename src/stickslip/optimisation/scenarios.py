@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError, ParameterError, not_whole
 from stickslip.formatting import number, percent
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import motor_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
@@ -37,7 +37,7 @@ class Scenarios:
     [0.0, 1.0]
     """
 
-    laws: tuple[FrictionLaw, ...]
+    laws: tuple[FrictionLaw | Laws, ...]
     """A law for each scenario."""
     changes: tuple[Mapping[str, float], ...]
     """Values of the mechanism by path, for each scenario."""
@@ -64,9 +64,9 @@ class Scenarios:
 
 def scenarios_of(
     mechanism: Mechanism,
-    law: FrictionLaw,
+    law: FrictionLaw | Laws,
     interval: Mapping[str, tuple[float, float]] | None,
-    laws: Sequence[FrictionLaw] | None,
+    laws: Sequence[FrictionLaw | Laws] | None,
     quantile: float,
     points: int,
 ) -> Scenarios:
@@ -106,8 +106,8 @@ def scenarios_of(
     return Scenarios(laws=(law,), changes=({},), quantile=0.0, words="the given law")
 
 
-def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
-    if not laws or not all(isinstance(law, FrictionLaw) for law in laws):
+def _samples(laws: Sequence[FrictionLaw | Laws], quantile: float) -> Scenarios:
+    if not laws or not all(isinstance(law, FrictionLaw | Laws) for law in laws):
         raise InputError(f"scenarios must be friction laws, at least one, got {laws!r}.")
     share = SHARE.check("optimise_profile", "quantile", quantile)
     return Scenarios(
@@ -120,7 +120,10 @@ def _samples(laws: Sequence[FrictionLaw], quantile: float) -> Scenarios:
 
 
 def _grid(
-    mechanism: Mechanism, law: FrictionLaw, interval: Mapping[str, tuple[float, float]], points: int
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    interval: Mapping[str, tuple[float, float]],
+    points: int,
 ) -> Scenarios:
     """Return evenly spread values of each parameter, ends included, in all combinations."""
     if type(points) is not int or points < 2:

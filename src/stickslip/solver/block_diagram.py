@@ -203,7 +203,7 @@ class BlockDiagram(ABC):
 class Diagram(BlockDiagram):
     """The diagram of one contact, whose law, or printed form, is a block of its own."""
 
-    contacts: ClassVar[tuple[str, ...]] = ()  # type: ignore[misc]  # there is but one
+    contacts: ClassVar[tuple[str, ...]] = ()
 
     equations: Equations
     """Equations of motion, with the force of the contact left open."""

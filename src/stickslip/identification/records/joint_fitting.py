@@ -96,8 +96,9 @@ def fit_joints(
     """Fit the laws of several contacts, and parameters of the mechanism, in one problem.
 
     Friction along each joint is the applied force less what the motion takes, ``M q'' - h``, by
-    inverse dynamics; the forces that a motion takes must be linear in the parameters of the
-    mechanism that are looked for. A constant force of each joint is fitted too.
+    inverse dynamics. Where the forces that a motion takes are not linear in the parameters of the
+    mechanism that are looked for, slopes are taken anew where a search ended. A constant force of
+    each joint is fitted too, unless positions count from a zero of each record.
 
     Parameters
     ----------
@@ -126,8 +127,8 @@ def fit_joints(
     Raises
     ------
     InputError
-        If the record does not serve, a name is not known, or the forces are not linear in a
-        parameter of the mechanism.
+        If the record does not serve, a name is not known, or parameters of the mechanism do the
+        same to all forces.
 
     Examples
     --------
@@ -435,7 +436,7 @@ class JointFitter:
         changed: str,
         contained: Sequence[FittedLaw],
         progress: Watch | None,
-    ) -> tuple[FitSetup[JointBalance], OptimizeResult]:
+    ) -> tuple[FitSetup, OptimizeResult]:
         """Search, again with slopes where it ended if forces are not linear in parameters."""
         motion = self.motion
         for _ in range(BENDS):

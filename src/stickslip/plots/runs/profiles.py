@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
-from stickslip.mechanisms import slip_of, static_normal_force
-from stickslip.optimisation import Cycle, Optimum, guide_of
+from stickslip.optimisation import Cycle, Optimum, guide_of, load_shares, slip_of_body
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.helpers import Array, Sizes
@@ -66,16 +65,22 @@ def _columns(optimum: Optimum, cycle: Cycle) -> dict[str, Array]:
     inside = np.array([t for t in jumps if t < run.span[1]])
     seen = run.at(np.union1d(times, np.concatenate([inside, np.nextafter(inside, -np.inf)])))
     found = {name: seen[name] for name in _names(optimum)}
-    slip = slip_of(optimum.mechanism)
+    slip = slip_of_body(optimum.mechanism)
     return {"t": seen.t - cycle.begin} | found | {slip: found[slip] - found[slip][0]}
 
 
 def _names(optimum: Optimum) -> tuple[str, ...]:
     mechanism = optimum.mechanism
     coordinate, rate, effort, _ = guide_of(mechanism)
-    slip = slip_of(mechanism)
+    slip = slip_of_body(mechanism)
     speed = mechanism.rates[mechanism.coordinates.index(slip)]
-    return coordinate, rate, effort, slip, speed, "normal_force"
+    return coordinate, rate, effort, slip, speed, _least_loaded(optimum)
+
+
+def _least_loaded(optimum: Optimum) -> str:
+    """Return the column of the normal force that falls most, over that at rest."""
+    shares = load_shares(optimum.mechanism, optimum.run)
+    return min(shares, key=lambda column: float(shares[column].min()))
 
 
 def _units(optimum: Optimum) -> dict[str, tuple[float, str]]:
@@ -102,7 +107,9 @@ def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
         for column, name in zip(names, ("position", "rate", "effort"), strict=False)
         if name in given
     }
-    return found | {"normal_force": (given["load_share"] * static_normal_force(optimum.mechanism),)}
+    column = names[-1]
+    share, force = load_shares(optimum.mechanism, optimum.run)[column], optimum.run[column]
+    return found | {column: (given["load_share"] * float(force.max() / share.max()),)}
 
 
 def _panel(
