@@ -95,7 +95,7 @@ def test_options_say_what_a_rig_without_data_does_not(run, write, axis_record):
 
 
 def test_a_second_record_is_only_judged_by(run, write):
-    write("second.csv", rows=slice(600, None))
+    write("second.csv", rows=slice(300, None))
     code, out, _ = run("select", "axis.toml", "--validate", "second.csv", *FAST)
     assert code == 0
     assert "second record" in out
@@ -140,9 +140,9 @@ def test_purpose_and_horizon_set_what_is_scored(run):
     assert json.loads(out)["horizon"] == pytest.approx(0.5, rel=0.1)  # whole samples
 
 
-def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, tmp_path):
+def test_a_rig_or_an_option_says_that_a_force_was_joined(run, write, fine_record, tmp_path):
     # 20 Hz instead of the 200 Hz of the controller: only joined does the force stay what it was
-    write(rows=slice(None, None, 10))
+    write(rows=slice(None, None, 10), **fine_record)
     joined = (tmp_path / "axis.toml").read_text() + 'hold = "first"\n'
     (tmp_path / "joined.toml").write_text(joined)
 
@@ -261,7 +261,7 @@ def test_fit_prints_what_limits_an_interval_from_a_record(run, tmp_path):
 @pytest.mark.parametrize("name", ["dahl", pytest.param("dahl-exponent", marks=pytest.mark.slow)])
 def test_a_name_is_the_same_law_to_fit_and_to_select(run, tmp_path, name):
     # bristles, elastic and perfectly plastic: an exponent well below 1
-    t = np.linspace(0.0, 10.0, 500)
+    t = np.linspace(0.0, 6.0, 240)
     x = 1e-4 * np.sin(np.pi * t)
     force = [0.0]
     for step in np.diff(x):
@@ -336,7 +336,7 @@ def test_mistakes_give_one_message_and_leave_nothing(run, tmp_path, arguments, f
     assert sorted(tmp_path.iterdir()) == before
 
 
-HALF = slice(0, 600)
+HALF = slice(0, 300)
 
 
 def damaged(record, how):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support import quick
 
 from stickslip import Axis, Capsule, Coulomb, Measurement, PendulumCart, check, fit, simulate
 from stickslip.drives import Sine, Square, ThreePhase
@@ -51,7 +52,8 @@ def fitted(mechanism, measurement, *others, **options):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "torque")) for n in CASES]
+    "name",
+    quick(CASES, "stroke"),  # the tests below have the others
 )
 def test_the_position_alone_tells_the_friction_of_a_driven_cart_or_capsule(name):
     mechanism, length, rate, noise = CASES[name]

@@ -269,6 +269,7 @@ def slider(data_dir, name, stiffness, speed):
     return TowedBlock(mass=0.0307, stiffness=stiffness, speed=speed, load=load), record
 
 
+@pytest.mark.slow  # `tests/identification` fits the same record
 def test_the_stiff_fast_slider_has_an_effective_mass_and_no_ranking(data_dir):
     block, record = slider(data_dir, "k1002_v4300", 1002.0, 4.3e-3)
     found = select(block, [Coulomb, Stribeck], record, vary=["friction.*", "mechanism.mass"])
