@@ -173,6 +173,7 @@ assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
 """
 
 
+@pytest.mark.slow  # a route of another package is used in the same way
 def test_a_route_touches_four_places(tree: Tree) -> None:
     registry = "routes/registry.py"
     places = contributed(

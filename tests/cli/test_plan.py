@@ -147,6 +147,7 @@ TABLE = re.compile(r"\S {2,}\S")
 """Rows of a table have gaps between their cells; sentences have none."""
 
 
+@pytest.mark.slow
 def test_tables_fit_eighty_columns(run, folder):
     """Also with twelve settings, an incline and a law of a long name."""
     laws = "coulomb,viscous,coulomb-viscous-static"

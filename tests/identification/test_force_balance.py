@@ -257,6 +257,7 @@ def held_out(record, kind, free=("friction.*",)):
     return found, cross_validate(found, plan_of(found, horizon=1.0))
 
 
+@pytest.mark.slow  # `tests/identification/test_force_map.py` has bristles
 def test_presliding_that_an_encoder_resolves_tells_bristles_from_a_cone():
     record = swayed(BRISTLES, 1)
     (one,) = balanced(Axis(inertia=J), record, hold="zero")

@@ -89,7 +89,7 @@ def test_draws_are_tables_with_a_column_for_each_path():
     assert data.attrs == {"cancelled": 0, "runs": 7}
 
 
-@pytest.mark.parametrize("sampler", ["emcee", "dynesty"])
+@pytest.mark.parametrize("sampler", ["emcee", pytest.param("dynesty", marks=pytest.mark.slow)])
 def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(linear, sampler):
     pytest.importorskip(sampler)
     heard = []

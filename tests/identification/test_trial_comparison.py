@@ -73,6 +73,7 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
     assert not viscous.clear
 
 
+@pytest.mark.slow
 def test_most_small_rises_are_found():
     # 0.08 N of 5 N with noise of 0.1 N that remembers ten samples: 86 % of 50 sets when measured
     found = sum(not compared(made(seed, rise=0.002)).shared for seed in range(100, 120))

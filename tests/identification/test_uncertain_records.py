@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support import quick
 
 from stickslip import (
     Axis,
@@ -39,10 +40,10 @@ CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribe
 
 def pushed(axis=AXIS, noise=1e-4, seed=3):
     """Return the position of an axis under a force, as an encoder sees it."""
-    t = np.arange(0.0, 4.0, 0.01)
+    t = np.arange(0.0, 6.0, 0.01)
     force = 12.0 * np.sin(np.pi * t) + 6.0 * np.sin(2.6 * np.pi * t + 1.0)
     drive = Sampled(times=tuple(t[:-1].tolist()), values=tuple(force[:-1].tolist()))
-    run = simulate(replace(axis, drive=drive), TRUTH, t_end=3.99)
+    run = simulate(replace(axis, drive=drive), TRUTH, t_end=5.99)
     x = run.at(t[:-2])["x"] + noise * np.random.default_rng(seed).normal(size=t.size - 2)
     return Measurement(time=t[:-2], position=x, force=force[:-2])
 
@@ -93,9 +94,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] * (c == "cart")) for c in CASES]
-)
+@pytest.mark.parametrize("case", quick(CASES, "inverse-dynamics"))
 def test_estimates_follow_the_mechanism_as_refits_do(case):
     mechanism, make, law, options, errors = CASES[case]
     record = make()

@@ -284,6 +284,7 @@ def test_a_start_that_reaches_its_limit_exactly_keeps_it(capsule, law):
     assert judged.feasible
 
 
+@pytest.mark.slow
 def test_evaluations_bound_and_count_the_motions_that_are_tried(capsule, law, monkeypatch):
     tried, judge = [], Problem.judge
 

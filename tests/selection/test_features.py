@@ -205,6 +205,7 @@ def test_friction_under_a_load_point_takes_rate_and_state_laws():
         fit(STATED, Coulomb, steps)
 
 
+@pytest.mark.slow  # the seed is that of `fit_features`
 def test_seeds_of_settings_reach_the_search(record):
     one, two = (
         fit(
