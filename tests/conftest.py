@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from tests.support import sketched
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 # Generated modules of the tests stay out of the user's cache, and are shared by its processes.
@@ -20,8 +21,8 @@ os.environ.setdefault("STICKSLIP_CACHE", str(CACHE))
 
 os.environ.setdefault("STICKSLIP_BACKGROUND", "0")
 
-settings.register_profile("dev", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True)
+settings.register_profile("dev", deadline=None, max_examples=25)
+settings.register_profile("ci", deadline=None, max_examples=25, derandomize=True)
 settings.register_profile("thorough", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
@@ -63,6 +64,13 @@ def pytest_runtest_teardown() -> None:
     from stickslip.report.core import documents
 
     documents.CAUGHT = (Exception,)
+
+
+@pytest.fixture
+def sketches() -> Iterator[None]:
+    """Leave out what makes text of a drawing: other tests look at the figures of pages."""
+    with sketched():
+        yield
 
 
 @pytest.fixture(autouse=True)

@@ -7,7 +7,8 @@ import contextlib
 import dataclasses
 import functools
 import inspect
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -73,9 +74,25 @@ def exported(path: Any) -> Any:
 
 
 def examples(count: int) -> settings:
-    """Let hypothesis draw so many examples in `make slow`, and a quarter in quick tests."""
+    """Let hypothesis draw so many examples in `make slow`, and an eighth in quick tests."""
     thorough = settings.get_current_profile_name() == "thorough"
-    return settings(max_examples=count if thorough else max(3, count // 4))
+    return settings(max_examples=count if thorough else max(3, count // 8))
+
+
+def quick(names: Iterable[str], *few: str) -> list[Any]:
+    """Return names for `parametrize`, all but a few of them slow."""
+    return [pytest.param(name, marks=[pytest.mark.slow] * (name not in few)) for name in names]
+
+
+def pairs(laws: Mapping[str, Any], rigs: Mapping[str, Any], most: int = 5) -> Iterator[Any]:
+    """Yield all pairs of a rig and a law for `parametrize`.
+
+    All but every `most`-th are slow, but each law and each rig meets some.
+    """
+    nth = min(most, len(laws), len(rigs))
+    for (i, name), (j, rig) in itertools.product(enumerate(laws), enumerate(rigs)):
+        marks = [pytest.mark.slow] * ((i + j) % nth != 0)
+        yield pytest.param(rigs[rig], laws[name], id=f"{name}-{rig}", marks=marks)
 
 
 def decade(low: float, high: float) -> st.SearchStrategy[float]:

@@ -46,6 +46,9 @@ documents.write_folder(pathlib.Path(folder), new, stale=["law.toml", "index.html
 print(calls)
 """
 linux = pytest.mark.skipif(sys.platform != "linux", reason="exchanges folders in one step")
+OTHER_STARTS = (
+    ("absent", "after"), ("old", "before"), ("old", "after"), ("old with a user's files", "before"),
+)  # fmt: skip
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
 
 
@@ -64,10 +67,13 @@ def killed(folder, where, last, can_exchange):
 
 
 @posix
-@pytest.mark.parametrize("where", ["before", "after"])
 @pytest.mark.parametrize(
-    "start",
-    ["absent", pytest.param("old", marks=pytest.mark.slow), "old with a user's files"],
+    ("start", "where"),
+    [
+        ("absent", "before"),
+        ("old with a user's files", "after"),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHER_STARTS),
+    ],
 )
 @linux
 def test_a_process_killed_at_any_step_leaves_the_old_folder_or_the_new_one(tmp_path, start, where):

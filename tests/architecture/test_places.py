@@ -58,6 +58,20 @@ def run(tree: Tree, *arguments: str, expected: int = 0) -> str:
     return done.stdout
 
 
+MODELS = """
+from stickslip.cli import main
+main(["models"])
+"""
+RUNS = """
+from stickslip.cli import main
+for command in (["schema"], ["simulate", "slab.toml", "--json"]):
+    try:
+        main(command)
+    except SystemExit as leaving:
+        assert not leaving.code, leaving.code
+"""
+
+
 def test_a_law_touches_three_places(tree: Tree) -> None:
     line = '    "LuGre": "lugre",'
     places = contributed(
@@ -82,8 +96,7 @@ assert all(e.low < getattr(truth, e.path.rpartition(".")[2], 0.0) < e.high for e
 verdict = select(Axis(inertia=1.0), ["coulomb", "toy-law"], table)
 assert verdict.best.name == "toy-law", verdict
 """
-    run(tree, "-c", use)
-    assert "toy-law" in run(tree, "-m", "stickslip", "models")
+    assert "toy-law" in run(tree, "-c", use + MODELS)
     assert "class ToyLaw" not in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
     assert "ToyLaw as ToyLaw" in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
     assert places == 3
@@ -107,14 +120,12 @@ run = simulate(slab, law, t_end=1.0)
 a = 9.81 * (1.0 - 0.2 * 2.0) / 3.0  # Newton's law of both masses
 assert math.isclose(run["x"][-1], 0.5 * a, rel_tol=1e-9), run["x"][-1]
 """
-    run(tree, "-c", use)
     rig = tree / "slab.toml"
     rig.write_text(
         '[mechanism]\ntype = "toy-slab"\nmass = "2 kg"\nweight = "1 kg"\n'
         "[friction.coulomb]\nkinetic_coefficient = 0.2\n[run]\nt_end = 1.0\n"
     )
-    assert "toy-slab" in run(tree, "-m", "stickslip", "schema")
-    run(tree, "-m", "stickslip", "simulate", "slab.toml", "--json")
+    assert "toy-slab" in run(tree, "-c", use + RUNS)
     assert places == 3
 
 
@@ -162,6 +173,7 @@ assert "<svg" in found._repr_html_() and "<svg" in verdict._repr_html_()
 """
 
 
+@pytest.mark.slow  # a route of another package is used in the same way
 def test_a_route_touches_four_places(tree: Tree) -> None:
     registry = "routes/registry.py"
     places = contributed(

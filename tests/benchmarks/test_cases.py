@@ -1,5 +1,6 @@
 """The benchmarks compare like with like; their times are nobody's business here."""
 
+import functools
 import importlib.util
 
 import numpy as np
@@ -25,26 +26,38 @@ from benchmarks.measuring import KERNEL, Entry, Missing, Target
 from benchmarks.several import by_scipy as several_by_scipy
 from benchmarks.several import by_stickslip as several_by_stickslip
 from benchmarks.several.problem import CASES
+from tests.support import quick
 
 PYTHON = ("python",)
 HAND = ("decay", "belt")
 
 
-@pytest.fixture(scope="module")
-def results():
+def of_belt():
     with pytest.MonkeyPatch.context() as patch:
         # the others take seconds, and each has the decay
         patch.setattr(measuring, "METHODS", ("DOP853",))
-        slow = belt.run(repeats=1, tiers=PYTHON)
+        return belt.run(repeats=1, tiers=PYTHON)
+
+
+def of_lugre():
+    with pytest.MonkeyPatch.context() as patch:
         # the plain tier takes a minute to get below 1e-8
         patch.setattr(lugre, "ERROR", 1e-5)
-        stiff = lugre.run(repeats=1, tiers=PYTHON)
-    return {
-        "decay": decay.run(repeats=1, tiers=PYTHON),
-        "belt": slow,
-        "lugre": stiff,
-        "sampled": sampled.run(repeats=1, tiers=PYTHON, samples=600),
-    }
+        return lugre.run(repeats=1, tiers=PYTHON)
+
+
+RESULTS = {
+    "decay": lambda: decay.run(repeats=1, tiers=PYTHON),
+    "belt": of_belt,
+    "lugre": of_lugre,
+    "sampled": lambda: sampled.run(repeats=1, tiers=PYTHON, samples=600),
+}
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Return a function from the name of a case to its result, made once."""
+    return functools.cache(lambda case: RESULTS[case]())
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +67,9 @@ def holding():
         return engines.run(repeats=1, tiers=PYTHON, seconds=0.1)
 
 
-@pytest.mark.parametrize("case", ["decay", "belt", "lugre", "sampled"])
+@pytest.mark.parametrize("case", quick(RESULTS, "decay", "sampled"))
 def test_every_solver_of_a_benchmark_stays_below_the_stated_error(results, case):
-    result = results[case]
+    result = results(case)
     assert result.entries[0].solver == measuring.TIERS["python"]
     for entry in result.entries:
         if not isinstance(entry, Missing):
@@ -150,10 +163,10 @@ def test_engines_with_soft_contacts_come_near_the_travel(holding, library, engin
         assert abs(entry.creep) < 2e-3 * TRAVEL
 
 
-@pytest.mark.parametrize("case", HAND)
+@pytest.mark.parametrize("case", quick(HAND, "decay"))
 def test_heyoka_reaches_the_same_error_with_events_by_hand(results, case):
     pytest.importorskip("heyoka")
-    names = [entry.solver for entry in results[case].entries if not isinstance(entry, Missing)]
+    names = [entry.solver for entry in results(case).entries if not isinstance(entry, Missing)]
     assert "heyoka, modes and events by hand" in names
 
 

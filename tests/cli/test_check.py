@@ -86,11 +86,17 @@ def test_repairs_are_said(run, write):
     assert "data.csv; sorted by time (1 sample out of order); dropped 1 exact duplicate" in out
 
 
-def test_several_files_are_checked_as_trials(run, write, tmp_path):
+def test_several_files_are_checked_as_trials(run, write):
     files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
-    _, out, _ = run(*files, *COLUMNS, *SCALES, "-o", "seen")
+    _, out, _ = run(*files, *COLUMNS, *SCALES)
     assert "  run1: 2,000 samples" in out
     assert "  run2: 2,000 samples" in out
+
+
+@pytest.mark.slow
+def test_each_of_several_files_has_an_overview(run, write, tmp_path):
+    files = [write(f"run{i}.csv", **good(u=0.01 * i * TIME)) for i in (1, 2)]
+    assert run(*files, *COLUMNS, *SCALES, "-o", "seen")[0] == 0
     assert {path.name for path in (tmp_path / "seen").glob("[!.]*")} == {
         "checks.json", "overview-1.svg", "overview-1.png", "overview-2.svg", "overview-2.png",
     }  # fmt: skip

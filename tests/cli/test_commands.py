@@ -390,15 +390,20 @@ def test_a_rig_with_values_for_several_laws_says_which_one_is_run(run):
     assert "several laws" not in err
 
 
-def test_nothing_to_measure_next_has_no_heading(run):
-    _, out, _ = run("select", "demo", "--laws", "coulomb")
+def test_nothing_to_measure_next_has_no_heading(run, rig):
+    _, out, _ = run("select", rig(), "--laws", "coulomb")
     assert "Limitations" in out
     assert not out.partition("Measure next\n")[1] or out.partition("Measure next\n")[2].strip()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
 @pytest.mark.parametrize(
-    "command", [["simulate", "demo", "--law", "stribeck"], ["schema"], ["--version"]]
+    "command",
+    [
+        pytest.param(["simulate", "demo", "--law", "stribeck"], marks=pytest.mark.slow),
+        ["schema"],
+        ["--version"],
+    ],
 )
 def test_a_full_device_is_one_message_and_exit_code_2(command):
     with Path("/dev/full").open("w") as full:
@@ -480,8 +485,8 @@ def test_the_package_runs_as_a_module_with_the_same_exit_codes(tmp_path):
     assert bad.stderr.startswith("stickslip: ")
 
 
-def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
-    select = ("select", "demo", "--laws", "coulomb", "--force")
+def test_force_replaces_a_report_but_no_file_of_the_user(run, rig, tmp_path):
+    select = ("select", rig(), "--laws", "coulomb", "--force")
     folder = tmp_path / "stickslip-report"
     folder.mkdir()
     (folder / "law.toml").write_text("mine")
@@ -495,7 +500,7 @@ def test_force_replaces_a_report_but_no_file_of_the_user(run, tmp_path):
     (folder / "index.html").write_text("edited")
     assert "index.html was changed since" in complaint(run, *select)
     assert (folder / "index.html").read_text() == "edited"
-    report = ("simulate", "demo", "--report-to", "stickslip-report", "--force")
+    report = ("simulate", "rig.toml", "--report-to", "stickslip-report", "--force")
     assert "index.html was changed since" in complaint(run, *report)
     (folder / "index.html").unlink()
     assert run(*report)[0] == 0
@@ -521,9 +526,9 @@ def test_a_page_that_is_drawn_while_the_process_is_killed_costs_no_earlier_repor
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
-def test_a_reader_who_has_seen_enough_costs_no_verdict(tmp_path):
+def test_a_reader_who_has_seen_enough_costs_no_verdict(rig, tmp_path):
     """``stickslip select | head`` leaves the law for the next command."""
-    command = [sys.executable, "-m", "stickslip", "select", "demo", "--laws", "coulomb"]
+    command = [sys.executable, "-m", "stickslip", "select", rig(), "--laws", "coulomb"]
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     ) as process:

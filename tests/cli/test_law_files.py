@@ -36,7 +36,7 @@ CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.t
 PERIOD = float(ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0).period)
 """Of the swing of that file [s]."""
 SIX = ("coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl", "lugre")
-LONG = {"coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl"}
+LONG = {"coulomb", "coulomb-viscous", "coulomb-viscous-static", "stribeck", "dahl"}
 """Of these, models whose pages take long to draw."""
 
 BLOCK = """

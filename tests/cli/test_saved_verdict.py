@@ -37,7 +37,7 @@ set = {{ "mechanism.compression" = "{compression} mm" }}
 """
 
 
-@pytest.fixture(params=[1e4, 1e6])
+@pytest.fixture(params=[1e4, pytest.param(1e6, marks=pytest.mark.slow)])
 def rig(request, tmp_path, monkeypatch):
     """Write three travels of a block with stiff bristles."""
     text = RIG.format(stiffness=request.param)

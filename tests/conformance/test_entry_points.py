@@ -129,10 +129,15 @@ def test_an_installed_law_is_listed(stickslip):
     ("entry", "message"),
     [
         ("sledge = nowhere_at_all:Sledge", "cannot be imported: ModuleNotFoundError"),
-        ("sledge = made_elsewhere:number", "must be a class derived from Mechanism"),
-        (
+        pytest.param(
+            "sledge = made_elsewhere:number",
+            "must be a class derived from Mechanism",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
             "sledge = made_elsewhere:Namesake",
             "is named 'axis', which is taken: rename it",
+            marks=pytest.mark.slow,
         ),
     ],
 )

@@ -1,16 +1,14 @@
 """The suites that other packages run on their laws and mechanisms hold for ours."""
 
 import pytest
-from tests.support import SEVERAL, SHOWN, example_of
+from tests.support import EXAMPLES, SEVERAL, SHOWN, example_of, quick
 
 from stickslip import Coulomb
 from stickslip.friction import LAWS
 from stickslip.testing import check_friction, check_mechanism
 
-
-def quick(names, *long):
-    """Return names, of which some are slow."""
-    return [pytest.param(name, marks=[pytest.mark.slow] * (name in long)) for name in names]
+CHECKED = ("block-chain", "disc-brake", "two-feet", "robot")
+"""Friction between bodies, on a turning body, under an uneven load, and by recursion."""
 
 
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
@@ -19,14 +17,14 @@ def test_every_law_passes_the_suite_for_laws(kind):
     assert report.ok, report
 
 
-@pytest.mark.parametrize("name", quick(SHOWN, "two-link-arm"))
+@pytest.mark.parametrize("name", quick(SHOWN, *EXAMPLES))
 def test_every_mechanism_passes_the_suite_for_mechanisms(name):
     report = check_mechanism(SHOWN[name], t_end=0.8, compiled=False)
     assert report.ok, report
 
 
 @pytest.mark.parametrize("draws", [2, pytest.param(5, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", quick(SEVERAL, "clutch-train", "pendulum-cart"))
+@pytest.mark.parametrize("name", quick(SEVERAL, *CHECKED))
 def test_mechanisms_with_several_contacts_pass_the_suite_too(name, draws):
     law = Coulomb(kinetic_coefficient=0.3, static_coefficient=0.4)
     report = check_mechanism(SEVERAL[name], law, compiled=False, draws=draws)

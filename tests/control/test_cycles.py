@@ -90,7 +90,7 @@ def test_over_compensation_is_a_limit_cycle_of_known_size():
     assert cycle.stuck == 0.0
 
 
-@pytest.mark.parametrize("factor", [0.8, 1.0])
+@pytest.mark.parametrize("factor", [0.8, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_exact_and_under_compensation_settle_where_friction_holds(factor):
     loop = compensated(factor)
     assert limit_cycle(loop, least=1e-9).kind == "none"

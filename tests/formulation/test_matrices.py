@@ -89,7 +89,9 @@ ROUNDING = 1e-12
 
 
 @pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
-@pytest.mark.parametrize("matrix_cart", [MatrixCart, CountedCart])
+@pytest.mark.parametrize(
+    "matrix_cart", [MatrixCart, pytest.param(CountedCart, marks=pytest.mark.slow)]
+)
 def test_matrices_and_energies_give_the_same_equations(matrix_cart, kind):
     law = example_of(kind)
     one = Generated(matrix_cart(**SIZES, torque=PUSH), law)

@@ -48,7 +48,8 @@ def printed_with(seed):
     return run.stdout.strip()
 
 
-@pytest.mark.parametrize("seed", ["1", pytest.param("4711", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", ["1", "4711"])
 def test_the_text_is_the_same_in_every_process(seed):
     texts = [
         formulate(rig, example_of(law)).text for rig in EXAMPLES.values() for law in LAWS.values()

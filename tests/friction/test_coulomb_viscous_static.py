@@ -34,7 +34,10 @@ def test_friction_against_velocity_says_nothing_of_the_static_level():
     assert "friction.static_coefficient" not in [one.path for one in found.estimates]
 
 
-@pytest.mark.parametrize(("static", "seed"), [(8.0, 0), (6.0, 1), (9.5, 2)])
+@pytest.mark.parametrize(
+    ("static", "seed"),
+    [*(pytest.param(*one, marks=pytest.mark.slow) for one in ((8.0, 0), (9.5, 2))), (6.0, 1)],
+)
 def test_a_record_with_rests_gives_the_static_level_back(static, seed):
     law = CoulombViscousStatic(**{**VALUES, "static_coefficient": static})
     force = 12.0 * np.sin(np.pi * TIME)

@@ -118,6 +118,7 @@ def test_more_unknowns_than_features_are_said_not_to_be_told():
     assert any("do not identify" in sentence for sentence in found.sentences)
 
 
+@pytest.mark.slow  # a selection says so in `tests/selection`
 def test_equal_laws_are_not_told_apart_and_the_simpler_one_stands_first():
     truth = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
     measured = record(BLOCK, truth, noise=2e-3 * LOAD)

@@ -35,7 +35,7 @@ def decay_of(law, seed, *, noise=1e-3):
     )
 
 
-@pytest.mark.parametrize("drag", [1e-4, 3e-4])
+@pytest.mark.parametrize("drag", [pytest.param(1e-4, marks=pytest.mark.slow), 3e-4])
 def test_a_law_that_does_not_hold_is_said_first_and_intervals_cover_both_halves(drag):
     law = QuadraticDrag(
         kinetic_coefficient=0.005, viscous_coefficient=0.002, quadratic_coefficient=drag

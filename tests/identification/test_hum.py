@@ -61,7 +61,7 @@ def test_the_frequency_of_irregular_stick_slip_is_the_rate_of_its_slips(seed):
     assert found.frequency == pytest.approx(1.0 / found.waiting_times.mean(), rel=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2))])
 @pytest.mark.parametrize(
     ("hum", "shown"),
     [

@@ -321,7 +321,9 @@ def test_errors_of_a_table_are_those_of_independent_rows():
         assert found.freedom[i] == pytest.approx(degrees, rel=1e-9)
 
 
-@pytest.mark.parametrize("count", [8, 10, 15, 40])
+@pytest.mark.parametrize(
+    "count", [8, *(pytest.param(n, marks=pytest.mark.slow) for n in (10, 15)), 40]
+)
 @pytest.mark.parametrize("scatter", ["alike", "with-speed", "at-rest"])
 def test_intervals_of_small_tables_cover_and_are_not_wide(count, scatter):
     random = np.random.default_rng(count)

@@ -104,8 +104,18 @@ def contains(found, path, true, widen=1.0):
 WIDEN = 1.5
 
 
-@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
-@pytest.mark.parametrize("law", [Weakening, Unranged(grip=3.0, fall=0.3, knee_speed=0.3)])
+RAW = Unranged(grip=3.0, fall=0.3, knee_speed=0.3)
+
+
+@pytest.mark.parametrize(
+    ("law", "route"),
+    [
+        (Weakening, "shooting"),
+        (RAW, "inverse-dynamics"),
+        pytest.param(RAW, "shooting", marks=pytest.mark.slow),
+        pytest.param(Weakening, "inverse-dynamics", marks=pytest.mark.slow),
+    ],
+)
 def test_a_driven_record_gives_a_law_of_ones_own_back(driven, route, law):
     found = fit(Axis(inertia=4.0), law, driven, route=route)
     assert type(found.law) is (law if isinstance(law, type) else type(law))
@@ -138,13 +148,13 @@ def test_several_travels_give_a_law_of_ones_own_back():
         assert getattr(found.law, name) == pytest.approx(getattr(truth, name), rel=0.02)
 
 
-def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(table, driven):
-    for rig, record in ((Axis(inertia=1.0), table), (Axis(inertia=4.0), driven)):
-        verdict = select(
-            rig, [CoulombViscous, Weakening], record, settings=RecordSettings(starts=1)
-        )
-        assert verdict.best is not None
-        assert verdict.best.name == "weakening"
+@pytest.mark.parametrize("seen", ["table", pytest.param("driven", marks=pytest.mark.slow)])
+def test_select_takes_a_law_of_ones_own_beside_those_of_the_package(seen, request):
+    record = request.getfixturevalue(seen)
+    rig = Axis(inertia=1.0 if seen == "table" else 4.0)
+    verdict = select(rig, [CoulombViscous, Weakening], record, settings=RecordSettings(starts=1))
+    assert verdict.best is not None
+    assert verdict.best.name == "weakening"
 
 
 def test_features_of_a_law_of_ones_own_are_levels_and_speeds():

@@ -89,7 +89,7 @@ def test_draws_are_tables_with_a_column_for_each_path():
     assert data.attrs == {"cancelled": 0, "runs": 7}
 
 
-@pytest.mark.parametrize("sampler", ["emcee", "dynesty"])
+@pytest.mark.parametrize("sampler", ["emcee", pytest.param("dynesty", marks=pytest.mark.slow)])
 def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(linear, sampler):
     pytest.importorskip(sampler)
     heard = []
@@ -111,6 +111,7 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
     assert looked_on.runs > found.runs
 
 
+@pytest.mark.slow
 def test_live_points_say_how_often_nested_sampling_predicts(linear):
     pytest.importorskip("dynesty")
     few, many = (sample_posterior(linear, sampler="dynesty", live_points=n) for n in (40, 160))

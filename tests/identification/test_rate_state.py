@@ -188,6 +188,7 @@ def test_parameters_are_recovered_where_friction_overshoots(evolution):
     assert found.rmse == pytest.approx(3e-4, rel=0.1)  # 1,200 samples know it to 2 %
 
 
+@pytest.mark.slow  # the record of a rock tells only the difference as well
 def test_without_an_evolution_effect_only_the_difference_is_known():
     found = fitted(record(law(evolution_effect=0.0), noise=3e-4), drift="none")
     assert found.rate.value == pytest.approx(0.010, rel=0.02)

@@ -52,9 +52,14 @@ NAMED = [
     ("clipped-force", "force limit"),
     ("stribeck-peak", "speed"),
 ]
+LONG = ("amplifier-lag", "place-dependence", "unknown-spring", "clipped-force")
+"""Named by the tests that name others too, or as long as all others together."""
 
 
-@pytest.mark.parametrize(("fault", "kind"), NAMED)
+@pytest.mark.parametrize(
+    ("fault", "kind"),
+    [pytest.param(*one, marks=[pytest.mark.slow] * (one[0] in LONG)) for one in NAMED],
+)
 def test_the_fault_of_a_record_is_named_first(fault, kind):
     errors = of_fault(fault)
     assert errors

@@ -89,6 +89,7 @@ def test_an_exact_record_of_velocities_gives_its_parameters_back():
     assert values["mechanism.offset"] == pytest.approx(-0.4, rel=1e-6)
 
 
+@pytest.mark.slow  # records of mechanisms with drives of their own have trials, too
 def test_each_trial_is_simulated_with_what_it_overrides():
     heavy = replace(RIG, inertia=6.0)
     trials = (

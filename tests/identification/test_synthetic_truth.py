@@ -63,6 +63,7 @@ def test_nominal_intervals_cover_the_truth(intervals):
         assert hits / len(bounded) >= LOWEST[records], kind
 
 
+@pytest.mark.slow  # by shooting, a few records are in the quick tests
 @pytest.mark.parametrize("records", RECORDS)
 def test_nominal_intervals_by_inverse_dynamics_cover_the_truth(records):
     found = judged(records, FAST_TRUTHS, 3, route="inverse-dynamics")

@@ -73,6 +73,7 @@ def test_a_level_that_rises_is_found_and_said_with_its_ends():
     assert not viscous.clear
 
 
+@pytest.mark.slow
 def test_most_small_rises_are_found():
     # 0.08 N of 5 N with noise of 0.1 N that remembers ten samples: 86 % of 50 sets when measured
     found = sum(not compared(made(seed, rise=0.002)).shared for seed in range(100, 120))
@@ -202,7 +203,10 @@ def test_one_trial_travels_and_springs_are_refused():
         compared(travels)
 
 
-def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time():
+@pytest.mark.parametrize(
+    "route", [pytest.param("shooting", marks=pytest.mark.slow), "inverse-dynamics"]
+)
+def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time(route):
     rig, t = Axis(inertia=2.0), np.arange(0.0, 3.0, 2e-3)
     draw, trials = np.random.default_rng(12), []
     for number, level in enumerate((4.0, 4.0, 5.0)):
@@ -214,13 +218,12 @@ def test_records_of_a_driven_axis_are_compared_by_both_routes_in_time():
         trials.append(
             Measurement(time=t, position=position, force=force, conditions={"run": number})
         )
-    for route in ("shooting", "inverse-dynamics"):
-        for count, shared in ((2, True), (3, False)):
-            some = Measurement(trials=tuple(trials[:count]))
-            found = compare_trials(rig, CoulombViscous, some, route=route)
-            assert found.shared is shared, (route, str(found))
-            levels = [one.law.kinetic_coefficient for one in found.trials]
-            assert levels == pytest.approx((4.0, 4.0, 5.0)[:count], abs=0.1)
+    for count, shared in ((2, True), (3, False)):
+        some = Measurement(trials=tuple(trials[:count]))
+        found = compare_trials(rig, CoulombViscous, some, route=route)
+        assert found.shared is shared, str(found)
+        levels = [one.law.kinetic_coefficient for one in found.trials]
+        assert levels == pytest.approx((4.0, 4.0, 5.0)[:count], abs=0.1)
 
 
 def test_conditions_must_be_numbers_or_texts():

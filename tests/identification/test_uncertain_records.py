@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.support import quick
 
 from stickslip import (
     Axis,
@@ -93,9 +94,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] * (c == "cart")) for c in CASES]
-)
+@pytest.mark.parametrize("case", quick(CASES, "inverse-dynamics"))
 def test_estimates_follow_the_mechanism_as_refits_do(case):
     mechanism, make, law, options, errors = CASES[case]
     record = make()

@@ -135,7 +135,9 @@ def test_friction_is_held_where_only_the_mass_is_varied(driven):
     assert found.mechanism.inertia == pytest.approx(2.0, rel=1e-3)  # the record has no noise
 
 
-@pytest.mark.parametrize("route", ["shooting", "inverse-dynamics"])
+@pytest.mark.parametrize(
+    "route", [pytest.param("shooting", marks=pytest.mark.slow), "inverse-dynamics"]
+)
 def test_an_offset_is_fitted_unless_it_is_fixed(driven, route):
     found = fit(AXIS, CoulombViscous, driven, route=route)
     assert "mechanism.offset" in found.free_parameters.paths

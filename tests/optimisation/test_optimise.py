@@ -20,7 +20,7 @@ from stickslip.optimisation.scenarios import scenarios_of
 
 SMALL = 60
 """Motions that a search tries here."""
-FEW = 12
+FEW = 8
 """Motions where it does not matter how good the best one is; polishes are short there."""
 CAPSULE_LIMITS = Limits(position=0.01, rate=0.8, effort=8.0, back_slip=0.0)
 WIDE_LIMITS = Limits(position=0.011, rate=0.8, effort=20.0)
@@ -182,7 +182,7 @@ def test_a_quantile_of_samples_is_that_of_their_values(capsule, short_polishes):
     assert found.value == pytest.approx(np.quantile(values, 0.25), rel=1e-9)
 
 
-def test_limit_of_the_motor_holds_beside_the_limits(capsule, law):
+def test_limit_of_the_motor_holds_beside_the_limits(capsule, law, short_polishes):
     weak = replace(capsule, drive=replace(capsule.drive, limit=5.0))
     found = optimise_profile(weak, law, limits=CAPSULE_LIMITS, evaluations=FEW)
     assert found.limits.effort == 5.0
@@ -284,6 +284,7 @@ def test_a_start_that_reaches_its_limit_exactly_keeps_it(capsule, law):
     assert judged.feasible
 
 
+@pytest.mark.slow
 def test_evaluations_bound_and_count_the_motions_that_are_tried(capsule, law, monkeypatch):
     tried, judge = [], Problem.judge
 

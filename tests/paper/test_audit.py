@@ -149,7 +149,9 @@ def spring_back(sigma_0, sigma_1, sigma_2, f_c, f_s, v_s):
 @pytest.mark.parametrize(
     ("law", "values"),
     [
-        ("dahl", (1e5, 0.0, 0.0, 0.25 * 9.81, 0.25 * 9.81, 1.0)),
+        pytest.param(
+            "dahl", (1e5, 0.0, 0.0, 0.25 * 9.81, 0.25 * 9.81, 1.0), marks=pytest.mark.slow
+        ),
         ("lugre", (1e5, math.sqrt(1e5), 0.4, 0.25 * 9.81, 0.35 * 9.81, 1e-3)),
     ],
 )

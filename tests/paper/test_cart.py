@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import sketched, wide_only
 
 from stickslip import Coulomb, CoulombViscous, FixedStep, load_rig, simulate
 from stickslip.friction import PRINTED_FORMS
@@ -30,12 +30,12 @@ def study():
 
 @pytest.fixture(scope="module")
 def page(study):
-    return page_of(study)
+    return page_of(study, wide_only)
 
 
-def page_of(study):
+def page_of(study, figures=sketched):
     found = SimpleNamespace(cart=study, values=PaperValues.of(load_rig()))
-    with wide_only():
+    with figures():
         sections = (cart_section(found), choice_section(found))
     return render(Page(title="Cart", subject="", kicker="", sections=sections, footer=""))
 

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import quick, wide_only
 
 from stickslip import (
     Axis,
@@ -169,13 +169,18 @@ def texts_of(svg, css_class):
     return ["".join(text.itertext()) for text in root.iter("text")]
 
 
+@pytest.mark.parametrize("name", quick(NAMES, "run"))
+def test_a_figure_is_the_same_each_time(figures, name):
+    draw, sizes, _ = figures[name]
+    with wide_only():
+        one, other = (inline_svg(draw, alt=name, prefix=name, **sizes) for _ in range(2))
+    assert one == other
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_a_figure_is_labelled_and_the_same_each_time(figures, name):
+def test_a_figure_is_labelled(figures, name):
     draw, sizes, expected = figures[name]
     svg = inline_svg(draw, alt=f"Figure {name}", prefix=name, **sizes)
-    with wide_only():
-        again = inline_svg(draw, alt=f"Figure {name}", prefix=name, **sizes)
-    assert svg.startswith(again.partition("</svg>")[0])
     assert svg.count(f'aria-label="Figure {name}"') == 2
     wide = texts_of(svg, "fw")
     assert set(expected) <= set(wide)

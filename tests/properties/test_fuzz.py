@@ -16,7 +16,7 @@ MANY = Campaign(seed=1, solver=EventDriven(max_steps=1000, tier="python"))
 SEVERAL = Campaign(
     seed=2, solver=EventDriven(max_steps=300, tier="compiled"), seconds=60.0, several=True, tiers=20
 )
-BATCHES, BATCH, QUICK = 20, 15, 5
+BATCHES, BATCH, QUICK = 20, 15, 2
 
 
 def trouble(campaign, outcome):

@@ -159,7 +159,7 @@ def bent() -> Iterator[Any]:
 def cases() -> Iterator[Any]:
     """Yield every law in every setup, and every variant of a law in one setup of each mechanism.
 
-    All but every fourth are slow, others for the next law and the next mechanism.
+    All but every eighth are slow, others for the next law and the next mechanism.
     """
     for i, name in enumerate(EXAMPLES):
         setups = SETUPS.get(name) or [Setup(mechanism=EXAMPLES[name])]
@@ -168,7 +168,7 @@ def cases() -> Iterator[Any]:
             pairs = [(setup, first) for setup in setups]
             pairs += [(setups[i % len(setups)], law) for i, law in enumerate(others, start=1)]
             for count, (setup, law) in enumerate(pairs, start=1):
-                marks = [pytest.mark.slow] * ((i + j + count) % 4 != 0)
+                marks = [pytest.mark.slow] * ((i + j + count) % 8 != 0)
                 yield pytest.param(setup, law, id=f"{name}, {kind.name}, {count}", marks=marks)
 
 

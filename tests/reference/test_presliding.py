@@ -35,7 +35,8 @@ def test_presliding_follows_the_published_loop():
 
 
 @pytest.mark.parametrize(
-    ("w", "slowing", "speeding"), [(1, 1.18162, 1.18715), (25, 1.13788, 1.24536)]
+    ("w", "slowing", "speeding"),
+    [pytest.param(1, 1.18162, 1.18715, marks=pytest.mark.slow), (25, 1.13788, 1.24536)],
 )
 def test_friction_lags_behind_the_speed(w, slowing, speeding):
     def speed(t):

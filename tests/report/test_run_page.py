@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from tests.support import sketched, wide_only
+from tests.support import quick, sketched, wide_only
 
 from stickslip import (
     Axis,
@@ -74,6 +74,15 @@ RUNS = {
 }
 
 
+QUICK = (
+    "a block that springs back",
+    "a towed block",
+    "a cart on bristles",
+    "a cart that only rocks",
+)
+"""With and without bristles, and with and without a cycle."""
+
+
 @pytest.fixture(autouse=True)
 def figures_are_drawn_where_a_page_of_each_kind_is_made(request):
     """Leave figures empty in the other tests; for phones one page is drawn."""
@@ -97,7 +106,7 @@ def about(mechanism, law, t_end, **more):
     return RunReport(rig=Rig(title="Rig", mechanism=mechanism), law=law, run=run, **more)
 
 
-@pytest.mark.parametrize("case", RUNS)
+@pytest.mark.parametrize("case", quick(RUNS, *QUICK))
 def test_every_section_can_be_made_of(case):
     html = run_page(about(*RUNS[case]))
     assert "could not be made" not in html
@@ -122,6 +131,7 @@ def test_the_page_of_the_reference_cart_says_its_numbers():
     assert "0.314 mm back-slip in the last cycle" in said
 
 
+@pytest.mark.slow  # of the cart's page, the cheaper test reads the numbers
 def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():
     said = texts(run_page(about(CART, COULOMB, 30 * SWING.period)))
     assert "Of 30 cycles the first 8 are shown" in said

@@ -29,6 +29,7 @@ SPEED = np.concatenate([np.linspace(-1.0, -0.01, 60), np.linspace(0.01, 1.0, 60)
 FRICTION = 2.0 * np.sign(SPEED) + 0.5 * SPEED + 0.02 * np.cos(40.0 * SPEED)
 TABLE = Measurement(velocity=SPEED, friction=FRICTION, load=4.0)
 FILES = ["index.html", "law.toml", "verdict.json"]
+pytestmark = pytest.mark.usefixtures("sketches")
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +130,8 @@ def test_travels_per_cycle_have_a_page(tmp_path):
     push = Torque(drive=Square(high=6.0, low=-1.0, period=0.4, duty=0.3))
     capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, stiffness=80.0, damping=0.8, drive=push)
     law = Coulomb(kinetic_coefficient=0.18)
-    way = float(simulate(capsule, law, t_end=4.0).at(4.0)["x"][0])
-    reading = Measurement(travel_per_cycle=way / 10.0, uncertainty=5e-4)
-    verdict = select(capsule, ["coulomb"], reading, t_end=4.0)
+    way = float(simulate(capsule, law, t_end=2.0).at(2.0)["x"][0])
+    reading = Measurement(travel_per_cycle=way / 5.0, uncertainty=5e-4)
+    verdict = select(capsule, ["coulomb"], reading, t_end=2.0)
     page = write_report(verdict, tmp_path, title="Capsule").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")

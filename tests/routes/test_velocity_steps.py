@@ -101,6 +101,7 @@ def test_the_page_of_a_verdict_is_whole(verdict):
     assert "friction logarithmic in speed" in text
 
 
+@pytest.mark.usefixtures("sketches")
 def test_a_report_has_no_rig_file_and_leaves_no_earlier_one(verdict, tmp_path):
     folder = tmp_path / "report"
     page = write_report(verdict, folder, title="Gouge")
@@ -182,6 +183,7 @@ def test_select_prints_the_verdict_as_a_document(run, verdict):
     assert told["candidates"][0]["score"] == pytest.approx(verdict.best.score, rel=1e-4)
 
 
+@pytest.mark.usefixtures("sketches")
 def test_select_writes_page_and_verdict_but_no_rig_file(run, tmp_path):
     code, out, err = run("select", "steps.toml", *BOTH, *ONCE, "-o", "report")
     assert code == 0, err

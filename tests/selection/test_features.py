@@ -205,6 +205,7 @@ def test_friction_under_a_load_point_takes_rate_and_state_laws():
         fit(STATED, Coulomb, steps)
 
 
+@pytest.mark.slow  # the seed is that of `fit_features`
 def test_seeds_of_settings_reach_the_search(record):
     one, two = (
         fit(
@@ -269,6 +270,7 @@ def slider(data_dir, name, stiffness, speed):
     return TowedBlock(mass=0.0307, stiffness=stiffness, speed=speed, load=load), record
 
 
+@pytest.mark.slow  # `tests/identification` fits the same record
 def test_the_stiff_fast_slider_has_an_effective_mass_and_no_ranking(data_dir):
     block, record = slider(data_dir, "k1002_v4300", 1002.0, 4.3e-3)
     found = select(block, [Coulomb, Stribeck], record, vary=["friction.*", "mechanism.mass"])

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
-from tests.support import wide_only
+from tests.support import sketched
 
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError, RenamedError
@@ -31,8 +31,10 @@ TRUTHS = {
     "logarithmic": PLAIN,
     "constant-coefficient": {**PLAIN, "direct_effect": 0.0},
 }
-LONG = ("rate-and-state-slip", "constant-coefficient")
-"""Beside the others: a form of the evolution, and a special case."""
+LONG = ("rate-and-state", "rate-and-state-slip", "constant-coefficient")
+"""Beside the others: those that evolve, whose searches take long, and a special case."""
+EVOLVING = ("rate-and-state", "constant-coefficient", "logarithmic", "rate-and-state")
+"""A truth, and laws without the form of its evolution that takes longest."""
 SETTINGS = RecordSettings(starts=1)
 
 
@@ -71,16 +73,23 @@ def verdicts():
     """Return a function from the name of a law to the verdict on its record, made once."""
 
     @functools.cache
-    def verdict_on(name):
+    def verdict_on(name, *among):
         record = pulled(law(**TRUTHS[name]))
-        return select_rate_state(MACHINE, None, record, settings=SETTINGS)
+        return select_rate_state(MACHINE, among or None, record, settings=SETTINGS)
 
     return verdict_on
 
 
 @each_truth
 def test_three_steps_name_the_law_that_made_them(verdicts, name):
-    verdict = verdicts(name)
+    named(verdicts(name), name)
+
+
+def test_three_steps_name_a_law_that_evolves(verdicts):
+    named(verdicts(*EVOLVING), "rate-and-state")
+
+
+def named(verdict, name):
     assert verdict.best.name == name
     # the law predicts to the noise: 600 rows of 3 per correlation time know it to some 5 %
     assert verdict.best.score == pytest.approx(5e-4, rel=0.15)
@@ -98,6 +107,7 @@ def test_no_parameters_are_invented_where_nothing_evolves(verdicts, name):
     assert all("not established" in c.outcome for c in richer)
 
 
+@pytest.mark.slow
 def test_a_record_of_the_wrong_law_is_worse_by_far(verdicts):
     slip = next(c for c in verdicts("rate-and-state").candidates if c.name == "rate-and-state-slip")
     assert slip.score > 5.0 * verdicts("rate-and-state").best.score
@@ -116,7 +126,7 @@ def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
 
 
 def test_held_out_steps_are_predicted_without_them(verdicts):
-    fit = verdicts("rate-and-state").best.fit
+    fit = verdicts(*EVOLVING).best.fit
     unseen = held_out(fit)
     segments = fit.problem.segments
     assert np.isnan(unseen[segments == 0]).all()
@@ -144,13 +154,11 @@ def test_a_drift_is_fitted_to_all_laws_or_to_none():
 def test_a_second_record_is_predicted_and_not_fitted(verdicts):
     up = ([0.0, 10.0, 50.0, 70.0], [0.0, 30.0, 150.0, 550.0])
     second = pulled(law(), up, seed=5)
-    assert verdicts("rate-and-state").best.fit.judged(second) == pytest.approx(5e-4, rel=0.2)
+    assert verdicts(*EVOLVING).best.fit.judged(second) == pytest.approx(5e-4, rel=0.2)
     verdict = select_rate_state(
         MACHINE, ["constant-coefficient"], pulled(law()), validate=second, settings=SETTINGS
     )
-    known = next(
-        c for c in verdicts("rate-and-state").candidates if c.name == "constant-coefficient"
-    )
+    known = next(c for c in verdicts(*EVOLVING).candidates if c.name == "constant-coefficient")
     assert verdict.closest.fit.law == known.fit.law
     assert verdict.closest.second > 3e-3  # of steps that change friction by 0.01 and overshoot
     assert route_named(verdict.route).comparison(verdict).heads[-1] == "second record"
@@ -247,9 +255,9 @@ def test_the_rock_shows_a_logarithm_and_no_evolution(rock):
 
 
 def test_pages_have_every_section(verdicts, rock):
-    for verdict in (verdicts("rate-and-state"), verdicts("logarithmic"), rock):
+    for verdict in (verdicts(*EVOLVING), verdicts("logarithmic"), rock):
         origin = Origin(title="Gouge", data="velocity steps", commands=("stickslip select",))
-        with wide_only():  # a page of its route is drawn whole in `tests/routes`
+        with sketched():  # a page of its route is drawn whole in `tests/routes`
             made = made_sections(*rate_state_sections(verdict, origin, "Measured in Pisa."))
         ids = [one.id for one in made]
         assert ids[:5] == ["verdict", "friction", "scores", "parameters", "residuals"]

@@ -9,7 +9,7 @@ import pytest
 from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
 from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.solver.sensitivity_support import PYTHON, Case, mismatch
-from tests.support import example_of
+from tests.support import example_of, pairs, quick
 
 from stickslip import (
     Axis,
@@ -67,23 +67,10 @@ def at(run, t, state, path):
     return float(run.at(t).sensitivity(state, path)[0])
 
 
-def pairs(laws, rigs):
-    """Return all pairs; up to four fifths are slow, but each law and each rig meets some."""
-    nth = min(5, len(laws), len(rigs))
-    for (i, name), (j, rig) in itertools.product(enumerate(laws), enumerate(rigs)):
-        marks = [pytest.mark.slow] * ((i + j) % nth != 0)
-        yield pytest.param(rigs[rig], laws[name], id=f"{name}-{rig}", marks=marks)
-
-
-def quick(names, *few):
-    """Return names, all but a few of them slow."""
-    return [pytest.param(name, marks=[pytest.mark.slow] * (name not in few)) for name in names]
-
-
 # Laws and mechanisms against an independent solution of the variational equations.
 
 
-@pytest.mark.parametrize(("rig", "law"), list(pairs(SMOOTH_LAWS, RIGS)))
+@pytest.mark.parametrize(("rig", "law"), list(pairs(SMOOTH_LAWS, RIGS, 8)))
 def test_every_sensitivity_is_that_of_the_variational_equations(rig, law):
     # steps of 1e-12 on both sides, through layers that enlarge them some thousand times; a broken
     # exponent has no Taylor series at v = 0, and collocation loses its order there
@@ -106,6 +93,7 @@ def test_sensitivities_of_bristle_laws_hold_across_reversals_stops_and_break_awa
     assert mismatch(case) <= 1e-5  # as above; events follow each other through still bristles
 
 
+@pytest.mark.slow  # the default tolerance is tested above
 @pytest.mark.parametrize("largest", [1e-5, pytest.param(1e-6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", quick(["dahl", "lugre"], "dahl"))
 def test_the_error_of_sensitivities_of_bristle_laws_falls_with_the_tolerance(name, largest):
@@ -293,7 +281,7 @@ def test_two_coordinates_have_sensitivities_as_well():
     run = case.run()
     assert len(run.events) >= 2
     t = np.array([0.05, 0.4, 0.8, 1.2])
-    tight = EventDriven(tier="python", tolerance=1e-13)
+    tight = EventDriven(tolerance=1e-13)
     found = case.sensitivities(t)
     for c, (path, size) in enumerate(case.sizes().items()):
         value = case.paths()[path]

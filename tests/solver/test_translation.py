@@ -123,7 +123,7 @@ def test_each_function_gives_the_bits_of_the_c_library(name, library):
     text = f"{HEAD}    w[to] = math.{name}({', '.join(arguments)})\n"
     text += f"    w[to + 1] = math.{name}({', '.join(['0.7', '0.3'][: len(arguments)])})\n"
     strange = [(1, 0, 0.0, [a, b, 0.0, 0.0], 0, 2) for a, b in itertools.product(STRANGE, STRANGE)]
-    agree(text, [*strange, *draws(200)], library)
+    agree(text, [*strange, *draws(50)], library)
 
 
 def test_a_power_is_that_of_the_c_library_whatever_is_known_of_it(library):

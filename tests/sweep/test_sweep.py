@@ -85,6 +85,7 @@ def test_a_mirrored_capsule_moves_the_other_way_as_fast():
     assert one.velocity[1] < -0.005  # beyond resonance the same drive carries it back
 
 
+@pytest.mark.slow  # a mirrored drive, below, shows both directions
 def test_without_a_stop_a_symmetric_drive_carries_nothing_anywhere():
     found = average_velocity(
         capsule(), Coulomb(kinetic_coefficient=0.05), {FREQUENCY: [3.5, 4.5]}, settle=60, cycles=4,

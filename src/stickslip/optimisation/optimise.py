@@ -130,7 +130,7 @@ def optimise_profile(
     >>> capsule = Capsule(capsule_mass=0.8, inner_mass=0.2, drive=Prescribed(profile=stroke))
     >>> limits = Limits(position=0.01, rate=0.8, effort=10.0, back_slip=0.0)
     >>> law = Coulomb(kinetic_coefficient=0.2)
-    >>> best = optimise_profile(capsule, law, limits=limits, goal="speed", evaluations=60)
+    >>> best = optimise_profile(capsule, law, limits=limits, goal="speed", evaluations=10)
     >>> best.best.feasible, best.value > best.start.value
     (True, True)
     """
