@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH
+from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH, ZENO
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.mode_transitions import (
@@ -36,6 +36,7 @@ from stickslip.kernels.state_layout import (
     N_WALLS,
     RHYTHM,
     ROW_COLUMNS,
+    STALLS,
     STATUS,
     STEP,
     STEPS,
@@ -118,14 +119,19 @@ def finish_step(
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
+def most_stalls(whole: Wholes) -> int:
+    """Return how many events in a row several contacts may have at one instant."""
+    return FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
+
+
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     """Take the new events of several contacts over into the rows of events.
 
-    Reads: TIME, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
+    Reads: TIME, FRACTION, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
-    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
+    most = most_stalls(whole)
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
         for i in range(EVENT_COLUMNS):
@@ -136,14 +142,18 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS.
+    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS,
+    EVENTS, STALLS, BOOKS.
     Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
     CHANGED.
     """
     if whole[N_CONTACTS] > 0:
         ask_of(CHANGE, w[TIME], w, whole, guard, 0)
         take_changes(w, whole, events)
+        if whole[CHANGED] == 0:  # what falls at once, again and again, may change nothing
+            whole[STALLS] = whole[STALLS] + 1 if w[FRACTION] == 0.0 else 0
+            if whole[STALLS] > most_stalls(whole):
+                whole[STATUS] = ZENO
     else:
         handle_event(guard, w, whole, events)
 
@@ -151,8 +161,8 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a jump of forces.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS,
-    EVENTS, STALLS, BOOKS.
+    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS,
+    STEPS, EVENTS, STALLS, BOOKS.
     Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
     CHANGED.
     """
@@ -167,8 +177,8 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE, STATUS,
-    STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE,
+    STATUS, STEPS, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, STRIDE, SUPPLIED, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS,
     STEPPER, SLOW, ANSWER, CHANGED.
@@ -195,8 +205,8 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
-    Reads: TIME, STEP, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS,
-    PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE,
+    FLAGS, PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, SUPPLIED, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
     CHANGED.
