@@ -53,7 +53,7 @@ APART = 1e-3
 """Angle over which slopes of energies are taken by differences [rad]."""
 NEAR, LEAST_APART = 1e-5, 1e-9
 """Distance over which they are taken: over the place, and at least [m]."""
-MOST_STEPS = 8
+MOST_STEPS = 5
 """Steps over which momenta are compared with forces."""
 NEWTON = 1e-6
 """What they may differ by, over the sizes of all impulses."""
