@@ -127,7 +127,7 @@ def most_stalls(whole: Wholes) -> int:
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     """Take the new events of several contacts over into the rows of events.
 
-    Reads: TIME, FRACTION, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
+    Reads: TIME, CHANGES, STATUS, EVENTS, STALLS, CHANGED.
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
@@ -161,8 +161,8 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
 def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a jump of forces.
 
-    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS,
-    STEPS, EVENTS, STALLS, BOOKS.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, REACHED, CHANGES, MODE, FLAGS, STATUS, STEPS,
+    EVENTS, STALLS, BOOKS.
     Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
     CHANGED.
     """
@@ -177,8 +177,8 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
-    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE,
-    STATUS, STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, CHANGES, MODE, FLAGS, PIECE, STATUS,
+    STEPS, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, STRIDE, SUPPLIED, GROSS, LOST, RHYTHM, drives, Y, Y1, SCALE, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, LOWEST, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS,
     STEPPER, SLOW, ANSWER, CHANGED.
@@ -205,8 +205,8 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
 def go_on(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Take a run up that reached its end time, as if it had only met a new piece of the drives.
 
-    Reads: TIME, STEP, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE,
-    FLAGS, PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, SUPPLIED, GROSS, LOST, Y, SCALE, VALUES, REACHED, CHANGES, MODE, FLAGS,
+    PIECE, STEPS, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, SUPPLIED, GROSS, LOST, drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, EVENTS, STALLS, STEPPER, SLOW, ANSWER,
     CHANGED.

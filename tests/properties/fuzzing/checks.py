@@ -359,7 +359,7 @@ def takes_energy_while_sliding(e: Evidence) -> Found:
     """Friction of a law without bristles never drives."""
     if isinstance(e.law, BristleLaw):
         return
-    wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force
+    wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force - LEAST
     wrong &= e.slides & e.before_lift_off
     for i in np.flatnonzero(wrong):
         wrong[i] = abs(e.slip[i]) > e.within_the_clock(i)
@@ -371,7 +371,8 @@ def moves_as_its_mode_says(e: Evidence) -> Found:
     """Mode and velocity have one sign, where the rigid equations have one solution at all."""
     if e.case.may_jam:
         return
-    wrong = (e.mode * e.slip < -LOCATED * e.speed - e.unnoticed) & e.slides
+    least = LOCATED * e.speed + e.unnoticed + math.sqrt(LEAST)
+    wrong = (e.mode * e.slip < -least) & e.slides
     for i in np.flatnonzero(wrong):
         wrong[i] = abs(e.slip[i]) > e.within_the_clock(i)
     if wrong.any():
