@@ -349,8 +349,11 @@ def holds_no_more_than_break_away(e: Evidence) -> Found:
     wrong = (e.mode == 0) & (excess > allowed) & e.before_lift_off
     for i in np.flatnonzero(wrong):  # a time has the rounding of an event's
         apart = [abs(event.t - e.times[i]) for event in (e.whole or e).run.events]
-        at_event = min(apart, default=math.inf) <= CLOCK * np.spacing(e.times[i])
-        wrong[i] = not (at_event and excess[i] <= allowed + LOCATED * e.force)
+        if min(apart, default=math.inf) <= CLOCK * np.spacing(e.times[i]):
+            before = e.run.at([max(e.run.span[0], e.times[i] - CLOCK * np.spacing(e.times[i]))])
+            force, load = (float(before[name][0]) for name in ("friction", "normal_force"))
+            change = abs(excess[i] - abs(force) + level_of(e.law, load, 1 if force > 0 else -1))
+            wrong[i] = excess[i] > allowed + LOCATED * e.force + change
     if wrong.any():
         yield f"held beyond its level by {excess[wrong].max() / e.force:.1e}, {e.first(wrong)}"
 
