@@ -5,9 +5,11 @@ A mark of expected failure goes when its fault does.
 
 import math
 
+import numpy as np
 import pytest
 from tests.properties.fuzzing.campaign import time_limit
 from tests.properties.fuzzing.rigs import Chain, PendulumCart, ShakenBlock
+from tests.properties.fuzzing.several import Dense
 
 from stickslip import (
     Axis,
@@ -312,3 +314,54 @@ def test_a_spring_that_is_met_within_rounding_of_the_start_is_met_once(beyond):
     assert run.status is Status.END_TIME
     met = [] if beyond < 0.0 else ["spring touches"]
     assert [event.reason for event in run.events] == [*met, "reversal", "block leaves the spring"]
+
+
+@pytest.mark.parametrize("place", [1e-20, -1e-20])
+def test_a_block_may_fall_back_before_the_clock_can_tell(place):
+    """No friction: one block's push ends at once, and its decided direction was tried for ever."""
+    chain = BlockChain(blocks=2, mass=1.0, coupling=1.0, stiffness=1.0, speed=1.0, load=1.0)
+    with time_limit(5.0):
+        run = simulate(chain, Viscous(viscous_coefficient=0.0), t_end=1.0, y0={"x1": place})
+    # both are pulled alike: x = t - sin t
+    np.testing.assert_allclose([run["x1"][-1], run["x2"][-1]], math.sin(1.0) - 1.0, rtol=1e-12)
+
+
+def test_a_body_beside_others_that_are_fast_begins_to_slip_though_its_forces_balance():
+    """Static and kinetic level are equal, and the masses couple a slow body with fast ones."""
+    pull = Sampled(
+        times=tuple(0.07666034782215672 * i for i in range(10)),
+        values=(
+            -0.00164241958648, -0.00565891777629, -0.00756028931912, 0.000793334321530,
+            0.00137727663362, 0.0, 0.00120174201065, 0.000967987374644, -0.00526342862788,
+            0.00164241958648,
+        ),
+        hold="first",
+    )  # fmt: skip
+    turn = Sampled(
+        times=(0.0, 1.1637943100318868), values=(0.00808053667728, 0.00173720296532), hold="first"
+    )
+    bodies = Dense(
+        mass=(
+            (2.7067348584478984e-05, 4.566197287314568e-05, 5.4701355789596187e-05),
+            (4.566197287314568e-05, 0.00010996666597562274, 1.2640655559134407e-05),
+            (5.4701355789596187e-05, 1.2640655559134407e-05, 0.0003098133117120891),
+        ),
+        stiffness=(
+            (0.0022, -0.00038, 0.00046),
+            (-0.00038, 0.00028, -0.00036),
+            (0.00046, -0.00036, 0.00083),
+        ),
+        damping=((0.0,) * 3,) * 3,
+        slips=((1, 1.0), (2, -2.5)),
+        normal_forces=(0.0001, 0.0002),
+        pushes=(pull + Pulse(level=0.008266, duration=1.0), turn, Ramp(rate=-0.019)),
+        presses=(None, None),
+    )  # fmt: skip
+    run = simulate(
+        bodies,
+        Coulomb(kinetic_coefficient=3.6),
+        t_end=0.7,
+        y0={"v1": 30.0, "x1": 1.0, "x2": -2.67},
+        throw=False,
+    )
+    assert run.status is Status.END_TIME

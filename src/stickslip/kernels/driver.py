@@ -4,7 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
-from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH
+from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH, ZENO
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.mode_transitions import (
@@ -36,6 +36,7 @@ from stickslip.kernels.state_layout import (
     N_WALLS,
     RHYTHM,
     ROW_COLUMNS,
+    STALLS,
     STATUS,
     STEP,
     STEPS,
@@ -139,6 +140,11 @@ def finish_step(
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
+def most_stalls(whole: Wholes) -> int:
+    """Return how many events in a row several contacts may have at one instant."""
+    return FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
+
+
 def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     """Take the new events of several contacts over into the rows of events.
 
@@ -146,7 +152,7 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
     Writes: STATUS, EVENTS, STALLS.
     """
     t = w[TIME]
-    most = FEW_STALLS + 4 * whole[N_CONTACTS] + 2 * whole[N_SWITCHES] + whole[N_WALLS]
+    most = most_stalls(whole)
     for k in range(whole[CHANGED]):
         at = whole[EVENTS] * EVENT_COLUMNS
         for i in range(EVENT_COLUMNS):
@@ -157,8 +163,8 @@ def take_changes(w: Vector, whole: Wholes, events: Vector) -> None:
 def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     """Make what follows from a guard that has fallen.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS, EVENTS,
-    STALLS, BOOKS.
+    Reads: TIME, SUPPLIED, FRACTION, GROSS, LOST, Y, SCALE, CHANGES, MODE, FLAGS, STATUS, STEPS,
+    EVENTS, STALLS, BOOKS.
     Writes: SUPPLIED, GROSS, LOST, Y, VALUES, WALLS, MODE, FLAGS, STATUS, EVENTS, STALLS, ANSWER,
     CHANGED.
 
@@ -176,6 +182,10 @@ def change(guard: int, w: Vector, whole: Wholes, events: Vector) -> None:
     if whole[N_CONTACTS] > 0:
         ask_of(CHANGE, w[TIME], w, whole, guard, 0)
         take_changes(w, whole, events)
+        if whole[CHANGED] == 0:  # what falls at once, again and again, may change nothing
+            whole[STALLS] = whole[STALLS] + 1 if w[FRACTION] == 0.0 else 0
+            if whole[STALLS] > most_stalls(whole):
+                whole[STATUS] = ZENO
     else:
         handle_event(guard, w, whole, events)
 

@@ -9,11 +9,13 @@ from tests.properties.fuzzing.campaign import Campaign, Outcome, outcome_of
 from tests.properties.fuzzing.cases import Case
 from tests.properties.fuzzing.reports import classes, reproducer, violated
 from tests.properties.fuzzing.shrinking import shrunk
-from tests.properties.fuzzing.workers import outcomes
+from tests.properties.fuzzing.workers import outcomes_side_by_side
 
 import stickslip
 from stickslip import EventDriven
 
+MOST_DOUBTFUL, ENOUGH = 0.02, 200
+"""Share of runs that may not be certified, of so many: sizes over many decades leave little."""
 UNFINISHED = ("ZENO", "STEP_TOO_SMALL", "NOT_FINITE")
 """Names of statuses that call for a look."""
 
@@ -59,6 +61,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--structures", type=int, help="sets of equations; compiled: 40")
     parser.add_argument("--steps", type=int, default=1000, help="step limit of a case")
     parser.add_argument("--seconds", type=float, default=10.0, help="time limit of a case")
+    parser.add_argument("--processes", type=int, default=1, help="processes side by side")
     parser.add_argument("--compare", type=int, default=10, help="every which case runs twice")
     parser.add_argument("--only", type=int, nargs="+", help="run these cases and print them")
     parser.add_argument("--shrink", action="store_true", help="simplify what is printed")
@@ -95,14 +98,19 @@ def main() -> int:
     )
     indices = asked.only or campaign.order(asked.cases)
     done: list[Outcome] = []
-    for outcome in outcomes(campaign, list(indices)):
+    for outcome in outcomes_side_by_side(campaign, list(indices), asked.processes):
         done.append(outcome)
         if len(done) % 50 == 0 or len(done) == len(indices):
             _progress(done, len(indices))
+    done.sort(key=lambda one: one.index)
     print(f"stickslip {stickslip.__version__} of {Path(stickslip.__file__).parent}")
     print(classes(done), violated(done), sep="\n\n")
     for outcome in done if asked.only else _chosen(done, asked.each):
         print("\n" + _details(campaign, outcome, shrink=asked.shrink))
+    doubtful = sum(bool(outcome.reason) and outcome.status != "refused" for outcome in done)
+    if len(done) >= ENOUGH and doubtful > MOST_DOUBTFUL * len(done):
+        print(f"{doubtful} runs are not certified: more than {MOST_DOUBTFUL:.0%} of all.")
+        return 1
     return int(any(outcome.violations for outcome in done))
 
 

@@ -16,6 +16,7 @@ from stickslip import EventDriven, TwoLinkArm
 from stickslip.drives import Drive
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.kernels.enums import UNLOADED
+from stickslip.mechanisms import MatrixMechanism
 from stickslip.results import Status, Trajectory
 
 __all__ = [
@@ -26,10 +27,12 @@ __all__ = [
     "violations",
 ]
 
-ROUNDED = 1e-9
-"""What the certificate allows of a guard while a mode lasts, relative to its size in the run."""
-LOCATED = 1e-6
-"""What it allows of a guard where its event was located, also relative to its size."""
+ROUNDED = 1e-11
+"""What a force or an energy may be off while a mode lasts, relative to its size in the run."""
+LOCATED = 1e-9
+"""What a guard may be where its event was located, also relative to its size."""
+BALANCED = 3e-14
+"""What a force may be off that is the rest of larger ones, relative to those."""
 LEAST = 1e-280
 """Where squares are below the least number that has all its digits, nothing can be compared."""
 PLAYED = 1e-12
@@ -43,6 +46,19 @@ LEAST_SHARES = (1e-3, 1e-6)
 """That size over the speed of all kinetic energy, and over what the largest force gives in all."""
 BESIDE = 1e-8
 """Size, over that of what moves most in the same unit, of what a coarse run does not resolve."""
+NODES = 0.5 * (1.0 + np.polynomial.legendre.leggauss(8)[0])
+WEIGHTS = 0.5 * np.polynomial.legendre.leggauss(8)[1]
+"""Points and weights of a quadrature between 0 and 1."""
+APART = 1e-3
+"""Angle over which slopes of energies are taken by differences [rad]."""
+NEAR, LEAST_APART = 1e-5, 1e-9
+"""Distance over which they are taken: over the place, and at least [m]."""
+MOST_STEPS = 5
+"""Steps over which momenta are compared with forces."""
+NEWTON = 1e-6
+"""What they may differ by, over the sizes of all impulses."""
+STATES = 1e-7
+"""The same over the largest momenta of the run, of which the tolerance is a part."""
 FEW_STEPS = 300
 """Steps that are compared between the tiers."""
 SENSITIVE = (PendulumCart, stickslip.mechanisms.PendulumCart, TwoLinkArm)
@@ -91,6 +107,10 @@ class Evidence:
         """The drives of the mechanism."""
         return dict(self.case.mechanism.drives())
 
+    def column(self, name: str) -> str:
+        """Return the name of a column of the contact, in the run as a whole."""
+        return f"{name}:{self.at_contact}" if self.at_contact else name
+
     @property
     def has_own_drive(self) -> bool:
         """Whether one drive alone, along the slip of the only contact, changes what it holds."""
@@ -125,6 +145,14 @@ class Evidence:
         """Slip velocity."""
         rates = zip(self.case.mechanism.rates, self.slips.values(), strict=True)
         return np.asarray(sum(factor * self.seen[rate] for rate, factor in rates if factor))
+
+    def within_the_clock(self, at: int) -> float:
+        """Return by how much the slip velocity changes within some roundings of a time."""
+        sides = self.times[at] + CLOCK * np.spacing(self.times[at]) * np.array([-1.0, 1.0])
+        seen = self.run.at(np.clip(sides, *self.run.span))
+        rates = zip(self.case.mechanism.rates, self.slips.values(), strict=True)
+        slips = sum(factor * seen[rate] for rate, factor in rates if factor)
+        return float(np.abs(slips - self.slip[at]).max())
 
     @cached_property
     def place(self) -> np.ndarray:
@@ -166,14 +194,8 @@ class Evidence:
         norm = sum(factor**2 for factor in self.slips.values())
         along = {name: factor / norm for name, factor in self.slips.items()}
         mass = 2.0 * float(mechanism.kinetic_energy(rest | places, rest | along))
-        units = [{name: 1.0} for name in self.seen_coordinates]
-        lightest = 2.0 * min(
-            float(mechanism.kinetic_energy(rest | places, rest | unit)) for unit in units
-        )
         kinetic = max(_energy(self.case, self.seen, i)[1] for i in range(len(self.times)))
-        by_energy, by_force = LEAST_SHARES
-        pull = max(one.force for one in (self.whole or self).each) / lightest
-        sizes = (by_energy * math.sqrt(2.0 * kinetic / mass), by_force * pull * self.case.t_end)
+        sizes = (LEAST_SHARES[0] * math.sqrt(2.0 * kinetic / mass), self.least_speed)
         return UNNOTICED * max(sizes)
 
     @property
@@ -198,6 +220,53 @@ class Evidence:
     def force(self) -> float:
         """Largest friction force or level."""
         return float(max(np.abs(self.seen["friction"]).max(), np.abs(self.level).max()))
+
+    @cached_property
+    def least_speed(self) -> float:
+        """Speed below which none counts: a small share of what the largest force gives in all."""
+        if self.whole is not None:
+            return self.whole.least_speed
+        pull = max(one.force for one in self.each) / float(self.masses.diagonal().min())
+        return LEAST_SHARES[1] * pull * self.case.t_end
+
+    @cached_property
+    def masses(self) -> np.ndarray:
+        """Mass matrix where the run begins, by the kinetic energy."""
+        if self.whole is not None:
+            return self.whole.masses
+        names = self.seen_coordinates
+        rest = dict.fromkeys((*names, *self.held), 0.0)
+        places = rest | {name: float(self.seen[name][0]) for name in names}
+
+        def twice_energy(*moving: str) -> float:
+            rates = rest | {name: float(moving.count(name)) for name in moving}
+            return 2.0 * float(self.case.mechanism.kinetic_energy(places, rates))
+
+        own = np.array([twice_energy(name) for name in names])
+        both = np.array([[twice_energy(i, j) for j in names] for i in names])
+        return np.asarray(0.5 * (both - own[:, None] - own[None, :]))
+
+    @cached_property
+    def accelerations(self) -> np.ndarray:
+        """Largest acceleration of each coordinate, by differences."""
+        if self.whole is not None:
+            return self.whole.accelerations
+        steps = np.diff(self.times)
+        far = steps > ROUNDED * self.times[1:]
+        rates = self.case.mechanism.rates
+        changes = [np.abs(np.diff(self.seen[rate]))[far] / steps[far] for rate in rates]
+        return np.array([change.max(initial=0.0) for change in changes])
+
+    @cached_property
+    def balanced(self) -> float:
+        """Largest of the forces of which the friction of the contact may be the rest."""
+        forces = np.abs(self.masses) @ self.accelerations
+        along = [
+            force / abs(self.slips[name])
+            for name, force in zip(self.seen_coordinates, forces, strict=True)
+            if self.slips[name]
+        ]
+        return max(*along, *(one.force for one in (self.whole or self).each))
 
     def first(self, wrong: np.ndarray) -> str:
         """Say when something is wrong first, and how often."""
@@ -276,13 +345,15 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
 def holds_no_more_than_break_away(e: Evidence) -> Found:
     """While stuck, friction stays within the level."""
     excess = np.abs(e.seen["friction"]) - e.level
-    others = max(one.force for one in (e.whole or e).each)
-    allowed = ROUNDED * e.force + PLAYED * others
+    allowed = ROUNDED * e.force + BALANCED * e.balanced
     wrong = (e.mode == 0) & (excess > allowed) & e.before_lift_off
-    for i in np.flatnonzero(wrong):  # a decision leaves to the guard, at once, what is so little
+    for i in np.flatnonzero(wrong):  # a time has the rounding of an event's
         apart = [abs(event.t - e.times[i]) for event in (e.whole or e).run.events]
-        at_event = min(apart, default=math.inf) <= CLOCK * np.spacing(e.times[i])
-        wrong[i] = not (at_event and excess[i] <= LOCATED * e.force)
+        if min(apart, default=math.inf) <= CLOCK * np.spacing(e.times[i]):
+            before = e.run.at([max(e.run.span[0], e.times[i] - CLOCK * np.spacing(e.times[i]))])
+            force, load = (float(before[name][0]) for name in ("friction", "normal_force"))
+            change = abs(excess[i] - abs(force) + level_of(e.law, load, 1 if force > 0 else -1))
+            wrong[i] = excess[i] > allowed + LOCATED * e.force + change
     if wrong.any():
         yield f"held beyond its level by {excess[wrong].max() / e.force:.1e}, {e.first(wrong)}"
 
@@ -291,8 +362,10 @@ def takes_energy_while_sliding(e: Evidence) -> Found:
     """Friction of a law without bristles never drives."""
     if isinstance(e.law, BristleLaw):
         return
-    wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force
+    wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force - LEAST
     wrong &= e.slides & e.before_lift_off
+    for i in np.flatnonzero(wrong):
+        wrong[i] = abs(e.slip[i]) > e.within_the_clock(i)
     if wrong.any():
         yield f"friction drives, {e.first(wrong)}"
 
@@ -301,7 +374,10 @@ def moves_as_its_mode_says(e: Evidence) -> Found:
     """Mode and velocity have one sign, where the rigid equations have one solution at all."""
     if e.case.may_jam:
         return
-    wrong = (e.mode * e.slip < -LOCATED * e.speed - e.unnoticed) & e.slides
+    least = LOCATED * e.speed + e.unnoticed + math.sqrt(LEAST)
+    wrong = (e.mode * e.slip < -least) & e.slides
+    for i in np.flatnonzero(wrong):
+        wrong[i] = abs(e.slip[i]) > e.within_the_clock(i)
     if wrong.any():
         yield f"moves against its mode, {e.first(wrong)}"
 
@@ -341,6 +417,115 @@ def presses_on_the_ground(e: Evidence) -> Found:
     lifts_off = any(x.reason == "lift-off" for x in e.run.events) and not e.case.may_jam
     if lifts_off and load[-1] > 1e-6 * size:
         yield f"lifts off with {load[-1]!r} N"
+
+
+def obeys_newtons_law(e: Evidence) -> Found:
+    """Momenta change by the forces of the mechanism and by friction, evaluated as plain numbers."""
+    mechanism, names = e.case.mechanism, e.seen_coordinates
+    pairs = list(zip(names, mechanism.rates, strict=True))
+    fastest = {name: float(np.abs(e.seen[rate]).max()) for name, rate in pairs}
+    unit = max(fastest.values()) or 1.0
+    share = e.solver.stiff_tolerance if e.case.has_bristles else e.solver.tolerance
+    begins = 10.0 * share / STATES * e.least_speed
+    for start, end in _steps(e):
+        t = np.array([start, *(start + (end - start) * NODES), end])
+        at = e.run.at(t)
+        states = [
+            _Motion(
+                e,
+                float(t[k]),
+                {name: np.longdouble(at[name][k]) for name in names},
+                {name: np.longdouble(at[rate][k]) for name, rate in pairs},
+            )
+            for k in range(len(t))
+        ]
+        for i, name in enumerate(names):
+            if name in mechanism.guided():
+                continue
+            first, last = (float(states[k].momentum(name, unit)) for k in (0, -1))
+            impulse, moved, rounded = 0.0, 0.0, 0.0
+            for k, weight in enumerate(WEIGHTS, 1):
+                rubbing = [
+                    -one.slips[name] * float(at[one.column("friction")][k]) for one in e.each
+                ]
+                own, rounding = states[k].forces(name, unit)
+                parts = [*own, *rubbing]
+                rounded += weight * (end - start) * rounding
+                impulse += weight * (end - start) * sum(parts)
+                moved += weight * (end - start) * sum(map(abs, parts))
+            speeds = [max(fastest[n], begins) for n in names]
+            carried = float(np.abs(e.masses[i]) @ speeds)
+            pulled = (end - start) * float(np.abs(e.masses[i]) @ e.accelerations)
+            allowed = NEWTON * moved + ROUNDED * pulled + rounded + math.sqrt(LEAST)
+            largest = max(one.force for one in e.each)  # whose bristles are as states are
+            allowed += STATES * (carried + abs(first) + abs(last) + (end - start) * largest)
+            if not abs(last - first - impulse) <= allowed:
+                yield f"momentum along {name} changes by {last - first:.8g} from {start!r} s to"
+                yield f"{end!r} s, by its forces {impulse:.8g} of {moved:.8g}"
+                return
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """A state whose energies are evaluated with more digits, so that differences have enough."""
+
+    e: Evidence
+    t: float
+    q: dict[str, Any]
+    v: dict[str, Any]
+
+    def lagrangian(self, q: dict[str, Any], v: dict[str, Any]) -> Any:
+        """Return kinetic less potential energy."""
+        mechanism, rest = self.e.case.mechanism, dict.fromkeys(self.e.held, 0.0)
+        potential = mechanism.potential_energy(self.t, rest | q)
+        return mechanism.kinetic_energy(rest | q, rest | v) - potential
+
+    def momentum(self, name: str, h: float) -> Any:
+        """Return the slope along a rate, which enters as a square."""
+        rest = dict.fromkeys(self.e.held, 0.0)
+        up, down = (
+            self.e.case.mechanism.kinetic_energy(
+                rest | self.q, rest | self.v | {name: self.v[name] + s}
+            )
+            for s in (h, -h)
+        )
+        return (up - down) / (2.0 * h)
+
+    def forces(self, name: str, h: float) -> tuple[tuple[float, float], float]:
+        """Return the slope along a coordinate and the force that the mechanism gives, and rounding.
+
+        Where that is all of the force, the slope is how the momentum changes at constant rates.
+        """
+        mechanism = self.e.case.mechanism
+        moves = isinstance(mechanism, MatrixMechanism)
+        fastest = max((abs(float(rate)) for rate in self.v.values()), default=0.0)
+        if moves:
+            apart, way = APART / (fastest or 1.0), self.v
+        else:
+            unit = mechanism.units[self.e.seen_coordinates.index(name)]
+            own = max(NEAR * abs(float(self.q[name])), LEAST_APART)
+            apart, way = APART if unit == "rad" else own, {name: 1.0}
+
+        def at(share: float) -> Any:
+            step = share * apart
+            q = {n: x + step * way.get(n, 0.0) for n, x in self.q.items()}
+            return replace(self, q=q).momentum(name, h) if moves else self.lagrangian(q, self.v)
+
+        slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * apart)
+        rest = dict.fromkeys(self.e.held, 0.0)
+        drives = {key: float(drive.value(self.t)) for key, drive in self.e.drives.items()}
+        places, rates = (rest | {n: float(x) for n, x in of.items()} for of in (self.q, self.v))
+        given = mechanism.forces(self.t, places, rates, drives)
+        rounding = np.finfo(float).eps * abs(at(0.0)) + np.finfo(np.longdouble).eps * abs(at(2.0))
+        rounding = float(rounding) / apart
+        return (float(slope), float(given.get(name, 0.0))), rounding
+
+
+def _steps(e: Evidence) -> list[tuple[float, float]]:
+    """Return a few steps of a run, spread over all, within which all is smooth."""
+    t = e.run.t
+    ends = [(float(a), float(b)) for a, b in itertools.pairwise(t) if b - a > ROUNDED * abs(b)]
+    return ends[:: max(1, len(ends) // MOST_STEPS)]
 
 
 def keeps_its_books(e: Evidence) -> Found:
@@ -496,7 +681,7 @@ OF_CONTACTS = _by_name(
 )
 """What each contact must do."""
 CHECKS = OF_CONTACTS | _by_name(
-    is_finite, has_its_span, keeps_its_books, says_how_it_ended, goes_on
+    is_finite, has_its_span, obeys_newtons_law, keeps_its_books, says_how_it_ended, goes_on
 )
 """The checks by what they ask for."""
 

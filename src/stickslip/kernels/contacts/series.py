@@ -16,7 +16,7 @@ from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
 from stickslip.kernels.error_scale import VANISHED, series_tail
-from stickslip.kernels.guard_roots import NO_GUARD
+from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
@@ -205,7 +205,11 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a coordinate that begins to slip balance but for their rounding.
 
-    Reads: Y, SLIP_FACTORS, FORCE, MASS, ACCELERATION, FRICTION, SLOPE_VALUES.
+    Where inertia couples coordinates, those of all others count as they reach this one, by its row
+    of the inverse mass matrix.
+
+    Reads: Y, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLOPE_VALUES, MODES.
+    Writes: VALUES.
     """
     n = whole[N_COORDINATES]
     size = abs(w[whole[FORCE] + i])
@@ -216,8 +220,17 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for c in range(whole[N_CONTACTS]):
         if whole[whole[SLIPS] + c] == i:
             size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
-    own = abs(w[whole[ACCELERATION] + i]) * w[whole[MASS] + i * n + i]
-    return own <= STILLNESS * size
+    found = abs(w[whole[ACCELERATION] + i])
+    if whole[DIAGONAL]:
+        return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
+    row = whole[VALUES]
+    for j in range(n):
+        w[row + j] = 1.0 if j == i else 0.0
+    solve_free(w, whole, row)
+    size *= abs(w[row + i])
+    for j in range(n):
+        size += abs(w[row + j]) * size_of_forces(j, w, whole)
+    return found <= STILLNESS * size
 
 
 def search(
@@ -265,7 +278,7 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
 
-    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS,
+    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
     ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
@@ -377,8 +390,8 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
     """Note where a guard falls, if it does before the best one; return which of them is first.
 
     Reads: FRACTION, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE, MASS,
-    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
-    Writes: FRACTION, POLYNOMIAL, ROOM, REACHED, ROOTS.
+    CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)

@@ -348,11 +348,33 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
+    turn_at_once(guard, w, whole)
     write_impacts(guard, w, whole)
     write_changes(guard, w, whole)
     end_beyond_limits(w, whole)
     if lifted >= 0:  # after what falls with it: the last event is what ends the run
         lift_off(guard, lifted, w, whole)
+
+
+def turn_at_once(guard: int, w: Vector, whole: Wholes) -> None:
+    """Turn a coordinate that falls back at once, in a direction that was decided again.
+
+    The force that drives it there is gone before the clock can tell, and where its level is 0 too,
+    nothing holds it.
+
+    Reads: TIME, FRACTION, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES.
+    """
+    if guard >= first_contact_guard(whole) or w[FRACTION] > 0.0:
+        return
+    i = guard // 2
+    mode = whole[whole[MODES] + i]
+    if mode in (FORWARD, BACKWARD) and mode == whole[whole[BEFORE] + i]:
+        whole[whole[MODES] + i] = -mode
+        refresh(w[TIME], w, whole, whole[Y])
 
 
 def lift_guard(contact: int, whole: Wholes) -> int:
