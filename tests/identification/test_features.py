@@ -208,3 +208,9 @@ def test_the_nominal_mass_of_the_stiff_fast_slider_is_refuted(data_dir):
     # a rigid body is 18.6 % too slow, by a frequency that is read to 2 %
     assert found.held_out_errors["frequency"] == pytest.approx(-0.186, abs=0.02)
     assert any("effective mass" in sentence for sentence in found.sentences)
+
+
+def test_a_force_that_does_not_pull_forwards_is_refused_before_anything_runs():
+    law = Coulomb(kinetic_coefficient=0.28, static_coefficient=0.32)
+    with pytest.raises(InputError, match=r"is −0\.3 and must be above 0: .*direction of the pull"):
+        fit_features(BLOCK, law, sine(31.0, mean=-0.3))

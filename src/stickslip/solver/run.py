@@ -100,9 +100,8 @@ class Work:
                 cost = KERNELS.seconds
         if shared < PATIENCE * cost:
             return False
-        if code.is_ready() or code.is_kept():
-            return True
-        return these >= PATIENCE * (EQUATIONS if own is None else cost + EQUATIONS)
+        missing = 0.0 if code.is_ready() or code.is_kept() else EQUATIONS
+        return shared >= PATIENCE * (cost + missing) and these >= PATIENCE * missing
 
 
 @functools.lru_cache(maxsize=256)

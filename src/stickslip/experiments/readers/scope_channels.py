@@ -111,11 +111,11 @@ def _channel(rows: pd.DataFrame, head: Mapping[str, Sequence[str]], place: int) 
     name = f"{own['name']} [{unit}]" if unit and is_unit(unit) else own["name"]
     part = rows[[2 * place, 2 * place + 1]].set_axis([TIME, name], axis=1)
     part = part[part[TIME].notna()]
-    times = pd.to_numeric(part[TIME], errors="coerce")
+    times = pd.to_numeric(part[TIME], errors="coerce").astype(float)
     if times.isna().any():
         wrong = part[TIME][times.isna()].iloc[0]
         raise InputError(f"{shown(wrong)} is not a time of the channel {shown(own['name'])}.")
     period = pd.to_numeric(own.get("sampletime[ms]", ""), errors="coerce")
-    steps = np.diff(times.to_numpy(dtype=float))
+    steps = np.diff(times.to_numpy())
     counted = np.isfinite(period) and steps.size > 0 and np.median(steps) == 1.0
     return part.assign(**{TIME: times * float(period) if counted else times}).set_index(TIME)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import percent
+from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import Counter, Watch, improve
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -125,6 +125,8 @@ def fit_features(
     observed = features_of(first, mechanism=block)
     start = with_known(_start(block, chosen.law), known)
     held = None if rest is None else features_of(rest, mechanism=block)
+    for part in (observed, held):
+        _check_pull(part)
     free = (LAW,) if chosen.free is None else chosen.free
     usual = [f"friction.{name}" for name in free_of(start) if name not in known]
     named = [path for path in free if path != LAW]
@@ -295,6 +297,16 @@ def _told_apart(fits: Sequence[FeatureFit]) -> tuple[FeatureFit, ...]:
     return tuple(
         replace(one, sentences=(*one.sentences, said)) if one in alike else one for one in fits
     )
+
+
+def _check_pull(observed: StickSlipFeatures | None) -> None:
+    """Refuse a force that does not pull the block forwards on the average."""
+    if observed is not None and not observed.mean > 0.0:
+        raise InputError(
+            f"the mean spring force over the load is {number(observed.mean)} and must be above 0:"
+            " count force and speed positive in the direction of the pull, with a gain such as"
+            ' gain={"spring_force": -1}, or correct the offset of the force.'
+        )
 
 
 def _parts(measurement: Measurement, share: float) -> tuple[Measurement, Measurement | None]:

@@ -213,7 +213,7 @@ def _drawn(
         engine = figure.get_layout_engine()
         buffer = io.BytesIO()
         metadata = dict.fromkeys(stamps[kind])
-        if kind == "svg":  # `savefig` would draw all twice more to lay it out
+        if kind == "svg":  # `savefig` would go through all once more to lay it out
             if engine is not None:
                 engine.execute(figure)
                 figure.set_layout_engine("none")
