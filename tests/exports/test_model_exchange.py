@@ -70,6 +70,12 @@ def clutch(folder: Path) -> Path:
     return made(folder, "clutch", SEVERAL["clutch-train"], STRIBECK, fmi=2)
 
 
+@pytest.fixture(scope="module")
+def lifting(folder: Path) -> Path:
+    """Whose contact loses its load."""
+    return made(folder, "lift", SHOWN["pendulum-cart"], COULOMB, t_end=4.0)
+
+
 def exchanged(path: Path, **settings: Any) -> Any:
     """Simulate by CVode; return the columns at regular times."""
     from fmpy import simulate_fmu
@@ -230,6 +236,19 @@ def test_a_parameter_may_be_set_between_two_steps_of_co_simulation(folder, name)
         tolerance = 1e-6 if name.endswith("lugre") else 1e-9
         np.testing.assert_allclose(slave.got(*first.states), wanted, rtol=tolerance, atol=1e-9)
     slave.close()
+
+
+def test_a_run_that_has_ended_stays_so_and_one_that_is_to_end_later_may_go_on(lifting, folder):
+    ends = simulate(SHOWN["pendulum-cart"], COULOMB, t_end=4.0, throw=False).span[1]
+    heavy = {"mechanism.cart_mass": 50.0}
+    for change, wanted in ((0.5 * ends, 4.0), (4.0, ends)):
+        slave = Slave(lifting, folder).begin(stopTime=4.0)
+        slave.step(change)
+        for path, value in heavy.items():
+            slave.put(path, value)
+        slave.t = min(change, ends)
+        assert slave.fmu.doStep(slave.t, 4.0 - slave.t)[3] == wanted
+        slave.close()
 
 
 def test_a_parameter_that_is_out_of_range_in_a_run_is_refused_in_words(block, folder):
@@ -419,11 +438,10 @@ def test_inputs_jump_in_events(folder):
     assert found["event_count"][-1] == len(run.events) == 2
 
 
-def test_a_run_that_ends_terminates_the_simulation(folder):
-    path = made(folder, "lift", SHOWN["pendulum-cart"], COULOMB, t_end=4.0)
+def test_a_run_that_ends_terminates_the_simulation(lifting):
     run = simulate(SHOWN["pendulum-cart"], COULOMB, t_end=4.0, throw=False)
     assert "Lift-off" in run.ending
-    found = exchanged(path, stop_time=4.0, logger=lambda *_: None, output=["x"])
+    found = exchanged(lifting, stop_time=4.0, logger=lambda *_: None, output=["x"])
     assert run.span[1] - 0.02 < found["time"][-1] <= run.span[1]
 
 

@@ -253,7 +253,7 @@ def exchange(
     LOOK       make what follows from a guard that falls at once
     NOTE       note the sizes of states and guards
     CUT        take a run of one's own back to `t_end`, which lies in its last step
-    RETUNE    go on from Y with other parameters
+    RETUNE     go on from Y with other parameters
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
 

@@ -461,6 +461,9 @@ static bool retuned(struct instance *self) {
     if (!are_allowed(self)) {
         return false;
     }
+    if (ending_of(core->whole[AT_STATUS]).outcome != GOES_ON && core->w[AT_TIME] <= core->time) {
+        return true; /* no parameter brings back a run that has ended */
+    }
     const bool has_begun = core->whole[AT_STATUS] != 0 || core->whole[AT_STEPS] > 0;
     if (!core->exchanges && has_begun) {
         if (core->w[AT_TIME] > core->time) { /* the last step went ahead with the old ones */
