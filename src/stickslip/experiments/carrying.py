@@ -28,6 +28,7 @@ __all__ = [
     "bristle_remark",
     "carried",
     "carried_by_contact",
+    "estimates_by_contact",
     "extrapolations",
     "unfitted_bristles",
 ]

@@ -186,7 +186,7 @@ def _bent(
                     continue
                 cure = f"fix {other}" if other == path else f"fix one of them, such as {other}"
                 return (
-                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])},"
-                    f" and do not tell these parameters: {cure}."
+                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])}:"
+                    f" {cure}."
                 )
     return ""

@@ -21,7 +21,7 @@ from stickslip.identification.estimation.problem import (
 from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
-__all__ = ["ForceMap", "moved"]
+__all__ = ["ForceMap", "moved", "spanned"]
 
 Array = NDArray[np.float64]
 
@@ -300,7 +300,7 @@ class ForceMap(RecordProblem):
         basis, inverse = _inverted(local, rows)
         if one.zeros is not None:
             free = one.zeros * ~balanced[:, None]  # at rest friction balances whatever there is
-            basis = _spanned(np.column_stack([basis, free[rows]]))
+            basis = spanned(np.column_stack([basis, free[rows]]))
         return _Local(
             start=states[:, 0, 0],
             states=states[..., 0],
@@ -463,10 +463,23 @@ def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
     return u[:, kept], inverse
 
 
-def _spanned(columns: Array) -> Array:
-    """Return orthonormal columns that span others (n, r)."""
+def spanned(columns: Array) -> Array:
+    """Return orthonormal columns that span others (n, r); none if all are 0.
+
+    Parameters
+    ----------
+    columns : array (n, k)
+        Columns, of any sizes.
+
+    Returns
+    -------
+    array (n, r)
+        The basis, without directions that the columns hardly have.
+    """
     size = np.linalg.norm(columns, axis=0)
     columns = columns[:, size > 0.0] / size[size > 0.0]
+    if not columns.shape[1]:
+        return columns
     u, s, _ = np.linalg.svd(columns, full_matrices=False)
     found: Array = u[:, s > WEAK * s.max(initial=0.0)]
     return found

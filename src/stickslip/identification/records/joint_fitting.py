@@ -38,7 +38,7 @@ from stickslip.identification.force_map.joint_balance import (
     contacts_along,
     joint_stretches,
 )
-from stickslip.identification.force_map.model import ForceMap, moved
+from stickslip.identification.force_map.model import ForceMap, moved, spanned
 from stickslip.identification.force_map.problem import SENSOR, ConstantForce, map_along
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
@@ -729,7 +729,7 @@ def _start(
             table[:, k + 3 * i : k + 3 * i + 3] = one.seen(own)
             seen, friction = table[rows], one.friction[rows]
             if one.zeros is not None:
-                basis = np.linalg.qr(one.zeros[rows])[0]
+                basis = spanned(one.zeros[rows])
                 seen = seen - basis @ (basis.T @ seen)
                 friction = friction - basis @ (basis.T @ friction)
             tables.append(seen)
