@@ -7,30 +7,21 @@ from tests.support import sketched, wide_only
 from stickslip import Axis, CoulombViscous, simulate
 from stickslip.drives import Sampled
 
-RATE = 100.0
+RATE = 200.0
 """Samples a second [Hz]."""
 LAW = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=30.0)
 INERTIA = 5.0
 
 
-def recorded(rate):
+@pytest.fixture(scope="session")
+def axis_record():
     """Return time [s], position [m] and force [N] of an axis with known friction."""
-    time = np.arange(round(6.0 * rate)) / rate
+    time = np.arange(round(6.0 * RATE)) / RATE
     force = 40.0 * np.sin(2.0 * np.pi * time) + 15.0 * np.sin(2.3 * time)
     drive = Sampled(times=time, values=force)  # held between samples, as a controller does
     run = simulate(Axis(inertia=INERTIA, drive=drive), LAW, t_end=6.0)
     noise = np.random.default_rng(0).normal(0.0, 1e-5, time.size)
     return {"t": time, "q": run.at(time)["x"] + noise, "u": force}
-
-
-@pytest.fixture(scope="session")
-def axis_record():
-    return recorded(RATE)
-
-
-@pytest.fixture(scope="session")
-def fine_record():
-    return recorded(200.0)
 
 
 @pytest.fixture(autouse=True, scope="module")

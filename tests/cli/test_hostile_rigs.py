@@ -153,7 +153,7 @@ def stepped():
 
 @pytest.fixture(scope="module")
 def tables(axis_record):
-    short = {name: values[:300] for name, values in axis_record.items()}
+    short = {name: values[:600] for name, values in axis_record.items()}
     return {"axis.csv": short, "pull.csv": pulled(), "steps.csv": stepped()}
 
 

@@ -150,7 +150,7 @@ TABLE = re.compile(r"\S {2,}\S")
 @pytest.mark.slow
 def test_tables_fit_eighty_columns(run, folder):
     """Also with twelve settings, an incline and a law of a long name."""
-    laws = "coulomb,viscous,coulomb-viscous-static"
+    laws = "coulomb,viscous,coulomb-viscous,coulomb-viscous-static"
     change = ("--set", "mechanism.incline=0.05")
     code, out, _ = run("plan", "rig.toml", "--laws", laws, "--settings", "12", *change)
     assert code == 0

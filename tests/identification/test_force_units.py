@@ -29,7 +29,7 @@ def test_a_level_beside_a_load_is_a_pure_number():
 
 
 def test_stiffness_of_bristles_is_in_newtons_a_metre_and_an_exponent_has_no_unit():
-    t = np.linspace(0.0, 2.0, 80)
+    t = np.linspace(0.0, 2.0, 200)
     x = 1e-3 * np.sin(2.0 * np.pi * t)
     friction = 2.0 * np.tanh(30.0 * np.cos(2.0 * np.pi * t))
     record = Measurement(time=t, position=x, friction=friction)

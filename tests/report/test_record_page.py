@@ -431,7 +431,7 @@ def looped(seed=0):
 
 @pytest.fixture(scope="module")
 def loops():
-    laws = ["coulomb-viscous", "dahl-exponent"]
+    laws = ["coulomb-viscous", "dahl"]
     return select(Axis(inertia=1.0), laws, looped(), settings=RecordSettings(starts=1))
 
 
@@ -446,11 +446,11 @@ def test_friction_with_memory_is_drawn_against_displacement(loops, loops_html):
     assert "measured friction against displacement" in text
     best = loops.closest
     left = formatting.percent(best.fit.rms / float(np.std(best.fit.problem.measured)))
-    assert f"{plain(left)} for Dahl with exponent" in text
+    assert f"{plain(left)} for Dahl" in text
 
 
 def test_no_headline_claims_a_curve_that_the_points_refute(loops, loops_html):
-    assert loops.closest.name == "dahl-exponent"
+    assert loops.closest.name == "dahl"
     text = text_of(loops_html)
     assert "at all speeds" not in text
     assert "The measured friction is not a function of velocity" in text
