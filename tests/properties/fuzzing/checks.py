@@ -55,7 +55,7 @@ NEAR, LEAST_APART = 1e-5, 1e-9
 """Distance over which they are taken: over the place, and at least [m]."""
 MOST_STEPS = 5
 """Steps over which momenta are compared with forces."""
-NEWTON = 1e-6
+NEWTON = 1e-5
 """What they may differ by, over the sizes of all impulses."""
 STATES = 1e-7
 """The same over the largest momenta of the run, of which the tolerance is a part."""
@@ -516,13 +516,20 @@ class _Motion:
             q = {n: x + step * way.get(n, 0.0) for n, x in self.q.items()}
             return replace(self, q=q).momentum(name, h) if moves else self.lagrangian(q, self.v)
 
-        slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * apart)
+        near, far = at(1.0) - at(-1.0), at(2.0) - at(-2.0)
+        slope = (8.0 * near - far) / (12.0 * apart)
         rest = dict.fromkeys(self.e.held, 0.0)
         drives = {key: float(drive.value(self.t)) for key, drive in self.e.drives.items()}
         places, rates = (rest | {n: float(x) for n, x in of.items()} for of in (self.q, self.v))
         still = mechanism.forces(self.t, places, dict.fromkeys(rates, 0.0), drives).get(name, 0.0)
         given = mechanism.forces(self.t, places, rates, drives).get(name, 0.0)
-        rounding = np.finfo(float).eps * abs(at(0.0)) + np.finfo(np.longdouble).eps * abs(at(2.0))
+        fine = np.finfo(np.longdouble).eps
+        rounding = np.finfo(float).eps * abs(at(0.0)) + fine * abs(at(2.0))
+        if moves or unit == "rad":
+            bend = abs(at(1.0) + at(-1.0) - 2.0 * at(0.0)) / apart**2
+            rounding += 10.0 * fine * bend  # of cosines of small angles
+        elif abs(far - 2.0 * near) > NEWTON * abs(far):
+            rounding += abs(far)  # a spring that comes loose in between
         rounding = float(rounding) / apart
         return (float(slope), float(still), float(given - still)), rounding
 
@@ -541,7 +548,7 @@ def keeps_its_books(e: Evidence) -> Found:
     moved = max(abs(work) for work in works)
     for t, noted in ((0.0, trust.energy_start), (e.run.span[1], trust.energy_end)):
         expected, size = _energy(e.case, e.run.at(t))
-        if abs(noted - expected) > ROUNDED * size + PLAYED * moved and size > LEAST:
+        if abs(noted - expected) > LOCATED * size + PLAYED * moved and size > LEAST:
             yield f"energy {noted!r} at {t!r}, by the mechanism {expected!r}"
     mismatch = trust.energy_end - trust.energy_start - trust.work_supplied + trust.work_friction
     if not trust.certified:
