@@ -131,7 +131,6 @@ def test_the_page_of_the_reference_cart_says_its_numbers():
     assert "0.314 mm back-slip in the last cycle" in said
 
 
-@pytest.mark.slow  # of the cart's page, the cheaper test reads the numbers
 def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():
     said = texts(run_page(about(CART, COULOMB, 30 * SWING.period)))
     assert "Of 30 cycles the first 8 are shown" in said
