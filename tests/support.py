@@ -170,6 +170,7 @@ def example_of(kind: type[FrictionLaw]) -> Any:
         if quantity.structural:
             continue
         surplus = 0.0 if quantity.at_least is None else values[quantity.at_least] * 0.4
+        assert surplus or quantity.unit in typical, f"{name}: `typical` has no {quantity.unit}"
         values[name] = values[quantity.at_least] + surplus if surplus else typical[quantity.unit]
     return kind(**values)
 

@@ -10,6 +10,7 @@ import dataclasses
 import importlib
 import math
 import numbers
+import re
 import types
 import typing
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
@@ -220,8 +221,14 @@ class Quantity:
         Raises
         ------
         ParameterError
-            If the units differ.
+            If the units differ, or unit or scale have powers that are not whole.
         """
+        for text in (self.unit, self.scale):
+            if self.scale not in ("", "none") and BROKEN_POWER.search(text):
+                raise ParameterError(
+                    f"{owner}.{name} ({self.symbol}): beside a scale, powers must be whole, got"
+                    f' {text}. Use scale="none", with start and bounds in the unit itself.'
+                )
         unit = _sum((_unit_powers(SCALES[name]), power) for name, power in self.powers.items())
         if self.scale not in ("", "none") and unit != _unit_powers(self.unit):
             raise ParameterError(
@@ -341,6 +348,10 @@ class Quantity:
 
 def _has_unit(value: object) -> bool:
     return isinstance(value, str) or is_pint(value)
+
+
+BROKEN_POWER = re.compile(r"\^(?!\d+(?:[\s*/]|$))")
+"""A power that `_powers` cannot read."""
 
 
 def _powers(text: str) -> dict[str, int]:

@@ -81,7 +81,7 @@ def test_every_field_of_a_class_is_explained(kind):
 def test_every_number_has_a_symbol_and_a_unit(kind):
     for name, quantity in fields_of(kind).items():
         assert quantity.symbol, name
-        assert quantity.unit in UNITS, name
+        assert quantity.unit in UNITS, f"{name}: add {quantity.unit} to UNITS, if it is SI"
 
 
 @pytest.mark.parametrize("kind", ALL, ids=called)

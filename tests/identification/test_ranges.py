@@ -1,5 +1,7 @@
 """Start values and bounds of the laws of the package, of sizes that a measurement told."""
 
+from dataclasses import replace
+
 import pytest
 
 from stickslip.errors import ParameterError
@@ -76,7 +78,10 @@ OLD = {
     for name, kind in LAWS.items()
     if {*fields_of(kind)} <= {*SHOOTING, "break_away_coefficient"}
 }
-"""Laws whose parameters had start values before quantities held them; others have their own."""
+"""Laws whose parameters all have names of this list, and so the ranges above.
+
+Leave out a law that gives one of these names another range.
+"""
 assert {"coulomb", "stribeck", "lugre"} <= OLD.keys()
 
 
@@ -143,6 +148,14 @@ def test_ordinary_laws_are_what_they_were(kind):
 def test_a_range_that_contradicts_itself_is_refused(values, said):
     with pytest.raises(ParameterError, match=said):
         Quantity("v_s", "m/s", above=0, **values)
+
+
+@pytest.mark.parametrize("scale", ["slope", "force/speed^0.5"])
+def test_broken_powers_are_refused_beside_a_scale(scale):
+    drag = Quantity("b", "N s^0.5/m^0.5", scale=scale, bounds=(0.0, 1.0), start=0.1)
+    with pytest.raises(ParameterError, match=r"Law\.drag \(b\): .* powers must be whole"):
+        drag.check_scale("Law", "drag")
+    replace(drag, scale="none").check_scale("Law", "drag")
 
 
 def test_a_scale_is_a_product_of_sizes():
