@@ -129,6 +129,46 @@ def test_a_force_map_gives_a_law_of_ones_own_back(table):
         assert contains(found, path, getattr(TRUTH, path.partition(".")[2]), WIDEN), found
 
 
+@dataclass(frozen=True, kw_only=True)
+class TwoPlateaus(SetValuedLaw):
+    """Friction that falls twice: the second speed is at least the first."""
+
+    name: ClassVar[str] = "two-plateaus"
+    title: ClassVar[str] = "Two plateaus"
+    formula: ClassVar[str] = r"F = N [a + b e^{-v/v_1} + c e^{-v/v_2}]"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    floor: Annotated[float, Quantity("a", low=0, scale="level", bounds=(0.0, 50.0), start=1.0)]
+    first: Annotated[float, Quantity("b", low=0, scale="level", bounds=(0.0, 50.0), start=0.3)]
+    second: Annotated[float, Quantity("c", low=0, scale="level", bounds=(0.0, 50.0), start=0.3)]
+    first_speed: Annotated[
+        float, Quantity("v_1", "m/s", above=0, scale="speed", bounds=(1e-3, 3.0), start=0.02)
+    ]
+    second_speed: Annotated[
+        float,
+        Quantity(
+            "v_2", "m/s", above=0, at_least="first_speed", scale="speed", bounds=(1e-3, 3.0),
+            start=0.2,
+        ),
+    ]  # fmt: skip
+
+    def sliding(self, speed, load):
+        fast = self.second * exp(-speed / self.second_speed)
+        return load * (self.floor + self.first * exp(-speed / self.first_speed) + fast)
+
+    def break_away(self, load):
+        return load * (self.floor + self.first + self.second)
+
+
+def test_a_force_map_takes_a_speed_that_is_at_least_another():
+    truth = TwoPlateaus(floor=3.0, first=2.0, second=1.5, first_speed=0.01, second_speed=0.2)
+    v = np.concatenate([-np.geomspace(1.0, 1e-3, 300), np.geomspace(1e-3, 1.0, 300)])
+    seen = Measurement(velocity=v, friction=noisy(truth.force(v, 1.0), 0.01))
+    found = fit(Axis(inertia=1.0), TwoPlateaus, seen)
+    for name in fields_of(TwoPlateaus):
+        assert contains(found, f"friction.{name}", getattr(truth, name), WIDEN)
+
+
 def test_several_travels_give_a_law_of_ones_own_back():
     truth = Weakening(grip=0.3, fall=0.4, knee_speed=0.2)
     rig = SpringBlock(mass=1.0, stiffness=100.0)

@@ -164,8 +164,13 @@ def _fitted_at(coarse: ForceMap, point: dict[str, float]) -> _Rated:
     free = [k for k, item in enumerate(items) if item.path not in point]
     if not free:
         return _Rated(values, coarse.linearise(values, slopes=False).cost)
-    held = {path: value for path, value in point.items() if path.startswith("friction.")}
-    law = vary(coarse.law, "friction", held)
+    # those that are fitted too: one parameter may have to be at least another
+    start = {
+        item.path: float(value)
+        for item, value in zip(items, values, strict=True)
+        if item.path.startswith("friction.")
+    }
+    law = vary(coarse.law, "friction", start)
     free_parameters = FreeParameters(tuple(items[k] for k in free), coarse.free_parameters.known)
     try:
         end, _ = improve(
