@@ -224,9 +224,7 @@ class _Motion:
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
     ) -> "_Motion":
         """Derive the motions; with the finer samples that bristles are integrated along."""
-        torques = JointTorques.of(
-            asked.mechanism, asked.linear, by_position=asked.zeros, may_bend=True
-        )
+        torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
         for _ in range(BENDS):
             own = cls.along(torques, asked, measurement, hold, bristles=bristles)
             if not torques.bent:
