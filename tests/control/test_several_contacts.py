@@ -114,6 +114,8 @@ def test_accelerations_of_an_arm_are_those_that_inverse_dynamics_takes_forces_fo
     np.testing.assert_allclose(taken[0], [1.0 - 0.3, 2.0 + 0.12], rtol=1e-12)
     one = dynamics_at(ARM, q=q, q_dot=v, drive="elbow_drive")
     np.testing.assert_array_equal(one.command_direction, [0.0, 1.0])
+    np.testing.assert_array_equal(one.accelerations(command=[2.0]), one.accelerations(command=2.0))
+    np.testing.assert_array_equal(one.normal_force(command=[2.0]), one.normal)
 
 
 def test_friction_of_feet_moves_load_from_one_to_the_other():

@@ -398,6 +398,24 @@ def test_what_loggers_write_is_read_as_it_was_meant(tmp_path, text):
     np.testing.assert_array_equal(load_rig(tmp_path / "log.toml").measurement.time, record.time)
 
 
+def test_times_since_1970_are_not_said_to_have_a_unit(tmp_path):
+    file = tmp_path / "log.csv"
+    file.write_text(LOGGERS["epoch in ms"].replace("timestamp", "epoch"), encoding="utf-8")
+    words = guess_data(file).reasons["time"]
+    assert words.startswith("column 'epoch' in ms, as its numbers count from 1970;")
+
+
+def test_unsigned_seconds_of_a_stamp_may_go_back(tmp_path):
+    seconds = np.array([EPOCH + 1, EPOCH, EPOCH + 2], dtype=np.uint32)
+    nanoseconds = np.array([0, 500_000_000, 0], dtype=np.uint32)
+    record = load_measurement(
+        {"stamp.secs": seconds, "stamp.nsecs": nanoseconds, "position": X[:3], "force": F[:3]},
+        columns={"time": "stamp"},
+        repair="sort",
+    )
+    np.testing.assert_array_equal(record.time - record.time[0], [0.0, 0.5, 1.5])
+
+
 def test_channels_with_other_times_are_merged(tmp_path):
     file = tmp_path / "scope.csv"
     lines = scope(";", 10.0 * np.arange(N), points).splitlines()

@@ -377,7 +377,7 @@ def test_a_parameter_is_tuned_in_an_event_and_not_between(block, folder):
     one.event()
     with pytest.raises(Exception, match="failed"):
         one.put("mechanism.gravity", 5.0)
-    assert "cannot be set but before and in events" in one.messages[-1]
+    assert "can be set only before the simulation and in events" in one.messages[-1]
     one.fmu.enterEventMode()
     one.put("mechanism.gravity", 20.0)
     one.fmu.updateDiscreteStates()

@@ -85,6 +85,12 @@ def test_parameters_that_do_the_same_to_all_forces_are_refused_by_name(names, me
         fit(SERIAL, BOTH, measured, vary=["friction.*", *paths], settings=QUICK)
 
 
+def test_a_parameter_that_no_force_depends_on_is_refused_by_name(measured):
+    paths = ["mechanism.links.1.length", "mechanism.links.1.gear_ratio"]
+    with pytest.raises(InputError, match=r"do not depend on mechanism\.links\.1\.length: fix it"):
+        fit(SERIAL, BOTH, measured, vary=["friction.*", *paths], settings=QUICK)
+
+
 def moved(one, shoulder, elbow):
     """Return a record whose positions count from elsewhere."""
     t, q, u = parts(one)

@@ -107,7 +107,6 @@ def test_what_is_inside_begins_where_the_record_says():
         fitted(mechanism, replace(seen, initial={"x": 0.1, **start}))
 
 
-@pytest.mark.slow
 def test_a_start_that_is_not_told_leaves_more_than_the_noise():
     mechanism, length, rate, noise = CASES["kicks"]
     seen = record(mechanism, length, rate, noise, y0={"xi": 0.03, "xi_dot": -0.2})

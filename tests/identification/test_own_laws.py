@@ -137,6 +137,9 @@ class TwoPlateaus(SetValuedLaw):
     title: ClassVar[str] = "Two plateaus"
     formula: ClassVar[str] = r"F = N [a + b e^{-v/v_1} + c e^{-v/v_2}]"
     sources: ClassVar[tuple[str, ...]] = ()
+    fit_order: ClassVar[tuple[str, ...]] = (
+        "floor", "first", "second", "first_speed", "second_speed",
+    )  # fmt: skip
 
     floor: Annotated[float, Quantity("a", low=0, scale="level", bounds=(0.0, 50.0), start=1.0)]
     first: Annotated[float, Quantity("b", low=0, scale="level", bounds=(0.0, 50.0), start=0.3)]

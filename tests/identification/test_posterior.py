@@ -111,7 +111,6 @@ def test_a_watcher_hears_of_predictions_and_ends_drawing_with_what_there_is(line
     assert looked_on.runs > found.runs
 
 
-@pytest.mark.slow
 def test_live_points_say_how_often_nested_sampling_predicts(linear):
     pytest.importorskip("dynesty")
     few, many = (sample_posterior(linear, sampler="dynesty", live_points=n) for n in (40, 160))

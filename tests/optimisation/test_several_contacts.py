@@ -1,6 +1,6 @@
 """A capsule on two runners that share its weight: its motions are those of one contact."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -64,6 +64,11 @@ def test_a_cycle_on_two_runners_is_that_on_one_contact(sled, capsule, law):
     assert both.work == pytest.approx(alone.work, rel=1e-9)
     assert both.load_share == pytest.approx(1.0, abs=1e-12)
     assert static_normal_forces(sled) == {"left": WEIGHT / 2, "right": WEIGHT / 2}
+
+
+def test_a_runner_that_bears_nothing_at_rest_has_no_share_of_its_load(sled, law):
+    one = measure(replace(sled, share=0.0), law)
+    assert one.load_share == pytest.approx(1.0, abs=1e-12)
 
 
 LAWS = {"left": Coulomb(kinetic_coefficient=0.2), "right": Coulomb(kinetic_coefficient=0.25)}

@@ -116,7 +116,6 @@ def test_the_usual_choice_and_no_friction_stand_beside_the_others(verdict):
     assert verdict.control.score > verdict.reference.score > 5.0 * verdict.best.score
 
 
-@pytest.mark.slow
 def test_a_held_out_error_is_that_of_a_fit_to_the_other_segments_alone():
     record = recorded(TRUTH, length=10.0)
     exact = RecordSettings(starts=1, resolution=200)  # every sample of the force is a piece

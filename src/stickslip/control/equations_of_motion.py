@@ -152,8 +152,8 @@ def _times(direction: Any, amount: Any) -> Any:
     """Return what an amount does along a direction, or several along their columns."""
     import numpy as np
 
-    if np.ndim(direction) < 2 and not (np.ndim(direction) == 1 and np.ndim(amount) == 1):
-        return direction * amount
+    if np.ndim(direction) < 2:
+        return direction * np.asarray(amount)
     return np.asarray(direction) @ np.broadcast_to(amount, np.shape(direction)[-1:])
 
 

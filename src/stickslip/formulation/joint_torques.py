@@ -1,6 +1,6 @@
 """The forces that a motion takes: the equations of a mechanism, solved for what drives it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self, final
 
@@ -8,8 +8,6 @@ import numpy as np
 import symengine as se
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
-from stickslip.formatting import joined
 from stickslip.formulation.mechanics import lagrange_rows
 from stickslip.formulation.trace import Switchboard, Traced, collapsed
 from stickslip.mechanisms import Mechanism
@@ -45,8 +43,8 @@ class JointTorques:
     """Paths of the parameters that slopes are by (k,)."""
     paths: tuple[str, ...]
     """Paths of all parameters that stand in the equations."""
-    bent: str = ""
-    """Which parameters the forces are not linear in, as a sentence; empty if they are in all."""
+    bent: bool = False
+    """Whether the forces are not linear in these parameters together."""
     by_position: bool = False
     """Whether slopes by the coordinates stand behind those by parameters."""
     _function: Any = field(repr=False)
@@ -59,9 +57,10 @@ class JointTorques:
         linear: Sequence[str],
         *,
         by_position: bool = False,
-        may_bend: bool = False,
     ) -> Self:
         """Derive the forces, and find whether they are linear in some parameters.
+
+        Where they are not, slopes are those at the values of the mechanism.
 
         Parameters
         ----------
@@ -71,19 +70,11 @@ class JointTorques:
             Paths of the parameters that slopes are wanted by.
         by_position : bool, default False
             Whether slopes by the coordinates are wanted too.
-        may_bend : bool, default False
-            Whether forces need not be linear in the parameters; slopes are then those at the
-            mechanism's values.
 
         Returns
         -------
         JointTorques
             The forces as a function of the motion.
-
-        Raises
-        ------
-        InputError
-            If the forces are not linear in these parameters together, and have to be.
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]
@@ -107,9 +98,7 @@ class JointTorques:
             )
             forces.append((taken - force).subs(undriven).subs(shown))
         slopes = [[collapsed(force.diff(symbol[path])) for path in linear] for force in forces]
-        bent = _bent(linear, slopes, symbol)
-        if bent and not may_bend:
-            raise InputError(bent)
+        bent = _are_bent(slopes, [symbol[path] for path in linear])
         if by_position:
             for row, force in zip(slopes, forces, strict=True):
                 row += [collapsed(force.diff(place)) for place in q.values()]
@@ -175,18 +164,11 @@ class JointTorques:
         return np.diagonal(moving - still).copy()
 
 
-def _bent(
-    linear: Sequence[str], slopes: Sequence[Sequence[se.Expr]], symbol: Mapping[str, se.Symbol]
-) -> str:
-    """Return the first parameters of which a slope depends on one, as a sentence."""
-    for row in slopes:
-        for path, slope in zip(linear, row, strict=True):
-            for other in linear:
-                if se.expand(collapsed(slope.diff(symbol[other]))) == 0:
-                    continue
-                cure = f"fix {other}" if other == path else f"fix one of them, such as {other}"
-                return (
-                    f"the forces of the motion are not linear in {joined([*{path: 0, other: 0}])}:"
-                    f" {cure}."
-                )
-    return ""
+def _are_bent(slopes: Sequence[Sequence[se.Expr]], symbols: Sequence[se.Symbol]) -> bool:
+    """Whether any slope by a parameter depends on one of them."""
+    return any(
+        se.expand(collapsed(slope.diff(symbol))) != 0
+        for row in slopes
+        for slope in row
+        for symbol in symbols
+    )

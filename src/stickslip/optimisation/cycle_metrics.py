@@ -213,10 +213,12 @@ def load_shares(mechanism: Mechanism, seen: Trajectory) -> dict[str, Array]:
     Returns
     -------
     dict of str to array
-        The shares, of each contact that rubs.
+        The shares, of each contact that rubs and bears something at rest.
     """
     found = {}
-    for contact, force in static_normal_forces(mechanism).items():
+    static = static_normal_forces(mechanism)
+    bearing = {contact: force for contact, force in static.items() if force != 0.0}
+    for contact, force in (bearing or static).items():
         for column in ("normal_force", f"normal_force:{contact}"):
             if column in seen.names:
                 found[column] = seen[column] / force

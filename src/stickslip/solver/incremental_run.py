@@ -95,7 +95,7 @@ class IncrementalRun:
     def state(self) -> list[float]:
         """Return the states at that time."""
         first = self.runner.header[Y]
-        if not self._begun:  # only then are they told in coordinates of the equations
+        if not self._begun:  # until then they are in coordinates of the mechanism
             return [float(x) for x in self._w[first : first + len(self.model.states)]]
         states = range(len(self.model.states))
         return [float(state_seen(first, i, self._w, self._whole)) for i in states]

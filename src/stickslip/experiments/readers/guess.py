@@ -367,7 +367,8 @@ def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
     stamps = "" if pd.api.types.is_numeric_dtype(column.dtype) else "time stamps, "
     score, why = _named_score(bare, quantity)
     if since:
-        why += ", as its numbers count from 1970"
+        why = f"{why}, as its numbers count from 1970".removeprefix(", ")
+        score = score or BY_UNIT
     elif score and fits:
         score += 1.0
     if not score and counts and not bare:
@@ -386,7 +387,7 @@ def _since_epoch(column: "pd.Series[Any]") -> str | None:
     if part.empty or not pd.api.types.is_numeric_dtype(part.dtype):
         return None
     size = float(part.median())
-    return next((unit for unit, part in EPOCH.items() if 1e9 * part <= size < 1e10 * part), None)
+    return next((unit for unit, per in EPOCH.items() if 1e9 * per <= size < 1e10 * per), None)
 
 
 def _named_score(name: str, quantity: str) -> tuple[float, str]:

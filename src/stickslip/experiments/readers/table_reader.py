@@ -402,6 +402,7 @@ def _joined_stamps(
         both.sort(key=fine.__eq__)
         whole, rest = (data[names[name]] for name in both)
         if all(pd.api.types.is_numeric_dtype(column.dtype) for column in (whole, rest)):
+            whole = whole.astype(float)  # differences of unsigned numbers would be none
             begin = next(iter(whole.dropna()), 0.0)
             found[stamp] = both, (whole - begin + 1e-9 * rest).to_numpy(dtype=float)
     return found

@@ -224,9 +224,7 @@ class _Motion:
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
     ) -> "_Motion":
         """Derive the motions; with the finer samples that bristles are integrated along."""
-        torques = JointTorques.of(
-            asked.mechanism, asked.linear, by_position=asked.zeros, may_bend=True
-        )
+        torques = JointTorques.of(asked.mechanism, asked.linear, by_position=asked.zeros)
         for _ in range(BENDS):
             own = cls.along(torques, asked, measurement, hold, bristles=bristles)
             if not torques.bent:
@@ -769,10 +767,12 @@ def _start(
 
 
 def _refuse_alike(names: Sequence[str], slopes: Array) -> None:
-    """Refuse parameters that do the same to all forces: searches with new slopes would not end."""
+    """Refuse parameters that do the same to all forces, or nothing: searches would not settle."""
     _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
     if sizes[-1] < ALIKE:
         same = [name for name, part in zip(names, directions[-1], strict=True) if abs(part) > ALIKE]
+        if len(same) == 1:
+            raise InputError(f"the forces of this motion do not depend on {same[0]}: fix it.")
         raise InputError(
             f"the motion does not tell {joined(same)} apart: fix one of them, such as {same[-1]}."
         )

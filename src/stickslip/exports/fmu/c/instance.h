@@ -252,7 +252,8 @@ static bool set(struct instance *self, const uint32_t *references, size_t n, con
         }
         const bool in_run = core->phase == STEPPING || core->phase == IN_EVENT;
         if (early && core->phase > INITIALIZING && !(one->tunable && in_run)) {
-            say(self, LEVEL_ERROR, one->tunable ? "%s cannot be set but before and in events."
+            say(self, LEVEL_ERROR, one->tunable
+                ? "%s can be set only before the simulation and in events."
                 : "%s cannot be set after initialization.", one->name);
             return false;
         }
