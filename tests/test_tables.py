@@ -72,3 +72,8 @@ def test_without_xarray_the_message_says_what_to_do(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(InputError, match="or use to_dataframe"):
         Measurement(travel=0.2).to_xarray()
+
+
+def test_columns_that_differ_by_their_unit_alone_are_both_kept():
+    data = dataset_of(pd.DataFrame({"time [s]": [1.0], "time [ms]": [1000.0]}))
+    assert {name: data[name].units for name in data.data_vars} == {"time": "s", "time [ms]": "ms"}

@@ -93,7 +93,9 @@ def dataset_of(
         parsed = BRACKETED.fullmatch(str(label))
         name = parsed["name"] if parsed else str(label)
         unit = parsed["unit"] if parsed else known.get(name, "")
-        columns[name] = (_saved(values), {"units": unit} if unit else {})
+        # of two columns that differ by their unit alone, the second keeps it in its name
+        kept = str(label) if name in columns else name
+        columns[kept] = (_saved(values), {"units": unit} if unit else {})
     numbers = columns.get(over)
     dimension = over
     if numbers is None or len(np.unique(numbers[0])) < len(table):
