@@ -593,11 +593,21 @@ def follows_its_drive_while_stuck(e: Evidence) -> Found:
     if not e.has_own_drive:
         return
     drive = e.drives["drive"]
-    rest = e.seen["friction"] - np.array([drive.value(float(t)) for t in e.times])
+    aside = CLOCK * np.spacing(e.times)
+    early, at, late = (
+        np.array([drive.value(float(t)) for t in e.times + shift]) for shift in (-aside, 0.0, aside)
+    )
+    smooth = np.ones(len(e.times), dtype=bool)  # a jump says nothing of the rounding of times
+    for change in e.changes:
+        smooth &= np.abs(e.times - change) > 2.0 * aside
+    rest = e.seen["friction"] - at
     size = e.force + float(np.abs(rest).max())
     for start, end in e.run.stick_spans():
         inside = (e.times >= start) & (e.times < end) & (e.mode == 0)
-        if inside.any() and np.ptp(rest[inside]) > ROUNDED * size:
+        if not inside.any():
+            continue
+        clock = float(np.abs(late - early)[inside & smooth].max(initial=0.0))
+        if np.ptp(rest[inside]) > ROUNDED * size + clock:
             yield f"friction does not follow the drive, {e.first(inside)}"
             return
 
