@@ -90,9 +90,12 @@ class Dynamics:
         float or array (c,)
             Normal force of the contact [N].
         """
+        import numpy as np
+
         by_friction = _times(self.normal_by_friction, friction)
         by_command = _times(self.normal_by_command, command)
-        return self.normal + by_friction + by_command
+        total = np.asarray(self.normal + by_friction + by_command)
+        return total if self.contacts else total.item()
 
 
 @final

@@ -104,6 +104,7 @@ def carried_by_contact(
     Examples
     --------
     >>> from stickslip import BlockChain, Coulomb
+    >>> from stickslip.experiments import KnownLaws
     >>> known = KnownLaws(laws={"coulomb": Coulomb(kinetic_coefficient=0.2)})
     >>> chain = BlockChain(blocks=2, mass=1.0, coupling=100.0)
     >>> rig = Rig(mechanism=chain, contacts={"block-1": known, "block-2": None}, path="law.toml")
