@@ -1,5 +1,6 @@
 """A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
@@ -7,15 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
-from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number
 from stickslip.friction import RateState
 from stickslip.quantities import Quantity
+from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
 __all__ = ["SliderHistory", "logarithms", "simulate_velocity_steps"]
 
@@ -25,14 +25,14 @@ STEEPEST = 300.0
 STEPS = 20_000
 """Steps between two asked times after which a run counts as failed."""
 
-UNITS = {"coefficient": "1", "velocity": "m/s", "state": "s"}
+UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s"}
 """Columns of a history, and their units."""
 STIFFNESS = Quantity("k", "1/m", above=0)
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SliderHistory:
+class SliderHistory(Tabular):
     """What a spring slider with rate-and-state friction does in time.
 
     Examples
@@ -58,27 +58,20 @@ class SliderHistory:
     state: Array
     """State theta (n,) [s], the age of the contacts; NaN without evolution."""
 
+    @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame with the time in front."""
         import pandas as pd
 
-        return pd.DataFrame({name: getattr(self, name) for name in ("time", *UNITS)})
+        return pd.DataFrame({name: getattr(self, name) for name in UNITS})
 
-    def to_xarray(self) -> "xr.Dataset":
-        """Return the columns as an xarray Dataset over time, with units.
+    @override
+    def _over(self) -> str:
+        return "time"
 
-        Raises
-        ------
-        InputError
-            If xarray is not installed.
-        """
-        require_library("xarray", "xarray", "use to_dataframe")
-        import xarray as xr
-
-        columns = {
-            name: ("time", getattr(self, name), {"units": unit}) for name, unit in UNITS.items()
-        }
-        return xr.Dataset(columns, {"time": ("time", self.time, {"units": "s"})})
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return UNITS
 
     @override
     def __repr__(self) -> str:
