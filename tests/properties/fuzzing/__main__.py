@@ -1,8 +1,11 @@
 """``python -m tests.properties.fuzzing``: run random cases and say what became of them."""
 
 import argparse
+import dataclasses
+import json
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 from tests.properties.fuzzing.campaign import Campaign, Outcome, outcome_of
@@ -29,6 +32,37 @@ def _progress(done: list[Outcome], total: int) -> None:
         file=sys.stderr,
         flush=True,
     )
+
+
+def _kept(path: Path) -> Iterator[Outcome]:
+    """Outcomes in a file of results; a last line that was cut off does not count."""
+    for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
+        if line.endswith("\n"):
+            row = json.loads(line)
+            yield Outcome(**row | {"violations": tuple(map(tuple, row["violations"]))})
+
+
+def _outcomes(campaign: Campaign, indices: list[int], asked: argparse.Namespace) -> list[Outcome]:
+    """Run the cases whose outcome is not kept yet, and keep theirs."""
+    path: Path | None = asked.results
+    wanted = set(indices)
+    done = [one for one in _kept(path) if one.index in wanted] if path and path.exists() else []
+    if path and path.exists():  # without what was cut off
+        path.write_text("".join(_line(one) for one in _kept(path)), encoding="utf-8")
+    known = {one.index for one in done}
+    left = [index for index in indices if index not in known]
+    for outcome in outcomes_side_by_side(campaign, left, asked.processes) if left else ():
+        done.append(outcome)
+        if path:
+            with path.open("a", encoding="utf-8") as file:
+                file.write(_line(outcome))
+        if len(done) % 50 == 0 or len(done) == len(indices):
+            _progress(done, len(indices))
+    return sorted(done, key=lambda one: one.index)
+
+
+def _line(outcome: Outcome) -> str:
+    return json.dumps(dataclasses.asdict(outcome)) + "\n"
 
 
 def _shrunk(campaign: Campaign, outcome: Outcome) -> Case:
@@ -62,6 +96,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--steps", type=int, default=1000, help="step limit of a case")
     parser.add_argument("--seconds", type=float, default=10.0, help="time limit of a case")
     parser.add_argument("--processes", type=int, default=1, help="processes side by side")
+    parser.add_argument("--results", type=Path, help="file of outcomes; a killed run goes on there")
     parser.add_argument("--compare", type=int, default=10, help="every which case runs twice")
     parser.add_argument("--only", type=int, nargs="+", help="run these cases and print them")
     parser.add_argument("--shrink", action="store_true", help="simplify what is printed")
@@ -97,12 +132,7 @@ def main() -> int:
         tiers=asked.tiers,
     )
     indices = asked.only or campaign.order(asked.cases)
-    done: list[Outcome] = []
-    for outcome in outcomes_side_by_side(campaign, list(indices), asked.processes):
-        done.append(outcome)
-        if len(done) % 50 == 0 or len(done) == len(indices):
-            _progress(done, len(indices))
-    done.sort(key=lambda one: one.index)
+    done = _outcomes(campaign, list(indices), asked)
     print(f"stickslip {stickslip.__version__} of {Path(stickslip.__file__).parent}")
     print(classes(done), violated(done), sep="\n\n")
     for outcome in done if asked.only else _chosen(done, asked.each):
