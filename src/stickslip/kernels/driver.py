@@ -36,6 +36,7 @@ from stickslip.kernels.state_layout import (
     N_WALLS,
     RHYTHM,
     ROW_COLUMNS,
+    SCALE,
     STALLS,
     STATUS,
     STEP,
@@ -137,6 +138,8 @@ def finish_step(
     elif whole[STATUS] == RUNNING and turns_switch(guard, whole):
         settle(w, whole, events)  # what a switch stands for may jump with it
     if guard != NO_GUARD or w[TIME] >= stop:
+        if not has_sizes(w, whole):
+            give_sizes(t_end, w, whole)
         choose_stepper(next_stop(table, t_end, whole), w, whole)
 
 
@@ -215,6 +218,29 @@ def settle_all(w: Vector, whole: Wholes, events: Vector) -> None:
         settle(w, whole, events)
 
 
+def give_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
+    """Set the sizes that errors are compared with, by the state and the forces at hand.
+
+    Reads: TIME, Y.
+    Writes: SCALE, POINT, VALUES.
+    """
+    if whole[N_CONTACTS] > 0:
+        ask(FIRST_SIZES, t_end, w, whole)
+    else:
+        first_sizes(w[TIME], t_end, w, whole)
+
+
+def has_sizes(w: Vector, whole: Wholes) -> bool:
+    """Whether anything has moved yet, or forces were at hand that gave what rests a size.
+
+    Reads: SCALE.
+    """
+    found = False
+    for i in range(whole[N_STATES]):
+        found = found or w[whole[SCALE] + i] != 0.0
+    return found
+
+
 def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector) -> None:
     """Set what follows from the start: piece, mode, sizes, stepper.
 
@@ -243,12 +269,11 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)
         take_changes(w, whole, events)
-        ask(FIRST_SIZES, t_end, w, whole)
         w[RHYTHM] = math.inf
     else:
         initial_mode(w, whole)
         settle(w, whole, events)
-        first_sizes(w[TIME], t_end, w, whole)
+    give_sizes(t_end, w, whole)
     for i in range(n_guards):
         w[lowest + i] = math.inf
     w[STEP] = 0.0

@@ -10,6 +10,7 @@ from stickslip.kernels.guard_roots import (
     coarseness,
     first_violation,
     is_held,
+    is_speed,
     note_sizes,
     reverses,
     rises,
@@ -184,29 +185,39 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
     return 0.0
 
 
+def first_coefficient(w: Vector) -> float:
+    """Return the first coefficient of a guard that is not zero, of one that falls at once.
+
+    Reads: POLYNOMIAL.
+    """
+    k = POLYNOMIAL
+    while w[k] == 0.0:
+        k += 1
+    return w[k]
+
+
 def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a series should be taken again, 0 if it stands.
 
     Fractions are found to rounding of 1, within which a short bounce would be lost. What falls at
-    once does so truly if its first coefficient that is not zero, however small, is negative.
+    once does so truly if its first coefficient that is not zero, however small, is negative. That
+    goes for what begins to slip, too: next to faster or larger motions its own may be too small for
+    the step, whose last terms are then its largest.
 
-    Reads: TIME, FRACTION, POLYNOMIAL, Y.
+    Reads: TIME, FRACTION, POLYNOMIAL, Y, MODES.
     """
     fraction = w[FRACTION]
-    if guard < whole[FIRST_WALL] or fraction >= BOUNCE:
-        return 0.0
-    shorter = 2.0 * fraction * h
-    if fraction == 0.0 and whole[N_CONTACTS] > 0:
-        if approach(guard, w, whole) > 0.0:
-            return 0.0
-        shorter = h / 8.0
+    if whole[N_CONTACTS] > 0 and fraction == 0.0 and is_speed(guard, whole):
+        begins = w[POLYNOMIAL] == 0.0 and first_coefficient(w) > 0.0
+        shorter = h / 8.0 if begins and h > TINIEST * (w[TIME] + h) else 0.0
+    elif guard < whole[FIRST_WALL] or fraction >= BOUNCE:
+        shorter = 0.0
+    elif fraction == 0.0 and whole[N_CONTACTS] > 0:
+        shorter = h / 8.0 if not approach(guard, w, whole) > 0.0 else 0.0
     elif fraction == 0.0:
-        k = POLYNOMIAL
-        while w[k] == 0.0:
-            k += 1
-        if w[k] < 0.0:
-            return 0.0
-        shorter = h / 8.0
+        shorter = h / 8.0 if not first_coefficient(w) < 0.0 else 0.0
+    else:
+        shorter = 2.0 * fraction * h
     return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
 
 

@@ -206,9 +206,11 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a coordinate that begins to slip balance but for their rounding.
 
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
-    of the inverse mass matrix.
+    of the inverse mass matrix. A time is rounded too: what the acceleration grows by meanwhile is
+    its next term in the series.
 
-    Reads: Y, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLOPE_VALUES, MODES.
+    Reads: TIME, LENGTH, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
+    SLOPE_VALUES, MODES.
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
@@ -220,7 +222,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for c in range(whole[N_CONTACTS]):
         if whole[whole[SLIPS] + c] == i:
             size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
-    found = abs(w[whole[ACCELERATION] + i])
+    h, growth = w[LENGTH], abs(w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i])
+    found = abs(w[whole[ACCELERATION] + i]) - STILLNESS * 2.0 * growth / h * (abs(w[TIME]) / h)
     if whole[DIAGONAL]:
         return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
     row = whole[VALUES]
