@@ -97,7 +97,8 @@ class IncrementalEnsemble:
         header = model.sizes.header
         self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
         self._kept = np.zeros((count, self._width))
-        self._wholes = np.zeros((count, len(header)), dtype=np.int64)
+        # sizes of those that have not begun count too: the kernels look at all rows
+        self._wholes = np.tile(np.array([*header], dtype=np.int64), (count, 1))
         self._wholes[:, STATUS] = enums.STEP_TOO_SMALL  # nothing that could go on
         self._work()
 
