@@ -19,6 +19,7 @@ __all__ = [
     "SimulationError",
     "StickslipError",
     "TracingError",
+    "UndeclaredError",
     "UnknownNameError",
     "nearest",
     "not_whole",
@@ -46,6 +47,10 @@ class InputError(StickslipError, ValueError):
 
 class ParameterError(InputError):
     """A parameter is missing, of the wrong kind or outside its range."""
+
+
+class UndeclaredError(InputError, AttributeError):
+    """A class does not say of itself what every class of its kind has to."""
 
 
 class UnknownNameError(InputError, LookupError):

@@ -284,6 +284,21 @@ def test_a_mistake_is_one_sentence(called, options, message):
     assert "Traceback" not in err
 
 
+def test_a_law_that_a_file_lacks_is_missed_by_the_name_of_the_file(called, tmp_path):
+    (tmp_path / "law.toml").write_text(FEET)
+    code, _, err = called(FEET, "simulate", "rig.toml", "--law", "law.toml:dahl")
+    assert code == 2
+    assert "law.toml: the contact 'front' has no values of the law 'dahl'" in err
+
+
+@pytest.mark.parametrize("name", ["law.toml", "law.toml:coulomb"])
+def test_laws_by_contact_are_refused_where_there_is_one_contact(called, tmp_path, name):
+    (tmp_path / "law.toml").write_text(FEET)
+    code, _, err = called(FEET, "simulate", "demo", "--law", name)
+    assert code == 2
+    assert "law.toml has laws by contact, of front, rear, which a mechanism with one" in err
+
+
 def test_laws_by_contact_need_tables_of_contacts(called):
     code, _, err = called(SHARED, "simulate", "rig.toml", "--law", "front=coulomb")
     assert code == 2

@@ -78,6 +78,34 @@ def test_without_a_rig_a_command_says_what_it_needs(run, tmp_path, command):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("command", "needed", "meaning"),
+    [
+        (("check",), "FILE", "Data files (CSV"),
+        (("init",), "FILE", "Record (CSV"),
+        (("export",), "FILE", "Rig file (TOML) with a law"),
+        (("export", "law.toml"), "--to", "c (C99)"),
+        (("data", "show"), "NAME", "Name of a record"),
+        (("data", "path"), "NAME", "Name of a record"),
+        (("profile", "optimise"), "RIG", "Rig file (TOML) with a prescribed motion"),
+        (("profile", "optimise", "rig.toml"), "--angle", "Largest "),
+    ],
+)
+def test_without_what_it_needs_a_command_names_it_with_an_example(run, command, needed, meaning):
+    code, out, err = run(*command)
+    assert (code, out) == (2, "")
+    path = " ".join(word for word in command if not word.endswith(".toml"))
+    assert err.startswith(f"stickslip: stickslip {path} needs {needed}: {meaning}")
+    assert f"Example: `stickslip {path} " in err
+    assert err.count("\n") == 1
+
+
+def test_a_value_of_the_wrong_kind_is_still_the_parsers_to_refuse(run):
+    code, _, err = run("simulate", "demo", "--samples", "many")
+    assert code == 2
+    assert "Invalid value for '--samples'" in err
+
+
 @pytest.mark.parametrize("name", ["run.csv", "RUN.TXT", "log.mf4", "a.parquet", "a.mat"])
 def test_a_data_file_in_place_of_a_rig_is_offered_init_in_one_line(run, name):
     code, _, err = run("select", name)

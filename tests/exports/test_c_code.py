@@ -194,6 +194,15 @@ def test_what_is_not_a_number_gives_nothing_but_nan(compiled, name, place):
 
 
 @each_law
+def test_nothing_is_compensated_at_rest_and_nothing_is_known_of_no_number(compiled, name):
+    push = number(compiled, f"{name}_compensation")
+    for v in (0.0, -0.0):
+        for factor in (0.9, -0.9):
+            assert str(push(v, LOAD, 0.01, factor)) == "0.0"  # without a sign
+    assert math.isnan(push(math.nan, LOAD, 0.01, 0.9))
+
+
+@each_law
 def test_a_load_that_pulls_counts_as_none(compiled, name):
     law = LAWS_EXPORTED[name]
     z = bristle_states(law, 0.5)

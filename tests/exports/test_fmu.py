@@ -46,7 +46,7 @@ from stickslip.drives import Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.exports import export_fmu
 from stickslip.exports.fmu.inputs import with_inputs
-from stickslip.exports.fmu.units import base_units
+from stickslip.exports.fmu.units import BASES, base_units, per_second
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.formulation import formulate
 from stickslip.friction import LAWS
@@ -433,6 +433,15 @@ def test_each_unit_of_the_package_is_one_of_the_description():
     for unit in {one for q in quantities for one in (q.unit, q.or_unit) if one}:
         base_units(unit)
         base_units(turned(unit))
+        for one in (unit, turned(unit)):
+            powers = dict.fromkeys(BASES, 0) | base_units(one)
+            powers["s"] -= 1
+            rate = per_second(one)
+            assert base_units(rate) == {base: power for base, power in powers.items() if power}
+            assert " " not in rate.partition("/")[2].strip("()") or rate.endswith(")")  # clear
+    assert per_second("") == ""
+    assert per_second("s") == "1"
+    assert per_second("Hz") == "Hz/s"
     with pytest.raises(InputError, match="'furlong'"):
         base_units("furlong/s")
 

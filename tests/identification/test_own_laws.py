@@ -20,7 +20,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Sampled
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UndeclaredError
 from stickslip.friction import SetValuedLaw
 from stickslip.identification import starting_law
 from stickslip.maths import exp
@@ -241,3 +241,74 @@ def test_bounds_hold_where_a_law_declares_values(table):
     found = fit(Axis(inertia=1.0), kind, table)
     assert found.law.fall == pytest.approx(0.3, rel=1e-6)
     assert found.at_bounds["friction.fall"] == "upper"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ordered(SetValuedLaw):
+    """A level, an exponent without effect, and a mark that no fit looks for."""
+
+    name: ClassVar[str] = "ordered"
+    title: ClassVar[str] = "Ordered"
+    formula: ClassVar[str] = "F = c N"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    exponent: Annotated[
+        float, Quantity("n", above=0, scale="none", bounds=(0.5, 2.0), start=1.0, structural=True)
+    ] = 1.0
+    grip: Annotated[float, Quantity("c", low=0, scale="level", bounds=(0.0, 50.0), start=1.0)] = 0.3
+    mark: Annotated[float, Quantity("m", low=0)] = 0.0
+
+    def sliding(self, speed, load):
+        return self.grip * load
+
+    def break_away(self, load):
+        return self.grip * load
+
+
+class Derived(Ordered):
+    """A class that @dataclass has not made."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slope(SetValuedLaw):
+    """Says nothing of itself, and cannot be fitted."""
+
+    slope: Annotated[float, Quantity("a", "N s/m", low=0)] = 3.0
+
+    def sliding(self, speed, load):
+        return self.slope * speed + 0.0 * load
+
+    def break_away(self, load):
+        return 0.0 * load
+
+
+TRAVEL = Measurement(travel=0.20, uncertainty=0.005)
+PUSH = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+
+
+@pytest.mark.parametrize("law", [Ordered, Ordered(), Derived()])
+def test_a_law_without_an_order_is_fitted_in_the_parameters_that_have_a_range(law):
+    # at rest without overshoot at x = E / (mu N): 0.5 J of the spring over 9.81 N
+    (estimate,) = fit(PUSH, law, TRAVEL).estimates
+    assert estimate.path == "friction.grip"
+    assert estimate.value == pytest.approx(0.5 / (0.20 * 9.81), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["name", "title", "formula", "sources"])
+def test_what_a_law_does_not_say_of_itself_is_told_once_and_clearly(name):
+    with pytest.raises(UndeclaredError, match=f"the law Slope has no {name}: declare it in the"):
+        getattr(Slope(), name)
+    assert not hasattr(Slope, name)
+
+
+def test_a_selection_names_what_a_law_does_not_say_of_itself():
+    with pytest.raises(InputError, match='the law Slope has no name: declare .* name = "my-law"'):
+        select(PUSH, [Slope()], TRAVEL)
+
+
+def test_a_selection_says_that_a_law_has_nothing_to_fit():
+    names = {"name": "slope", "title": "Slope", "formula": "F = a v", "sources": ()}
+    told = dataclass(frozen=True, kw_only=True)(type("Told", (Slope,), names))
+    assert told.fit_order == ()
+    with pytest.raises(InputError, match="nothing to fit: name a parameter of Slope in vary"):
+        select(PUSH, [told()], TRAVEL)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ import pytest
 from stickslip import Axis, Coulomb
 from stickslip.drives import SevenStep, SineSwing, SplineSwing, ThreePhase
 from stickslip.errors import InputError
-from stickslip.mechanisms import Prescribed, static_normal_force
-from stickslip.optimisation import measure, units_of_limits
+from stickslip.mechanisms import Prescribed, static_normal_force, static_normal_forces
+from stickslip.optimisation import Limits, measure, units_of_limits
 from stickslip.optimisation.cycle_metrics import fitted
+from stickslip.plots.runs.profiles import _bounds
 
 G, MU, P, STROKE_LENGTH, FAST = 9.81, 0.2, 0.2, 0.02, 50.0
 
@@ -118,3 +120,13 @@ def test_a_mechanism_without_a_motion_is_refused(law):
 def test_the_limit_of_a_motor_ends_a_run_that_needs_more(cart, law):
     weak = replace(cart, pendulum=Prescribed(profile=cart.pendulum.profile, limit=0.5))
     assert measure(weak, law).lasted < 1.0
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.5, 0.7, 1.1])
+def test_the_bound_of_the_load_that_a_figure_draws_is_that_of_the_load_at_rest(cart, law, mass):
+    heavy = replace(cart, cart_mass=mass)
+    (force,) = static_normal_forces(heavy).values()
+    best = SimpleNamespace(
+        mechanism=heavy, run=measure(heavy, law).run, limits=Limits(load_share=0.1, rate=12.0, position=1.0)
+    )
+    assert _bounds(best)["normal_force"] == (0.1 * force,)

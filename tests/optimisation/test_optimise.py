@@ -13,7 +13,7 @@ from stickslip.drives.registry import PROFILES
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.mechanisms import Prescribed
 from stickslip.optimisation import GOALS, Limits, Margin, measure
-from stickslip.optimisation.optimise import MOST_POLISHED
+from stickslip.optimisation.optimise import LEAST_ROUNDS, MOST_POLISHED
 from stickslip.optimisation.parametrisation import KINDS, kind_of, space_of
 from stickslip.optimisation.problem import FINER, Problem
 from stickslip.optimisation.scenarios import scenarios_of
@@ -286,6 +286,17 @@ def test_a_start_that_reaches_its_limit_exactly_keeps_it(capsule, law):
 
 @pytest.mark.slow
 def test_evaluations_bound_and_count_the_motions_that_are_tried(capsule, law, monkeypatch):
+    counted(capsule, law, monkeypatch, rounds=LEAST_ROUNDS)
+
+
+def test_evaluations_bound_and_count_motions_of_short_polishes(
+    capsule, law, monkeypatch, short_polishes
+):
+    counted(capsule, law, monkeypatch, rounds=2)
+
+
+def counted(capsule, law, monkeypatch, rounds):
+    """Optimise with few evaluations and check how many motions were tried."""
     tried, judge = [], Problem.judge
 
     def counting(self, profile, **settings):
@@ -299,7 +310,7 @@ def test_evaluations_bound_and_count_the_motions_that_are_tried(capsule, law, mo
     # looked at once more, more finely: the start, the best of the search, the ends of the polishes
     assert 2 <= finely <= 2 + MOST_POLISHED
     generation = 8 + int(3.0 * math.log(3))
-    assert found.evaluations <= 1 + generation + (1 + MOST_POLISHED) * 80 * (3 + 1)
+    assert found.evaluations <= 1 + generation + (1 + MOST_POLISHED) * 2 * rounds * (3 + 1)
 
 
 def test_sine_on_level_ground_brings_nothing_and_is_still_an_answer(cart, law, short_polishes):

@@ -12,7 +12,7 @@ from tests.support import sketched
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
 from stickslip.errors import InputError, RenamedError
 from stickslip.friction import RateState
-from stickslip.identification import simulate_velocity_steps
+from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.report import rate_state_sections
 from stickslip.report.core.documents import Origin, Page, made_sections
 from stickslip.report.core.page import render
@@ -111,6 +111,16 @@ def test_no_parameters_are_invented_where_nothing_evolves(verdicts, name):
 def test_a_record_of_the_wrong_law_is_worse_by_far(verdicts):
     slip = next(c for c in verdicts("rate-and-state").candidates if c.name == "rate-and-state-slip")
     assert slip.score > 5.0 * verdicts("rate-and-state").best.score
+
+
+def test_the_wrong_form_of_evolution_leaves_far_more_than_the_noise():
+    # a step down tells the two apart: the state of the slip law evolves with slip alone
+    record = pulled(law(), ([0.0, 5.0, 10.0, 50.0], [0.0, 5.0, 55.0, 95.0]))
+    fit = fit_rate_state(
+        MACHINE, law(evolution="slip"), record,
+        vary="critical_distance", drift="none", starts=1, profile=False,
+    )  # fmt: skip
+    assert fit.rms > 5.0 * 5e-4
 
 
 @pytest.mark.slow

@@ -5,12 +5,14 @@ import pickle
 
 import numpy as np
 import pytest
+from tests.solver.test_slip_directions import shafts
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, TwoFeet, simulate
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.kernels.state_layout import NUMBERS, POLYNOMIAL, SIZE, Y
 from stickslip.results import Status
+from stickslip.simulation import check_pair
 from stickslip.solver import IncrementalEnsemble, gather
 from stickslip.solver.backend import runner_of
 
@@ -62,6 +64,34 @@ def test_each_run_is_that_of_the_forces_as_a_drive(case):
         end = [run[name][-1] for name in runs.model.states]
         # bristles are held to 1e-8, and sizes of errors begin with other forces
         np.testing.assert_allclose(runs.states[row], end, rtol=1e-7, atol=1e-8)
+
+
+def test_states_are_those_of_the_mechanism_where_slips_are_sums():
+    mechanism, _, laws, _ = shafts()
+    runs = IncrementalEnsemble(
+        mechanism, check_pair(mechanism, laws), count=3, solver=EventDriven(), threads=1
+    )
+    starts = np.zeros((3, 8))
+    starts[:, 0], starts[:, 4] = (0.3, 0.2, 0.1), (10.0, 9.0, 8.0)
+    runs.begin([0, 1], starts[:2])
+    # the clutches close one after the other
+    for until, *presses in ((0.4, 0.0, 0.0), (0.9, 20.0, 0.0), (1.2, 20.0, 20.0)):
+        runs.advance(np.array([until, until, 0.0]), np.array([presses] * 3))
+    runs.begin([1], starts[2:])
+    run = simulate(mechanism, laws, t_end=1.2, y0={"phi1": 0.3, "w1": 10.0})
+    end = [run[name][-1] for name in runs.model.states]
+    assert min(end) > 0.2
+    # both hold steps to 1e-10; the second run has not moved yet, and the third has not begun
+    np.testing.assert_allclose(runs.states[0], end, rtol=1e-8)
+    np.testing.assert_array_equal(runs.states[1:], [starts[2], np.zeros(8)])
+
+
+def test_values_of_another_shape_are_refused():
+    runs = going(*CASES["series"])
+    with pytest.raises(InputError, match=r"values must have the shape \(33, 1\), got \(33, 2\)"):
+        runs.advance(np.full(COUNT, PERIOD), np.zeros((COUNT, 2)))
+    with pytest.raises(InputError, match=r"untils must have the shape \(33,\), got \(2,\)"):
+        runs.advance(np.full(2, PERIOD), np.zeros((COUNT, 1)))
 
 
 def test_threads_and_room_for_rows_change_nothing(monkeypatch):

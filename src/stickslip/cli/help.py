@@ -4,8 +4,10 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 from typing_extensions import override
+
+from stickslip.errors import InputError
 
 __all__ = ["CONTEXT", "EXAMPLES", "PANELS", "Panels", "command"]
 
@@ -72,6 +74,25 @@ class Panels(TyperGroup):
                     formatter.write_dl(rows)
 
 
+class _Command(TyperCommand):
+    """A command that says in one line what it needs, with an example."""
+
+    @override
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except typer.BadParameter as error:
+            parameter: Any = error.param
+            if parameter is None or not hasattr(error, "param_type"):  # given, but not as it must
+                raise
+            argument = parameter.param_type_name == "argument"
+            name = parameter.metavar or parameter.name.upper() if argument else parameter.opts[0]
+            help_text = f": {parameter.help.rstrip('.')}" if parameter.help else ""
+            path = ctx.command_path
+            example = EXAMPLES[path.partition(" ")[2]][0]
+            raise InputError(f"{path} needs {name}{help_text}. Example: `{example}`.") from None
+
+
 def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], Any]:
     """Return what adds a command to an application, with its examples below its options.
 
@@ -93,4 +114,4 @@ def command(app: typer.Typer, name: str, *, group: str = "") -> Callable[[Any], 
     heading = "Example:" if len(examples) == 1 else "Examples:"
     # \b keeps the lines as they are
     epilog = "\n".join(("\b", heading, *(f"  $ {line}" for line in examples)))
-    return app.command(name, epilog=epilog, context_settings=dict(CONTEXT))
+    return app.command(name, cls=_Command, epilog=epilog, context_settings=dict(CONTEXT))

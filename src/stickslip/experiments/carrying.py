@@ -398,6 +398,12 @@ def bristle_remark(
 
 
 def _name(rig: Rig, law: str | None) -> str:
+    if rig.contacts:
+        raise InputError(
+            f"{rig.path} has laws by contact, of {', '.join(rig.contacts)}, which a mechanism with"
+            " one contact cannot take: write the values of one into a table such as"
+            " [friction.coulomb]."
+        )
     if law is not None:
         if law not in rig.laws:
             raise UnknownNameError(f"law of {rig.path}:", law, rig.laws)

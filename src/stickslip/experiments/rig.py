@@ -295,10 +295,13 @@ class Rig:
         for contact in asked:
             if contact not in self.contacts:
                 raise UnknownNameError("contact", contact, self.contacts)
-        return {
-            contact: None if known is None else known.chosen(contact, asked.get(contact))
-            for contact, known in self.contacts.items()
-        }
+        try:
+            return {
+                contact: None if known is None else known.chosen(contact, asked.get(contact))
+                for contact, known in self.contacts.items()
+            }
+        except InputError as error:
+            raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
 
     def with_uncertainties(self, measurement: Measurement) -> Measurement:
         """Return a measurement of this rig with the uncertainties of its mechanism beside its own.

@@ -491,7 +491,9 @@ class _Writer:
         width, share = se.Symbol("width"), se.Symbol("share")
         crossing = share * (3 - share * share) / 2
         force = "steady" if self.law.steady is not None else "friction"
-        size = se.Piecewise((VELOCITY, VELOCITY > ZERO), (-VELOCITY, True))
+        size = se.Piecewise((-VELOCITY, VELOCITY < ZERO), (VELOCITY, True))
+        faded = Assign(("force",), (se.Symbol("factor") * crossing * se.Symbol("force"),))
+        rest = Assign(("force",), (ZERO,))  # without a sign, as it would have from the velocity
         return Function(
             name="compensation",
             summary="Force that compensates friction, faded to 0 below a speed.",
@@ -506,7 +508,7 @@ class _Writer:
                 Call(("force",), force, (VELOCITY, LOAD)),
                 Assign(("share",), (size / width,)),
                 Branch(ONE, share, (Assign(("share",), (ONE,)),)),
-                Assign(("force",), (se.Symbol("factor") * crossing * se.Symbol("force"),)),
+                Branch(ZERO, share, (faded,), (rest,)),
             ),
         )
 

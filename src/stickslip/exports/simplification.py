@@ -20,6 +20,7 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms import slip_names
 from stickslip.quantities import Quantity, turned
 from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
 
 __all__ = ["JointFriction", "Simplified", "simplified", "steady_force"]
 
@@ -172,10 +173,13 @@ def simplified(subject: Subject) -> Simplified:
 def _effects(subject: Subject, joint: JointFriction) -> Iterator[str]:
     """Yield the effect on the rig that was named, or on that of the law's file if it moves."""
     if subject.rig is not None:
-        yield from _effect(subject, subject.rig, joint)
+        yield from _effect(subject.rig, *_runs(subject, subject.rig, joint))
     elif subject.own_rig is not None:
         with contextlib.suppress(StickslipError):  # nobody has asked for a run of it
-            yield from _effect(subject, subject.own_rig, joint, only_if_moving=True)
+            runs = _runs(subject, subject.own_rig, joint)
+            _, rate = slip_names(subject.own_rig.mechanism)
+            if any(run[rate].any() for run in runs):
+                yield from _effect(subject.own_rig, *runs)
 
 
 def _lost(
@@ -215,25 +219,26 @@ def _lost(
         )
 
 
-def _effect(
-    subject: Subject, rig: Rig, joint: JointFriction, *, only_if_moving: bool = False
-) -> tuple[str, ...]:
-    """Return what the joint changes of the motion of a rig, both computed exactly."""
-    mechanism, law = rig.mechanism, subject.law
-    if len(mechanism.contacts()) != 1:
+def _runs(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[Trajectory, Trajectory]:
+    """Return the motion of a rig with the law and with the joint, both computed exactly."""
+    contacts = len(rig.mechanism.contacts())
+    if contacts != 1:
         raise InputError(
-            f"{rig.path or rig.heading} has {len(mechanism.contacts())} contacts; the effect of a"
-            " joint's friction is computed for rigs with one: leave --rig out."
+            f"{rig.path or rig.heading} has {contacts} contacts; the effect of a joint's friction"
+            " is computed for rigs with one: leave --rig out."
         )
-    slip, rate = slip_names(mechanism)
     law_run, joint_run = (
-        simulate(mechanism, one, t_end=rig.t_end, y0=rig.start(one)) for one in (law, joint)
+        simulate(rig.mechanism, one, t_end=rig.t_end, y0=rig.start(one))
+        for one in (subject.law, joint)
     )
     t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
-    true, changed = law_run.at(t), joint_run.at(t)
+    return law_run.at(t), joint_run.at(t)
+
+
+def _effect(rig: Rig, true: Trajectory, changed: Trajectory) -> tuple[str, ...]:
+    """Return what the joint changes of the motion of a rig."""
+    slip, rate = slip_names(rig.mechanism)
     length, unit = partial(quantity, unit=true.units[slip]), true.units[rate]
-    if only_if_moving and not true[rate].any() and not changed[rate].any():
-        return ()
     rounding = ROUNDING * float(np.abs(true[slip]).max())
     apart = np.abs(changed[slip] - true[slip])
     apart[apart <= rounding] = 0.0
@@ -246,6 +251,6 @@ def _effect(
         f" ends at {length(end)} with the law and at {length(other)} with the joint's friction,"
         f" {length(further)} apart.",
         f"Their largest distance is {length(float(apart.max()))}, at"
-        f" {quantity(float(t[apart.argmax()]), 's')}; the largest speeds are"
+        f" {quantity(float(true.t[apart.argmax()]), 's')}; the largest speeds are"
         f" {quantity(fastest, unit)} and {quantity(faster, unit)}.",
     )

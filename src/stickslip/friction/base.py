@@ -3,12 +3,13 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 from typing_extensions import override
 
+from stickslip.errors import UndeclaredError
 from stickslip.maths import Scalar, sign, where
-from stickslip.quantities import Parametrised
+from stickslip.quantities import Parametrised, fields_of
 
 __all__ = [
     "BristleLaw",
@@ -72,6 +73,38 @@ class Containment:
         }
 
 
+@final
+class _Undeclared:
+    """Stands for a class attribute that each law has to declare; to ask for it is an error."""
+
+    def __init__(self, example: str) -> None:
+        self._example = example
+        self._name = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, law: object, kind: type) -> Any:
+        raise UndeclaredError(
+            f"the law {kind.__name__} has no {self._name}: declare it in the class, such as"
+            f" {self._name} = {self._example}."
+        )
+
+
+@final
+class _RangedParameters:
+    """The order of a law that gives none: its parameters with a range, in that of its fields."""
+
+    def __get__(self, law: object, kind: type) -> Any:
+        # @dataclass asks for the attribute as well, before a class has fields of its own
+        made = next(one for one in kind.__mro__ if "__dataclass_fields__" in vars(one))
+        return tuple(
+            name
+            for name, quantity in fields_of(made).items()
+            if quantity.scale and not quantity.structural
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class FrictionLaw(Parametrised, ABC):
     """A friction law F(v, N), affine in the load N.
@@ -81,16 +114,20 @@ class FrictionLaw(Parametrised, ABC):
     arrays and the tracing of the solver.
     """
 
-    name: ClassVar[str]
+    name: ClassVar[str] = _Undeclared('"my-law"')  # type: ignore[assignment]  # a descriptor
     """Key in the registry, kebab-case."""
-    title: ClassVar[str]
+    title: ClassVar[str] = _Undeclared('"My law"')  # type: ignore[assignment]
     """Name in running text."""
-    formula: ClassVar[str]
+    formula: ClassVar[str] = _Undeclared(r'r"F = \mu N"')  # type: ignore[assignment]
     """The law in LaTeX."""
-    sources: ClassVar[tuple[str, ...]]
+    sources: ClassVar[tuple[str, ...]] = _Undeclared("()")  # type: ignore[assignment]
     """Keys of `stickslip.friction.sources.SOURCES`."""
-    fit_order: ClassVar[tuple[str, ...]]
-    """Parameters in the order in which scarce data should pay for them."""
+    fit_order: ClassVar[tuple[str, ...]] = _RangedParameters()  # type: ignore[assignment]
+    """Parameters in the order in which scarce data should pay for them.
+
+    If a class gives none, these are its parameters with a range, in the order of the fields,
+    without those that shape the equations (exponents).
+    """
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()

@@ -18,7 +18,9 @@ from stickslip.kernels import enums
 from stickslip.kernels.state_layout import (
     ADDRESS,
     EVENT_COLUMNS,
+    IS_TURNED,
     MOST_EVENTS,
+    N_COORDINATES,
     N_DRIVES,
     NUMBERS,
     POLYNOMIAL,
@@ -27,6 +29,7 @@ from stickslip.kernels.state_layout import (
     SIZE,
     STATUS,
     TIME,
+    TURN,
     Y,
 )
 from stickslip.kernels.stretches import kept_size
@@ -94,7 +97,8 @@ class IncrementalEnsemble:
         header = model.sizes.header
         self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
         self._kept = np.zeros((count, self._width))
-        self._wholes = np.zeros((count, len(header)), dtype=np.int64)
+        # sizes of those that have not begun count too: the kernels look at all rows
+        self._wholes = np.tile(np.array([*header], dtype=np.int64), (count, 1))
         self._wholes[:, STATUS] = enums.STEP_TOO_SMALL  # nothing that could go on
         self._work()
 
@@ -130,7 +134,16 @@ class IncrementalEnsemble:
     @property
     def states(self) -> Array:
         """States of the runs (count, n) [SI]."""
-        return self._kept[:, self._y : self._y + len(self.model.states)].copy()
+        found = self._kept[:, self._y : self._y + len(self.model.states)].copy()
+        header = self.model.sizes.header
+        if header[IS_TURNED]:  # from the first stretch on, to coordinates of the equations
+            n = header[N_COORDINATES]
+            first = POLYNOMIAL + header[TURN] - NUMBERS + n * n
+            rows = self._wholes[:, STATUS] != enums.RUNNING
+            back = self._kept[rows, first : first + n * n].reshape(-1, n, n)
+            moving = found[rows, : 2 * n].reshape(-1, 2, n)
+            found[rows, : 2 * n] = np.einsum("rij,rbj->rbi", back, moving).reshape(-1, 2 * n)
+        return found
 
     @property
     def running(self) -> NDArray[np.bool_]:
@@ -177,7 +190,16 @@ class IncrementalEnsemble:
             End of the stretch of each run [s].
         values : array (count, drives)
             Values of the drives in the stretch, in their units and in the order of the mechanism.
+
+        Raises
+        ------
+        InputError
+            If an array has another shape.
         """
+        shapes = {"untils": (self.count,), "values": (self.count, len(self.model.drives))}
+        for (name, shape), told in zip(shapes.items(), (untils, values), strict=True):
+            if told.size != math.prod(shape):
+                raise InputError(f"{name} must have the shape {shape}, got {told.shape}.")
         flat = self._runner.flat
         told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
         runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory

@@ -17,7 +17,7 @@ __all__ = ["check_friction"]
 
 ROUNDING = 1e-11
 """Some thousand roundings of the largest term; bristles have terms a hundred times their sum."""
-TOLD = ("name", "title", "formula", "sources", "fit_order")
+TOLD = ("name", "title", "formula", "sources")
 
 
 @dataclass(frozen=True)

@@ -133,7 +133,7 @@ def _missing(kind: type, base: type) -> list[str]:
     """Return what a class has yet to define or to say of itself."""
     told: tuple[str, ...] = ("name", "coordinates", "rates", "units")
     if base is FrictionLaw:
-        told = ("name", "title", "formula", "sources", "fit_order")
+        told = ("name", "title", "formula", "sources")
     abstract: Collection[str] = getattr(kind, "__abstractmethods__", ())
     return [*sorted(abstract), *(one for one in told if not hasattr(kind, one))]
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from stickslip.errors import InputError
 
-__all__ = ["BASES", "base_units"]
+__all__ = ["BASES", "base_units", "per_second"]
 
 BASES: Final = ("kg", "m", "s", "A", "K", "rad")
 _NAMED: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
@@ -32,7 +32,7 @@ def base_units(unit: str) -> dict[str, int]:
     ----------
     unit : str
         Unit as quantities have it: factors separated by spaces, and one solidus at most, behind
-        which all factors are divisors.
+        which all factors are divisors, in parentheses or not.
 
     Returns
     -------
@@ -50,7 +50,52 @@ def base_units(unit: str) -> dict[str, int]:
     {'kg': 1, 'm': 2, 's': -1, 'rad': -1}
     """
     found = dict.fromkeys(BASES, 0)
+    for name, power in _factors(unit).items():
+        for base, own in _NAMED[name].items():
+            found[base] += power * own
+    return {base: power for base, power in found.items() if power}
+
+
+def per_second(unit: str) -> str:
+    """Return the unit of a time derivative.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of the quantity, as `base_units` takes it; empty if it is not known.
+
+    Returns
+    -------
+    str
+        A unit of the same form, several divisors in parentheses; empty if that of the quantity is.
+
+    Examples
+    --------
+    >>> per_second("m"), per_second("rad/s"), per_second("N m/rad"), per_second("N m s/rad")
+    ('m/s', 'rad/s^2', 'N m/(rad s)', 'N m/rad')
+    """
+    if not unit:
+        return ""
+    powers = _factors(unit)
+    powers["s"] = powers.get("s", 0) - 1
+    above, below = (
+        [
+            name if abs(power) == 1 else f"{name}^{abs(power)}"
+            for name, power in powers.items()
+            if power * side > 0 and name != "1"
+        ]
+        for side in (1, -1)
+    )
+    divisors = f"({' '.join(below)})" if len(below) > 1 else "".join(below)
+    return "/".join(filter(None, (" ".join(above) or "1", divisors)))
+
+
+def _factors(unit: str) -> dict[str, int]:
+    """Return the powers of the units that stand in a unit, in their order."""
+    found: dict[str, int] = {}
     above, _, below = unit.partition("/")
+    if below.startswith("(") and below.endswith(")"):
+        below = below[1:-1]
     for side, sign in ((above, 1), (below, -1)):
         for factor in side.split():
             parsed = _FACTOR.fullmatch(factor)
@@ -58,6 +103,6 @@ def base_units(unit: str) -> dict[str, int]:
                 raise InputError(
                     f"the unit {unit!r} has {factor!r}, which is no SI unit known here."
                 )
-            for base, power in _NAMED[parsed["name"]].items():
-                found[base] += sign * power * int(parsed["power"] or 1)
-    return {base: power for base, power in found.items() if power}
+            name = parsed["name"]
+            found[name] = found.get(name, 0) + sign * int(parsed["power"] or 1)
+    return found

@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeAlias, final
 from stickslip.drives import Drive, Profile, Sum
 from stickslip.experiments import unit_on
 from stickslip.exports.fmu.inputs import Input
+from stickslip.exports.fmu.units import per_second
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import state_layout
@@ -161,7 +162,7 @@ def variables_of(
                 role="derivative",
                 index=index,
                 state=first_state + index,
-                unit=_per_second(units[state]),
+                unit=per_second(units[state]),
                 description=f"Time derivative of {state}",
             )
         )
@@ -206,14 +207,6 @@ def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
         coordinate, side = header[first + 2 * j : first + 2 * j + 2]
         where = "upper" if side > 0 else "lower"
         yield f"{names[coordinate]}.{where}_stop", f"distance to its {where} stop"
-
-
-def _per_second(unit: str) -> str:
-    """Return the unit of a time derivative; empty if that of the quantity is not known."""
-    above, solidus, below = unit.partition("/")
-    if not unit or not solidus:
-        return unit and f"{unit}/s"
-    return f"{above}/s^2" if below == "s" else f"{unit} s"
 
 
 def _state_words(mechanism: Mechanism, state: str) -> str:

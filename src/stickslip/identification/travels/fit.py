@@ -101,10 +101,7 @@ def _travel_paths(
     """Return the paths of the parameters to fit, with the default of the law where it is asked."""
     found = list(free) if free is not None else [LAW]
     usual = payable(law, trials, fixed) if LAW in found else []
-    found = list(dict.fromkeys([*usual, *(path for path in found if path != LAW)]))
-    if not found:
-        raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
-    return found
+    return list(dict.fromkeys([*usual, *(path for path in found if path != LAW)]))
 
 
 def fit_trials(
@@ -144,9 +141,11 @@ def fit_trials(
     Raises
     ------
     InputError
-        If there are more free parameters than trials.
+        If there is no free parameter, or there are more than trials.
     """
     names = payable(law, trials) if free is None else [_path(law, name) for name in free]
+    if not names:
+        raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
     if len(names) > len(trials):
         raise InputError(
             f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"

@@ -22,8 +22,10 @@ from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import UNWATCHED
+from stickslip.kernels.mode_transitions import UNMOVED
 from stickslip.kernels.state_layout import (
     AFFINE,
+    BEFORE,
     BRISTLES,
     CONSTANT_LOADS,
     FIRST_LIMIT,
@@ -45,6 +47,7 @@ from stickslip.kernels.state_layout import (
     NEEDED,
     OPEN,
     PIVOT,
+    REACHED,
     REACTS,
     SLIP_FACTORS,
     SLIPS,
@@ -228,7 +231,10 @@ def law_margins(
 def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Set the flags of all laws whose contacts slip, nested switches included.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MODES, LAW_FLAGS.
+    The flags of what slipped before turn only where a margin has jumped beyond rounding: at a
+    threshold, the next step shows to which side it is left.
+
+    Reads: `at`, REACHED, LAW_ROWS, SLIP_FACTORS, MODES, LAW_FLAGS, BEFORE.
     Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
 
     Parameters
@@ -243,15 +249,22 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
         Place in `w` of the state.
     """
     switches = whole[LAW_SWITCHES]
-    if switches == 0:
-        return
-    for c in range(whole[N_CONTACTS]):
-        if whole[whole[MODES] + whole[whole[SLIPS] + c]] not in (FORWARD, BACKWARD):
+    for c in range(whole[N_CONTACTS] if switches > 0 else 0):
+        i = whole[whole[SLIPS] + c]
+        mode = whole[whole[MODES] + i]
+        if mode not in (FORWARD, BACKWARD):
             continue
+        share = UNMOVED
+        if mode != whole[whole[BEFORE] + i]:
+            whole[whole[LAW_FLAGS] + c] = 0
+            share = 0.0
+        reached = whole[REACHED] + first_contact_guard(whole) + c * (switches + 1)
         for _ in range(switches):
-            law_margins(c, whole[whole[LAW_FLAGS] + c], t, w, whole, at, UNWATCHED)
+            before = whole[whole[LAW_FLAGS] + c]
+            law_margins(c, before, t, w, whole, at, UNWATCHED)
             flags = 0
             for j in range(switches):
-                if w[whole[LAW_VALUES] + j] > 0.0:
+                margin, rounding = w[whole[LAW_VALUES] + j], share * w[reached + j]
+                if margin > rounding or (before & (1 << j) and margin >= -rounding):
                     flags |= 1 << j
             whole[whole[LAW_FLAGS] + c] = flags

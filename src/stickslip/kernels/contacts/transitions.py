@@ -109,6 +109,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
         whole[whole[OPEN] + c] = 0 if closed else 1
         whole[whole[LAW_FLAGS] + c] = 0
     for i in range(n):
+        whole[whole[BEFORE] + i] = FREE  # nothing slipped before
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
     law_flags(w[TIME], w, whole, whole[Y])
     whole[CHANGED] = 0

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
+from stickslip.mechanisms import static_normal_forces
 from stickslip.optimisation import Cycle, Optimum, guide_of, load_shares, slip_of_body
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
@@ -108,8 +109,10 @@ def _bounds(optimum: Optimum) -> dict[str, tuple[float, ...]]:
         if name in given
     }
     column = names[-1]
-    share, force = load_shares(optimum.mechanism, optimum.run)[column], optimum.run[column]
-    return found | {column: (given["load_share"] * float(force.max() / share.max()),)}
+    static = static_normal_forces(optimum.mechanism)
+    contact = column.partition(":")[2]
+    at_rest = static[contact] if contact else sum(static.values())  # of the only one
+    return found | {column: (given["load_share"] * at_rest,)}
 
 
 def _panel(

@@ -1,0 +1,76 @@
+"""Switches of laws at their thresholds where drives jump, with one contact and with several."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import pytest
+
+from stickslip import Axis, DiscBrake, EventDriven, simulate
+from stickslip.drives import Sampled
+from stickslip.friction import SetValuedLaw
+from stickslip.maths import where
+from stickslip.mechanisms import Lining
+from stickslip.quantities import Quantity
+from stickslip.results import Status
+
+JUMP, END = 0.3, 0.4
+"""Times at which the drive jumps, and at which a run ends [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Below(SetValuedLaw):
+    """One level below a speed, another one from there on."""
+
+    name: ClassVar[str] = "below"
+    title: ClassVar[str] = "Below"
+    formula: ClassVar[str] = "F = a, b"
+    sources: ClassVar[tuple[str, ...]] = ()
+
+    slow: Annotated[float, Quantity("a", "N", low=0)]
+    fast: Annotated[float, Quantity("b", "N", low=0)]
+    speed: Annotated[float, Quantity("v_1", "m/s", above=0)]
+
+    def sliding(self, speed, load):
+        return where(speed < self.speed, self.slow, self.fast) + 0.0 * load
+
+    def break_away(self, load):
+        return self.slow + 0.0 * load
+
+
+@dataclass(frozen=True, kw_only=True)
+class Above(Below):
+    """The same, asked the other way round."""
+
+    def sliding(self, speed, load):
+        return where(speed > self.speed, self.fast, self.slow) + 0.0 * load
+
+
+def one_contact(drive):
+    return Axis(inertia=1.0, load=1.0, drive=drive)
+
+
+def several_contacts(drive):
+    pads = (Lining(radius=1.0, load=1.0), Lining(radius=1.0, load=0.0))
+    return DiscBrake(inertia=1.0, drive=drive, pads=pads)
+
+
+@pytest.mark.parametrize("mechanism", [one_contact, several_contacts])
+@pytest.mark.parametrize("kind", [Below, Above])
+@pytest.mark.parametrize("begin", [0.0, 2.0, 1.0])
+@pytest.mark.parametrize(("slow", "fast"), [(0.5, 1.0), (1.3, 0.4)])
+def test_a_speed_that_meets_the_threshold_where_the_drive_jumps_goes_on(
+    mechanism, kind, begin, slow, fast
+):
+    for threshold in (0.7, 2.3):
+        law = kind(slow=slow, fast=fast, speed=threshold)
+        # it gets there, or has been there all along, but for rounding
+        held = slow if begin < 1.0 or (begin == 1.0 and kind is Above) else fast
+        push = (1.0 - begin) * threshold / JUMP + held
+        for after in (-3.0, 0.0, 3.0, 5.0):
+            made = mechanism(Sampled(times=(0.0, JUMP), values=(push, after)))
+            start = {made.rates[0]: begin * threshold}
+            run = simulate(made, law, t_end=END, y0=start, solver=EventDriven(tier="python"))
+            assert run.status is Status.END_TIME
+            gained = (after - (fast if after > 2.0 else slow)) * (END - JUMP)
+            rate = run[made.rates[0]][-1]
+            assert rate == pytest.approx(threshold + gained, abs=1e-12), (threshold, after)
