@@ -26,6 +26,7 @@ from stickslip import (
     SpringBlock,
     Stribeck,
     TowedBlock,
+    TwoLinkArm,
     Viscous,
     simulate,
 )
@@ -365,3 +366,59 @@ def test_a_body_beside_others_that_are_fast_begins_to_slip_though_its_forces_bal
         throw=False,
     )
     assert run.status is Status.END_TIME
+
+
+def test_a_steep_force_lets_go_of_one_contact_of_two_once():
+    """Within a unit in the last place of the time, it passes the level by thousandths of it."""
+    start, rate, level, mass = 1.6866534855013416e-3, 3.6e14, 2608.0, 434.0
+    bodies = Dense(
+        mass=((100.0, 0.0), (0.0, mass)),
+        stiffness=((0.0,) * 2,) * 2,
+        damping=((0.0,) * 2,) * 2,
+        slips=((0, 1.0), (1, 1.0)),
+        normal_forces=(level, level),
+        pushes=(None, Ramp(rate=-rate, start=start)),
+        presses=(None, None),
+    )
+    run = simulate(bodies, COULOMB, t_end=2.0 * start, throw=False)
+    assert [event.reason for event in run.events] == ["break-away"]
+    sliding = 2.0 * start - (start + level / rate)
+    expected = -rate * sliding**2 / (2.0 * mass)  # the force over the level grows from 0
+    assert math.isclose(run["v1"][-1], expected, rel_tol=1e-9)
+
+
+def test_an_arm_that_nothing_holds_starts_as_well_late_as_at_once():
+    """At rest without a force or a level there is nothing that errors could be compared with."""
+    drag = QuadraticDrag(
+        kinetic_coefficient=0.0, viscous_coefficient=0.01, quadratic_coefficient=0.8
+    )
+    late, span = 0.5, 0.2
+    ends = []
+    for start in (0.0, late):
+        arm = TwoLinkArm(
+            upper_mass=1.0,
+            upper_length=0.3,
+            upper_centre=0.15,
+            upper_inertia=0.01,
+            lower_mass=0.5,
+            lower_centre=0.1,
+            lower_inertia=0.007,
+            gravity=9.81,
+            shoulder_drive=Ramp(rate=20.0, start=start),
+        )
+        run = simulate(arm, drag, t_end=start + span)
+        ends.append([run[name][-1] for name in ("shoulder", "elbow")])
+    np.testing.assert_allclose(ends[1], ends[0], rtol=1e-7)
+
+
+@pytest.mark.parametrize("place", [1e-11, 1e-50, 1e-100])
+def test_a_motion_far_below_what_levels_could_give_ends_in_time(place):
+    """The smallest ones are errors of what levels could give."""
+    chain = BlockChain(blocks=2, mass=1.0, coupling=1.0, stiffness=1e4, load=1.0)
+    laws = {"block-1": FREE, "block-2": COULOMB}
+    run = simulate(chain, laws, t_end=20.0, y0={"x2": place}, throw=False)
+    assert run.status is Status.END_TIME
+    # held by the spring to the ground and pulled by the coupling to the block that holds
+    omega = math.sqrt(1e4 + 1.0)
+    expected = place / omega**2 * (1.0 - np.cos(omega * run.t))
+    np.testing.assert_allclose(run["x1"], expected, atol=max(1e-6 * place / omega**2, 1e-30))

@@ -15,6 +15,7 @@ from stickslip import (
     LuGre,
     Stribeck,
     TowedBlock,
+    TwoLinkArm,
     TwoMassAxis,
     Viscous,
     simulate,
@@ -149,3 +150,17 @@ def test_a_run_without_a_step_short_enough_says_where():
     run = simulate(axis, LAYER, t_end=1.0, y0={"v": 1.0}, solver=FEW, throw=False)
     assert run.status is Status.STEP_TOO_SMALL
     assert "That was at 0 s. Rates of states there are no finite numbers" in run.ending
+
+
+def test_a_link_whose_inertia_is_about_its_centre_is_found_in_the_mass_matrix():
+    arm = TwoLinkArm(
+        upper_mass=1.0,
+        upper_length=0.3,
+        upper_centre=0.15,
+        upper_inertia=0.01,
+        lower_mass=0.5,
+        lower_centre=0.1,
+        lower_inertia=0.004,  # about the elbow it is at least 0.005
+    )
+    run = simulate(arm, Coulomb(kinetic_coefficient=0.1), t_end=1.0, y0=(1.0, 0, 0, 0), throw=False)
+    assert "That was at 0 s. The mass matrix is not positive definite there" in run.ending

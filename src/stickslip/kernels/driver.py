@@ -222,7 +222,7 @@ def give_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     """Set the sizes that errors are compared with, by the state and the forces at hand.
 
     Reads: TIME, Y.
-    Writes: SCALE, POINT, VALUES.
+    Writes: SCALE, POINT, VALUES, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
         ask(FIRST_SIZES, t_end, w, whole)

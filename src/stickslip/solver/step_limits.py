@@ -16,6 +16,7 @@ from stickslip.kernels.model_interface import field
 from stickslip.kernels.questions import PREPARE, RESTORE, ask_here
 from stickslip.kernels.state_layout import (
     EVENTS,
+    MASS,
     MODE,
     MODES,
     N_CONTACTS,
@@ -278,6 +279,12 @@ def cause_of_small_steps(
     where = f"That was at {quantity(float(record.w[TIME]), 's', 4)}."
     fastest = fastest_motion(model, inputs, record)
     if fastest is None:
+        if _has_negative_mass(model, record):
+            return (
+                f"{where} The mass matrix is not positive definite there: some motion would have a"
+                " negative kinetic energy. Check the moments of inertia: that of a link about its"
+                " joint is at least its mass times the square of the distance of its centre."
+            )
         return f"{where} Rates of states there are no finite numbers: check large and small values."
     scale = quantity(fastest.time_scale, "s", 2)
     named = [path for path, _ in fastest.influences[:MOST_NAMED]]
@@ -286,6 +293,18 @@ def cause_of_small_steps(
         f"{where} The fastest motion of the equations has a time scale of {scale}{by}, and times"
         f" are told apart to {quantity(math.ulp(float(record.w[TIME])), 's', 2)} there."
     )
+
+
+def _has_negative_mass(model: Model, record: Record) -> bool:
+    """Whether the mass matrix of several contacts, where a run ended, is not positive definite."""
+    if record.whole[N_CONTACTS] == 0:
+        return False
+    rates = _Rates(model, record)
+    rates.prepare()
+    rates.at(rates.y)
+    n, at = rates.whole[N_COORDINATES], rates.whole[MASS]
+    masses = np.array(rates.w[at : at + n * n], dtype=float).reshape(n, n)
+    return bool(np.isfinite(masses).all() and np.linalg.eigvalsh(masses)[0] <= 0.0)
 
 
 def cause_of_zeno(events: Sequence[Event]) -> str:

@@ -28,6 +28,7 @@ from stickslip.kernels.state_layout import (
     HOLDS,
     KEPT,
     LAW_VALUES,
+    LENGTH,
     LEVELS,
     LOAD,
     MASS,
@@ -58,6 +59,8 @@ AGAINST = 1e-9
 """The same against its own friction, above which a decision is wrong."""
 TOLERATED = 1e-12
 """The same within a problem."""
+CLOCK = 4.440892098500626e-16
+"""Rounding of the time of an event, over the larger of that and the step: two units of 1."""
 
 
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
@@ -267,13 +270,15 @@ def decide(w: Vector, whole: Wholes) -> bool:
     """Decide all candidates; return whether there is an answer.
 
     A candidate, not 0 in CANDIDATES, is at rest. FORCED has the direction of one whose break-away
-    has been reached, and 0 otherwise. Accelerations and all else are those of the answer.
+    has been reached, and 0 otherwise. As the time is rounded, that may be after it: forces and
+    loads are those that little later. Accelerations and all else are left as those of the answer at
+    the time itself.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN,
-    CANDIDATES, FORCED.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, LENGTH, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
+    OPEN, CANDIDATES, FORCED.
+    Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, KEPT.
 
     Parameters
@@ -288,11 +293,16 @@ def decide(w: Vector, whole: Wholes) -> bool:
     bool
         False where loads that are reactions of strong friction leave no answer.
     """
-    t = w[TIME]
+    now = w[TIME]
     waiting = begin_decision(whole)
-    refresh(t, w, whole, whole[Y])
     if waiting == 0:
+        refresh(now, w, whole, whole[Y])
         return True
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[CANDIDATES] + i] == BROKEN:
+            w[TIME] = now + CLOCK * max(now, w[LENGTH])
+    t = w[TIME]
+    refresh(t, w, whole, whole[Y])
     scale = scale_of(w, whole)
     whole[DECISIONS] += 1
     solved = break_away(scale, w, whole)
@@ -309,4 +319,7 @@ def decide(w: Vector, whole: Wholes) -> bool:
     coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself
     if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(t, w, whole):
         whole[AMBIGUOUS] += 1
+    if t > now:
+        w[TIME] = now
+        refresh(now, w, whole, whole[Y])
     return solved

@@ -223,7 +223,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
         if whole[whole[SLIPS] + c] == i:
             size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
     h, growth = w[LENGTH], abs(w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i])
-    found = abs(w[whole[ACCELERATION] + i]) - STILLNESS * 2.0 * growth / h * (abs(w[TIME]) / h)
+    found = abs(w[whole[ACCELERATION] + i]) - STILLNESS * 2.0 * growth / h * max(1.0, w[TIME] / h)
     if whole[DIAGONAL]:
         return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
     row = whole[VALUES]
@@ -392,8 +392,8 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Note where a guard falls, if it does before the best one; return which of them is first.
 
-    Reads: FRACTION, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
