@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from tests.contact_cases import Plain
 
 from stickslip import Axis, Coulomb, EventDriven, simulate
-from stickslip.drives import Drive, Sine
+from stickslip.drives import Drive, PiecewiseLinear, Sine
 from stickslip.maths import sin
 from stickslip.mechanisms import Contact
 from stickslip.quantities import Quantity
@@ -209,3 +209,22 @@ def test_an_oscillation_with_the_same_phase_at_all_samples_is_seen():
         shaken, law, t_end=8.0, solver=EventDriven(tier="python", max_steps=50), throw=False
     )
     assert run.events[0].t == pytest.approx(np.arcsin(0.5) / (2000.0 * np.pi), rel=1e-6)
+
+
+@pytest.mark.parametrize("width", [1e-9, 1e-11, 1e-13])
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: str(getattr(kind, "__name__", kind)))
+def test_a_step_that_is_written_as_a_steep_ramp_breaks_away_once(kind, width):
+    """Late in a run, the clock ticks a good part of it: break-away lies between two ticks."""
+    random = np.random.default_rng(5)
+    for start, level in zip(random.uniform(50, 100, 6), random.uniform(0.3, 1.9, 6), strict=True):
+        step = PiecewiseLinear(
+            times=(0.0, start, start + width, 200.0), values=(0.0, 0.0, 2.0, 2.0)
+        )
+        law = Coulomb(kinetic_coefficient=level)
+        run = simulate(
+            pushed(kind, step), law, t_end=101.0, solver=EventDriven(tier="python", max_steps=50)
+        )
+        assert {event.reason for event in run.events} == {"break-away"}
+        contacts = [event.contact for event in run.events]
+        assert len(set(contacts)) == len(contacts)  # inertia may take others along
+        assert start <= run.events[0].t <= start + width

@@ -42,6 +42,7 @@ from stickslip.kernels.state_layout import (
 )
 
 __all__ = [
+    "CLOCK",
     "NO_GUARD",
     "UNWATCHED",
     "coarseness",
@@ -84,6 +85,8 @@ AT_GOLDEN_4 = -0.037791852909060696
 """Weights at `GOLDEN` of the polynomial through five values at even distances."""
 EPSILON_STEP = 2.220446049250313e-16
 """Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
+CLOCK = 4.440892098500626e-16
+"""Rounding of the time of an event, over the larger of that and the step: two units of 1."""
 
 
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

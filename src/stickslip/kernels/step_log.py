@@ -4,7 +4,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.enums import STOP
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
-from stickslip.kernels.guard_roots import NO_GUARD, guard_size, guard_values
+from stickslip.kernels.guard_roots import CLOCK, NO_GUARD, guard_at, guard_size, guard_values
 from stickslip.kernels.model_interface import power
 from stickslip.kernels.questions import BOOK, MOTION, ask_here
 from stickslip.kernels.state_layout import (
@@ -42,6 +42,8 @@ from stickslip.kernels.state_layout import (
 
 __all__ = ["add_work", "close_step", "record"]
 
+NOTABLE = 1e-10
+"""Share of its largest size by which a guard is violated more than the dense output's rounding."""
 FEW_TERMS = 6
 """A series that ends so early is that of a very short step, over which few nodes do."""
 
@@ -130,21 +132,28 @@ def note_modes(end: int, log: Vector, whole: Wholes) -> None:
         log[at + n + contacts + c] = whole[whole[OPEN] + c]
 
 
-def audit(guard: int, w: Vector, whole: Wholes) -> None:
+def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
-    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS, MODES.
-    Writes: VIOLATION, RESIDUAL, VALUES, ANSWER, CHANGED.
+    A steep guard may fall far between two ticks of the clock: what counts is where it was a tick
+    before.
+
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y, SCALE, DENSE, REACHED, MODE, FLAGS,
+    MODES.
+    Writes: VIOLATION, RESIDUAL, POINT, VALUES, ANSWER, CHANGED.
     """
-    values = whole[VALUES]
-    n_guards = whole[N_GUARDS]
+    values, h = whole[VALUES], w[LENGTH]
     guard_values(w[TIME], w, whole, whole[Y], values)
-    for i in range(n_guards):
+    for i in range(whole[N_GUARDS]):
         value = w[values + i]
         if value < 0.0:
             size = guard_size(i, w, whole)
             if i == STOP and whole[N_CONTACTS] == 0:
                 size = max(size, w[whole[SCALE] + whole[SLIP]])
+            if value < -NOTABLE * size:
+                before = max(0.0, w[FRACTION] - CLOCK * max(1.0, w[TIME] / h))
+                value = min(0.0, max(value, guard_at(i, before, start, h, w, whole)))
+                guard_values(w[TIME], w, whole, whole[Y], values)
             at = RESIDUAL if i == guard else VIOLATION
             if size > 0.0:
                 w[at] = max(w[at], -value / size)
@@ -155,7 +164,7 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
 
     Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS,
     MODES.
-    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES, ANSWER, CHANGED.
+    Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, POINT, VALUES, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -174,7 +183,8 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     scale = whole[SCALE]
     share = w[FRACTION]
     h = w[LENGTH]
-    end = w[TIME] + share * h
+    start = w[TIME]
+    end = start + share * h
     if guard == NO_GUARD:
         for i in range(n):
             w[y + i] = w[y1 + i]
@@ -188,4 +198,4 @@ def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
         ask_here(MOTION, w, whole)
     w[TIME] = end
     if share > 0.0:
-        audit(guard, w, whole)
+        audit(guard, start, w, whole)

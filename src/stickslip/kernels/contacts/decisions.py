@@ -17,6 +17,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
 from stickslip.kernels.contacts.stops import finite, raise_levels
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
+from stickslip.kernels.guard_roots import CLOCK
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     AMBIGUOUS,
@@ -59,8 +60,6 @@ AGAINST = 1e-9
 """The same against its own friction, above which a decision is wrong."""
 TOLERATED = 1e-12
 """The same within a problem."""
-CLOCK = 4.440892098500626e-16
-"""Rounding of the time of an event, over the larger of that and the step: two units of 1."""
 
 
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
