@@ -374,7 +374,8 @@ def labview_units(
     dimension = next((cell for cell in rows.get("X_Dimension", [])[1:] if cell), "")
     unit_of_x = own[0] if own else _LABVIEW.get(dimension, "")
     labels = _padded(rows["Y_Unit_Label"], len(names))
-    told = [unit_of_x if name == "X_Value" else unit for name, unit in zip(names, labels, strict=False)]
+    pairs = zip(names, labels, strict=False)
+    told = [unit_of_x if name == "X_Value" else unit for name, unit in pairs]
     told = [unit if is_unit(unit) else unit.lower() for unit in map(unit_in, told)]
     return tuple(unit if unit and is_unit(unit) else "" for unit in told)
 
