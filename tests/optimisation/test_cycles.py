@@ -127,6 +127,8 @@ def test_the_bound_of_the_load_that_a_figure_draws_is_that_of_the_load_at_rest(c
     heavy = replace(cart, cart_mass=mass)
     (force,) = static_normal_forces(heavy).values()
     best = SimpleNamespace(
-        mechanism=heavy, run=measure(heavy, law).run, limits=Limits(load_share=0.1, rate=12.0, position=1.0)
+        mechanism=heavy,
+        run=measure(heavy, law).run,
+        limits=Limits(load_share=0.1, rate=12.0, position=1.0),
     )
     assert _bounds(best)["normal_force"] == (0.1 * force,)

@@ -346,8 +346,10 @@ class ModeProblem:
         for row in range(old, whole[EVENTS]):
             t, before, after, *_, contact = rows[row * EVENT_COLUMNS :][:EVENT_COLUMNS]
             if before != after:
-                name = self.contacts[int(contact) : int(contact) + 1]
-                self.changes.append((float(t), int(before), int(after), *name))
+                change = (float(t), int(before), int(after))
+                self.changes.append(
+                    (*change, self.contacts[int(contact)]) if self.contacts else change
+                )
         return found
 
     def solve(

@@ -342,9 +342,7 @@ def unit_in(cell: str) -> str:
     return bare.removeprefix("in ") if bare != "in" else bare
 
 
-def labview_units(
-    names: Sequence[str], above: Sequence[str], separator: str
-) -> tuple[str, ...]:
+def labview_units(names: Sequence[str], above: Sequence[str], separator: str) -> tuple[str, ...]:
     r"""Return the units that a file of LabVIEW has among the lines above its header.
 
     Parameters

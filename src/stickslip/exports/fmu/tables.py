@@ -15,8 +15,8 @@ from stickslip.trajectory import Status
 __all__ = ["model_header"]
 
 SLOTS = (
-    "ADDRESS", "BOOKS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED", "SEVERAL",
-    "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
+    "ADDRESS", "BOOKS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED",
+    "SEVERAL", "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
 )  # fmt: skip
 """Places in the vectors of a run."""
 IN_HEADER = ("DRIFT", "POINT", "SAMPLED", "STAGES", "VALUES", "Y")
