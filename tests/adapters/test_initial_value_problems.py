@@ -137,7 +137,7 @@ SEVERAL = {
         {},
     ),
     "slips that are sums": (CLUTCHES, PRESSED, 1.2, SPUN),
-    "a wall": (Ended(second=CLUTCHES.second, third=CLUTCHES.third), PRESSED, 0.8, SPUN),
+    "a wall": (Ended(second=CLUTCHES.second, third=CLUTCHES.third), PRESSED, 0.92, SPUN),
 }
 
 
@@ -159,6 +159,23 @@ def test_scipy_finds_what_the_engine_finds_of_several_contacts(case):
         assert [event[1:3] for event in own] == [(e.from_mode, e.to_mode) for e in changes]
         np.testing.assert_allclose([event[0] for event in own], [e.t for e in changes], atol=1e-6)
         assert table[f"mode:{contact}"].iloc[-1] == end[f"mode:{contact}"][0]
+
+
+def test_bounces_that_end_on_a_stop_end_as_those_of_the_engine():
+    held = Capsule(
+        capsule_mass=0.8, inner_mass=0.2, lower_stop=-0.01, upper_stop=0.01, restitution=0.5,
+        drive=Torque(drive=Sampled(times=(0.0,), values=(1.0,))),
+    )  # fmt: skip
+    found = to_ivp(held, COULOMB, t_end=0.5).solve()
+    run = simulate(held, COULOMB, t_end=0.5, throw=False)
+    assert found.status is run.status is Status.HELD
+    assert found["x"][-1] == pytest.approx(run["x"][-1], abs=1e-9)
+    several, law, _, start = SEVERAL["a wall"]
+    found = to_ivp(several, law, t_end=1.0, **start).solve()
+    run = simulate(several, law, t_end=1.0, **start)
+    assert found.status is run.status is Status.END_TIME
+    for name in found.names:
+        assert found[name][-1] == pytest.approx(run[name][-1], abs=1e-6), name
 
 
 def test_a_lift_off_ends_the_problem():

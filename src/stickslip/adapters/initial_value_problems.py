@@ -18,7 +18,6 @@ from stickslip.kernels.exchange import (
     COLUMNS_AT,
     ENTER,
     FALLEN,
-    GUARDS_AT,
     JUMP,
     LOOK,
     NOTE,
@@ -26,7 +25,9 @@ from stickslip.kernels.exchange import (
     RATES_AT,
     SHOWN,
     exchange,
+    take_over,
 )
+from stickslip.kernels.guard_roots import guard_values
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     EVENTS,
@@ -287,7 +288,9 @@ class ModeProblem:
         if self._known is None or self._known[:2] != (t, state):
             self._w[TIME] = float(t)
             self._put(state, POINT)
-            self._ask(GUARDS_AT)
+            at, to = self._whole[POINT], self._whole[SAMPLED]
+            take_over(at, self._w, self._whole)
+            guard_values(t, self._w, self._whole, at, to)
             self._known = (t, state, self._seen(SAMPLED, self._whole[N_GUARDS]))
         return self._known[2]
 

@@ -43,7 +43,7 @@ from stickslip.kernels.state_layout import (
 from stickslip.kernels.step import advance
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = ["exchange"]
+__all__ = ["exchange", "take_over"]
 
 ENTER = 0
 RATES_AT = 1
@@ -93,6 +93,15 @@ def take_over(at: int, w: Vector, whole: Wholes) -> None:
 
     Reads: `at`, TURN, MODE, MODES.
     Writes: `at`, VALUES.
+
+    Parameters
+    ----------
+    at : int
+        Place in `w` of the state.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     turn_states(at, 0, w, whole)
     set_held_rates(at, w, whole)
