@@ -141,7 +141,7 @@ SEVERAL = {
 @pytest.mark.parametrize("case", SEVERAL)
 def test_slip_of_several_contacts_is_that_of_the_engine(case):
     mechanism, law, start = SEVERAL[case]
-    push, end = 1.5, 0.05
+    push, end = 1.5, 0.02
     driven = dataclasses.replace(mechanism, drive=Sampled(times=(0.0,), values=(push,)))
     system = to_nonlinear_system(mechanism, law, speed=1e-6)
     run = simulate(driven, law, t_end=end, y0=start)

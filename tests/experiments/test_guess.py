@@ -160,14 +160,13 @@ X_Value\tWeg\tKraft\tComment
 """
 
 
-@pytest.mark.parametrize("mark", [".", ","])
 @pytest.mark.parametrize(
-    ("place", "push", "scales"),
+    ("mark", "place", "push", "scales"),
     [
-        ("mm", "kN", (1e3, 1e-3)),
-        ("Meters", "Newton", (1.0, 1.0)),
-        ("", "in N", (1.0, 1.0)),
-        ("mm", "", (1e3, 1.0)),
+        (",", "mm", "kN", (1e3, 1e-3)),
+        (".", "Meters", "Newton", (1.0, 1.0)),
+        (".", "", "in N", (1.0, 1.0)),
+        (".", "mm", "", (1e3, 1.0)),
     ],
 )
 def test_labels_of_labview_are_the_units_of_its_columns(tmp_path, mark, place, push, scales):

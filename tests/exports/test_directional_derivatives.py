@@ -30,7 +30,7 @@ PAIRS: dict[str, Any] = {
     ),
     "held shafts": ((SEVERAL["clutch-train"], COULOMB), {}, {}),
 }  # fmt: skip
-FEW = ("slip", "bristles", "reactions and an input")
+FEW = ("bristles", "reactions and an input")
 """Each FMU takes a second to make; these have all kinds of unknowns and both versions."""
 
 
