@@ -1,6 +1,8 @@
 """python-control on the equations of the engine, and describing functions against closed forms."""
 
+import dataclasses
 import math
+from typing import Annotated, ClassVar
 
 import control
 import numpy as np
@@ -14,12 +16,45 @@ from stickslip import (
     PendulumCart,
     Stribeck,
     TwoFeet,
+    TwoMassAxis,
     simulate,
 )
 from stickslip.adapters import to_describing_function, to_nonlinear_system
-from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.drives import Drive, Sampled, Sine, ThreePhase
 from stickslip.errors import InputError
-from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms import Contact, Mechanism, Prescribed
+from stickslip.quantities import Quantity
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Pushed(Mechanism):
+    """Two shafts with a clutch between them, one of which rubs on a floor too."""
+
+    name: ClassVar[str] = "pushed"
+    coordinates: ClassVar[tuple[str, ...]] = ("phi1", "phi2")
+    rates: ClassVar[tuple[str, ...]] = ("w1", "w2")
+    units: ClassVar[tuple[str, ...]] = ("rad", "rad")
+    load: Annotated[float, Quantity("N_f", "N")] = 3.0
+    drive: Drive | None = None
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * (q_dot["phi1"] * q_dot["phi1"] + 2.0 * q_dot["phi2"] * q_dot["phi2"])
+
+    def potential_energy(self, t, q):
+        return 0.0
+
+    def drives(self):
+        return {"drive": self.drive or Sampled(times=(0.0,), values=(0.0,))}
+
+    def forces(self, t, q, q_dot, drives):
+        return {"phi1": drives["drive"]}
+
+    def contacts(self):
+        return (
+            Contact(name="clutch", slip={"phi1": 1.0, "phi2": -1.0}, load=2.0),
+            Contact(name="floor", slip="phi2", load=self.load),
+        )
+
 
 AXIS = Axis(inertia=5.0, stiffness=40.0)
 LAW = CoulombViscous(kinetic_coefficient=5.0, viscous_coefficient=30.0)
@@ -86,6 +121,58 @@ def test_slip_is_that_of_the_engine():
     np.testing.assert_allclose(found.outputs, [seen["x"], seen["v"]], atol=1e-4)
 
 
+FEET = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15, stiffness=50.0)
+COULOMB = Coulomb(kinetic_coefficient=0.1)
+BRISTLES = LuGre(
+    kinetic_coefficient=0.1, static_coefficient=0.12, stribeck_velocity=0.05,
+    bristle_stiffness=1e3, bristle_damping=10.0,
+)  # fmt: skip
+MASSES = TwoMassAxis(motor_inertia=0.5, load_inertia=1.5, stiffness=200.0, damping=0.5, rubs="both")
+SEVERAL = {
+    "reactions": (FEET, COULOMB, {"v": 2.0}),
+    "bristles": (FEET, {"front": COULOMB, "rear": BRISTLES}, {"v": 2.0}),
+    "two masses": (MASSES, LAW, {"v": 2.0, "other_dot": 2.5}),
+    "slips that are sums": (Pushed(), {"clutch": Stribeck(
+        kinetic_coefficient=0.4, static_coefficient=0.6, stribeck_velocity=0.5
+    ), "floor": COULOMB}, {"w1": 4.0, "w2": 1.0}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SEVERAL)
+def test_slip_of_several_contacts_is_that_of_the_engine(case):
+    mechanism, law, start = SEVERAL[case]
+    push, end = 1.5, 0.02
+    driven = dataclasses.replace(mechanism, drive=Sampled(times=(0.0,), values=(push,)))
+    system = to_nonlinear_system(mechanism, law, speed=1e-6)
+    run = simulate(driven, law, t_end=end, y0=start)
+    begin = [run[name][0] for name in system.state_labels]
+    t = np.linspace(0.0, end, 11)
+    found = control.input_output_response(
+        system, t, np.full(11, push), begin, solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-11}
+    )
+    seen = run.at(t)
+    assert not any(event.from_mode != event.to_mode for event in run.events)  # all slip
+    np.testing.assert_allclose(
+        found.outputs, [seen[name] for name in system.state_labels], rtol=1e-7, atol=1e-9
+    )
+
+
+def test_a_contact_whose_load_is_gone_does_not_rub():
+    def rate(load):
+        system = to_nonlinear_system(dataclasses.replace(Pushed(), load=load), COULOMB)
+        return system.dynamics(0.0, [0.0, 0.0, 4.0, 1.0], [0.0])
+
+    np.testing.assert_array_equal(rate(-1.0), rate(0.0))
+    assert rate(1.0)[3] < rate(0.0)[3]
+
+
+def test_what_friction_holds_at_several_contacts_creeps():
+    system = to_nonlinear_system(FEET, COULOMB, speed=1e-3)
+    # feet on the ground at rest: loads 7.848 and 11.772 N, and a push of half of what breaks away
+    push = 0.05 * 2.0 * 9.81
+    assert system.dynamics(0.0, [0.0, 0.5e-3], [push]) == pytest.approx([0.5e-3, 0.0], abs=1e-12)
+
+
 def test_a_held_body_creeps_no_faster_than_told():
     speed = 1e-3
     system = to_nonlinear_system(Axis(inertia=5.0), LAW, speed=speed)
@@ -142,8 +229,8 @@ def test_a_cart_has_its_inputs_and_outputs_by_name():
             "prescribed",
         ),
         (
-            lambda: to_nonlinear_system(TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15), LAW),
-            "one contact",
+            lambda: to_nonlinear_system(FEET, dataclasses.replace(BRISTLES, static_switch=True)),
+            "'front' has static_switch=True: leave it out",
         ),
         (lambda: to_describing_function(LAW, load=-1.0), "load"),
         (lambda: to_describing_function(LAW).describing_function(0.0), "amplitude"),

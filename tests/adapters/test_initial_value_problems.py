@@ -1,13 +1,17 @@
 """SciPy's solvers on the equations of the engine."""
 
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 import pytest
+from tests.solver.test_slip_directions import Shafts, shafts
 
 from stickslip import (
     Axis,
+    BlockChain,
     Capsule,
     Coulomb,
     CoulombViscousStatic,
@@ -16,13 +20,14 @@ from stickslip import (
     SpringBlock,
     TowedBlock,
     TwoFeet,
+    TwoMassAxis,
     simulate,
 )
 from stickslip.adapters import to_ivp
 from stickslip.drives import Sampled, Sine, ThreePhase
 from stickslip.errors import InputError
 from stickslip.friction import PrintedCoulomb
-from stickslip.mechanisms import Prescribed, Torque
+from stickslip.mechanisms import BoundedMechanism, Prescribed, Stop, Torque
 from stickslip.results import Status
 
 COULOMB = Coulomb(kinetic_coefficient=0.25)
@@ -85,6 +90,88 @@ def test_scipy_finds_what_the_engine_finds(case):
     np.testing.assert_allclose(found["v"][inside], within["v"], atol=1e-6)
 
 
+CLUTCHES, _, PRESSED, _ = shafts()
+SPUN = {"y0": {"w1": 10.0}}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ended(BoundedMechanism, Shafts):
+    """The second of four shafts has an end stop."""
+
+    name: ClassVar[str] = "ended"
+
+    def stops(self):
+        return (Stop(coordinate="phi2", position=1.5, side="upper", restitution=0.5),)
+
+
+FEET = TwoFeet(
+    mass=2.0,
+    front=0.3,
+    rear=0.2,
+    height=0.15,
+    stiffness=50.0,
+    drive=Sine(amplitude=9.0, frequency=1.0),
+)
+SEVERAL = {
+    "feet": (FEET, LEVELS, 1.0, {}),
+    "another law on each": (FEET, {"front": COULOMB, "rear": BRISTLES}, 0.1, {"method": "Radau"}),
+    "two masses": (
+        TwoMassAxis(
+            motor_inertia=0.5,
+            load_inertia=1.5,
+            stiffness=200.0,
+            damping=0.5,
+            rubs="both",
+            drive=Sampled(times=(0.0, 0.4), values=(5.0, -2.0)),
+        ),
+        CoulombViscousStatic(
+            kinetic_coefficient=1.0, static_coefficient=1.3, viscous_coefficient=0.1
+        ),
+        0.8,
+        {},
+    ),
+    "blocks on a belt": (
+        BlockChain(blocks=2, mass=1.0, coupling=40.0, stiffness=10.0, speed=0.1),
+        LEVELS,
+        4.0,
+        {},
+    ),
+    "slips that are sums": (CLUTCHES, PRESSED, 1.2, SPUN),
+    "a wall": (Ended(second=CLUTCHES.second, third=CLUTCHES.third), PRESSED, 0.92, SPUN),
+}
+
+
+@pytest.mark.parametrize("case", SEVERAL)
+def test_scipy_finds_what_the_engine_finds_of_several_contacts(case):
+    mechanism, law, t_end, settings = SEVERAL[case]
+    start = {key: value for key, value in settings.items() if key == "y0"}
+    how = {key: value for key, value in settings.items() if key != "y0"}
+    found = to_ivp(mechanism, law, t_end=t_end, **start).solve(**how)
+    run = simulate(mechanism, law, t_end=t_end, **start)
+    end = run.at([t_end])
+    for name in found.names:
+        assert found[name][-1] == pytest.approx(end[name][0], abs=1e-7), name
+    table = found.to_dataframe()
+    assert found.contacts == tuple(one.name for one in mechanism.contacts())
+    for contact in found.contacts:
+        changes = [e for e in run.events if e.contact == contact and e.from_mode != e.to_mode]
+        own = [event for event in found.events if event[3] == contact]
+        assert [event[1:3] for event in own] == [(e.from_mode, e.to_mode) for e in changes]
+        np.testing.assert_allclose([event[0] for event in own], [e.t for e in changes], atol=1e-6)
+        assert table[f"mode:{contact}"].iloc[-1] == end[f"mode:{contact}"][0]
+
+
+def test_bounces_that_end_on_a_stop_end_as_those_of_the_engine():
+    held = Capsule(
+        capsule_mass=0.8, inner_mass=0.2, lower_stop=-0.01, upper_stop=0.01, restitution=0.5,
+        drive=Torque(drive=Sampled(times=(0.0,), values=(1.0,))),
+    )  # fmt: skip
+    found = to_ivp(held, COULOMB, t_end=0.5).solve()
+    run = simulate(held, COULOMB, t_end=0.5, throw=False)
+    assert found.status is run.status is Status.HELD
+    assert found["x"][-1] == pytest.approx(run["x"][-1], abs=1e-9)
+
+
 def test_a_lift_off_ends_the_problem():
     motor = Torque(drive=Sampled(times=(0.0,), values=(2.0,)))
     cart = PendulumCart(cart_mass=0.2, ball_mass=0.2, length=0.3, pendulum=motor)
@@ -123,7 +210,6 @@ def test_bristles_have_the_unit_of_a_length():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((TwoFeet(mass=2.0, front=0.3, rear=0.2, height=0.15), COULOMB, 1.0), "one contact"),
         ((Axis(inertia=1.0), PrintedCoulomb(kinetic_coefficient=0.2), 1.0), "FixedStep"),
         ((Axis(inertia=1.0), COULOMB, math.nan), "t_end"),
         ((Axis(inertia=1.0), "coulomb", 1.0), "law"),

@@ -140,6 +140,52 @@ def test_a_record_in_any_dress_is_read_as_it_was_meant(tmp_path, text, encoding)
     assert check(rig.measurement, mechanism=rig.mechanism).worst != "error"
 
 
+HEAD = """LabVIEW Measurement\t
+Writer_Version\t2
+Separator\tTab
+Decimal_Separator\t{mark}
+X_Columns\tOne
+Date\t2024/03/01
+Time\t10:00:00.5
+***End_of_Header***\t
+\t
+Channels\t2\t\t
+Samples\t{n}\t{n}\t
+Y_Unit_Label\t{place}\t{push}\t
+X_Dimension\tTime\tTime\t
+X0\t0.0\t0.0\t
+Delta_X\t0.01\t0.01\t
+***End_of_Header***\t\t\t
+X_Value\tWeg\tKraft\tComment
+"""
+
+
+@pytest.mark.parametrize(
+    ("mark", "place", "push", "scales"),
+    [
+        (",", "mm", "kN", (1e3, 1e-3)),
+        (".", "Meters", "Newton", (1.0, 1.0)),
+        (".", "", "in N", (1.0, 1.0)),
+        (".", "mm", "", (1e3, 1.0)),
+    ],
+)
+def test_labels_of_labview_are_the_units_of_its_columns(tmp_path, mark, place, push, scales):
+    columns = [T, scales[0] * X, scales[1] * F]
+    body = rows(columns, "\t", lambda v: f"{v:.9f}".replace(".", mark))
+    file = tmp_path / "lauf.lvm"
+    file.write_text(HEAD.format(mark=mark, n=len(T), place=place, push=push) + body)
+    guess = guess_data(file)
+    assert guess.columns == {"time": "X_Value", "position": "Weg", "force": "Kraft"}
+    assert guess.reasons["units"].startswith("labels of LabVIEW above the header: s, ")
+    assert not any("X_Value" in doubt for doubt in guess.doubts)
+    (tmp_path / "lauf.toml").write_text(guessed_rig(guess, "lauf.lvm"), encoding="utf-8")
+    record = load_rig(tmp_path / "lauf.toml").measurement
+    np.testing.assert_allclose(record.time - record.time[0], T, atol=1e-9)
+    # half of the last digit that is printed, in the unit of the file
+    np.testing.assert_allclose(record.position, X, atol=6e-10)
+    np.testing.assert_allclose(record.force, F, atol=6e-7)
+
+
 def test_a_wanted_position_is_a_reference_and_other_columns_are_left_alone(tmp_path):
     file = tmp_path / "messung.csv"
     file.write_bytes(FILES["other columns"][0].encode("cp1252"))

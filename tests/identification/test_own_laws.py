@@ -302,7 +302,7 @@ def test_what_a_law_does_not_say_of_itself_is_told_once_and_clearly(name):
 
 
 def test_a_selection_names_what_a_law_does_not_say_of_itself():
-    with pytest.raises(InputError, match='the law Slope has no name: declare .* name = "my-law"'):
+    with pytest.raises(InputError, match=r'the law Slope has no name: declare .* name = "my-law"'):
         select(PUSH, [Slope()], TRAVEL)
 
 

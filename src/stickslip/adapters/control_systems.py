@@ -9,12 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.control import place_of
+from stickslip.control import Dynamics, DynamicsOfContacts, place_of
 from stickslip.display import require_library
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
-from stickslip.friction import BristleLaw, DirectionalLaw, Friction, PrintedForm, SetValuedLaw
+from stickslip.friction import (
+    BristleLaw,
+    DirectionalLaw,
+    Friction,
+    FrictionLaw,
+    Laws,
+    PrintedForm,
+    SetValuedLaw,
+    bristles_of,
+)
 from stickslip.kernels.state_layout import CAN_STICK, NUMBERS, SLIP
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair
@@ -66,6 +75,77 @@ class _Field:
         return found
 
 
+class _FieldOfContacts:
+    """Time derivatives of the states of several contacts at any state, without modes."""
+
+    def __init__(self, mechanism: Mechanism, laws: Laws, model: Model, drive: str, speed: float):
+        for contact, law in laws.members:
+            if isinstance(law, BristleLaw) and law.static_switch:
+                raise InputError(
+                    "to_nonlinear_system has no states in which a body is held, and the law of"
+                    f" {contact!r} has static_switch=True: leave it out, or run it with simulate or"
+                    " closed_loop."
+                )
+        self._mechanism, self._laws, self._speed = mechanism, dict(laws.members), speed
+        self._dynamics = DynamicsOfContacts(mechanism, [drive])
+        self._bristles = {
+            contact: [model.states.index(f"{one}:{contact}") for one in bristles_of(law)]
+            for contact, law in laws.members
+        }
+
+    def __call__(self, t: float, y: Array, u: Array, _: Mapping[str, Any]) -> Array:
+        """Return the derivatives (n,)."""
+        n = len(self._mechanism.coordinates)
+        state = [float(value) for value in y]
+        here = Dynamics(**self._dynamics.dynamics(self._mechanism, t, state[: 2 * n]))
+        slips = here.friction_direction.T @ np.array(state[n : 2 * n])
+        bristles = {
+            contact: tuple(state[i] for i in self._bristles.get(contact, ()))
+            for contact in here.contacts
+        }
+        constant, factor = np.zeros((2, len(here.contacts)))
+        for i, contact in enumerate(here.contacts):
+            law = self._laws.get(contact)
+            if law is not None:  # friction is affine in the load
+                forces = [
+                    self._force(law, float(slips[i]), bristles[contact], load)
+                    for load in (0.0, 1.0)
+                ]
+                constant[i], factor[i] = forces[0], forces[1] - forces[0]
+        load = here.normal_force(command=u)
+        for _again in here.contacts:  # one that nothing presses on does not rub
+            free = np.linalg.solve(
+                np.eye(len(constant)) - here.normal_by_friction * factor,
+                load + here.normal_by_friction @ constant,
+            )
+            is_open = free < 0.0
+            if not np.any(is_open & ((constant != 0.0) | (factor != 0.0))):
+                break
+            constant[is_open] = factor[is_open] = 0.0
+        found = np.zeros(len(state))
+        found[:n] = state[n : 2 * n]
+        found[n : 2 * n] = here.accelerations(constant + factor * free, u)
+        for i, contact in enumerate(here.contacts):
+            law = self._laws.get(contact)
+            if isinstance(law, BristleLaw):
+                pressed = max(float(free[i]), 0.0)
+                rates = law.bristle_rates(float(slips[i]), bristles[contact], pressed)
+                found[self._bristles[contact]] = [float(rate) for rate in rates]
+        return found
+
+    def _force(self, law: FrictionLaw, v: float, z: tuple[float, ...], load: float) -> float:
+        """Return the friction force, below the least speed on a line between both directions."""
+        if isinstance(law, BristleLaw):
+            return float(law.force(v, z, load))
+        assert isinstance(law, SetValuedLaw | DirectionalLaw)  # what else has no bristles
+        band = self._speed
+        if abs(v) >= band:
+            return float(law.force(v, load))
+        forward, backward = (float(law.force(side * band, load)) for side in (1, -1))
+        share = 0.5 * (1.0 + v / band)
+        return share * forward + (1.0 - share) * backward
+
+
 def to_nonlinear_system(
     mechanism: Mechanism,
     law: Friction,
@@ -85,9 +165,10 @@ def to_nonlinear_system(
     Parameters
     ----------
     mechanism : Mechanism
-        What moves, with one contact and without prescribed motions.
-    law : FrictionLaw
-        Friction of the contact. A law with bristles is smooth by itself, and `speed` has no effect.
+        What moves, without prescribed motions.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        Friction of its contacts, as in `simulate`. A law with bristles is smooth by itself, and
+        `speed` has no effect on it.
     drive : str, optional
         What is commanded, as in `closed_loop`; the only drive if not given. A drive that is there
         stays, and the input is added to it.
@@ -104,7 +185,8 @@ def to_nonlinear_system(
     Raises
     ------
     InputError
-        If the mechanism has several contacts or a prescribed motion, or `speed` is not above 0.
+        If the mechanism has a prescribed motion, `speed` is not above 0, or bristles of one of
+        several contacts have a static switch.
 
     Examples
     --------
@@ -130,13 +212,18 @@ def to_nonlinear_system(
     place = place_of(mechanism, drive)
     told, entry = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
     model = formulate(told, laws)
+    field: _Field | _FieldOfContacts
     if model.contacts:
-        raise InputError(
-            f"to_nonlinear_system takes mechanisms with one contact, and this"
-            f" {type(mechanism).__name__} has {len(model.contacts)} ({', '.join(model.contacts)})."
+        own = (
+            laws
+            if isinstance(laws, Laws)
+            else Laws(members=tuple((one, laws) for one in model.contacts))
         )
+        field = _FieldOfContacts(told, own, model, entry, speed)
+    else:
+        field = _Field(told, laws, model, entry, speed)
     return control.NonlinearIOSystem(
-        _Field(told, laws, model, entry, speed),
+        field,
         inputs=[place.name.replace(".", "_")],  # python-control allows no dots
         outputs=list(model.states),
         states=list(model.states),

@@ -12,26 +12,32 @@ from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, PrintedForm
-from stickslip.kernels.drive_segments import enter_pieces, next_stop
+from stickslip.kernels.drive_segments import next_stop
 from stickslip.kernels.enums import RUNNING
-from stickslip.kernels.guard_roots import guard_values
-from stickslip.kernels.mode_transitions import (
-    handle_event,
-    initial_mode,
-    settle,
-    turn_switches,
+from stickslip.kernels.exchange import (
+    COLUMNS_AT,
+    ENTER,
+    FALLEN,
+    JUMP,
+    LOOK,
+    NOTE,
+    PLACE,
+    RATES_AT,
+    SHOWN,
+    exchange,
+    take_over,
 )
-from stickslip.kernels.model_interface import field
+from stickslip.kernels.guard_roots import guard_values
 from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     EVENTS,
-    FIRST_LIMIT,
     MODE,
     MOST_EVENTS,
     N_GUARDS,
     POINT,
-    SCALE,
-    STALLS,
+    ROW_COLUMNS,
+    SAMPLED,
+    STAGES,
     STATUS,
     TIME,
     VALUES,
@@ -39,7 +45,14 @@ from stickslip.kernels.state_layout import (
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.simulation import check_pair, initial_state
-from stickslip.solver import Equations, column_units, gather, status_of
+from stickslip.solver import (
+    Equations,
+    EventDriven,
+    column_units,
+    gather,
+    status_of,
+    within_stops,
+)
 from stickslip.trajectory import Status
 
 if TYPE_CHECKING:
@@ -50,11 +63,14 @@ __all__ = ["ModeProblem", "ModeSolution", "to_ivp"]
 
 Array = NDArray[np.float64]
 EventFunction: TypeAlias = Callable[[float, Sequence[float]], float]
+Change: TypeAlias = tuple[float, int, int] | tuple[float, int, int, str]
 
 MOST = 100_000
 """Stretches after which `ModeProblem.solve` gives up."""
 FINE = 200
 """Steps that `ModeProblem.solve` takes at least."""
+MOST_FALLS = 1000
+"""Changes at one instant after which the engine looks for no further ones."""
 INACTIVE = 1.0
 """Value of a guard that the mode does not have."""
 
@@ -73,27 +89,36 @@ class ModeSolution:
     y: Array
     """States (n, states) [SI]."""
     mode: NDArray[np.int8]
-    """Mode of each (n,): 0 stick, 1 and -1 slip, 2 and -2 at a stop."""
-    events: tuple[tuple[float, int, int], ...]
-    """Time [s], mode before and mode after of each change."""
+    """Mode of each (n,), of several contacts (n, c): 0 stick, 1 and -1 slip, 2 and -2 at a stop, 3
+    without load."""
+    events: tuple[Change, ...]
+    """Time [s], mode before and mode after of each change, of several contacts with its name."""
     status: Status
     """How it ended."""
     evaluations: int
     """Evaluations of the right-hand side."""
+    contacts: tuple[str, ...] = ()
+    """Names of the contacts where there are several, in the order of the columns of `mode`."""
 
     def __getitem__(self, name: str) -> Array:
         """Return a state (n,) by its name."""
         return self.y[:, self.names.index(name)]
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return time, states and mode as columns of a pandas DataFrame."""
+        """Return time, states and modes as columns of a pandas DataFrame."""
         import pandas as pd
 
         columns = dict(zip(self.names, self.y.T, strict=True))
-        return pd.DataFrame({"t": self.t, **columns, "mode": self.mode})
+        return pd.DataFrame({"t": self.t, **columns, **self._modes()})
+
+    def _modes(self) -> dict[str, NDArray[np.int8]]:
+        """Return the modes by column, as those of `simulate` are called."""
+        if not self.contacts:
+            return {"mode": self.mode}
+        return {f"mode:{one}": self.mode[:, i] for i, one in enumerate(self.contacts)}
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return states and mode as an xarray Dataset over time, with units.
+        """Return states and modes as an xarray Dataset over time, with units.
 
         Raises
         ------
@@ -107,7 +132,7 @@ class ModeSolution:
             name: ("t", column, {"units": self.units[name]})
             for name, column in zip(self.names, self.y.T, strict=True)
         }
-        columns["mode"] = ("t", self.mode, {"units": "1"})
+        columns |= {name: ("t", mode, {"units": "1"}) for name, mode in self._modes().items()}
         return xr.Dataset(
             columns, {"t": ("t", self.t, {"units": "s"})}, {"status": self.status.value}
         )
@@ -115,9 +140,9 @@ class ModeSolution:
 
 @final
 class ModeProblem:
-    """Right-hand side and terminal events of the mode at hand, as `solve_ivp` takes them.
+    """Right-hand side and terminal events of the modes at hand, as `solve_ivp` takes them.
 
-    `fun` and `events` belong to the present mode and piece of the drives, up to `stop`. After a
+    `fun` and `events` belong to the present modes and piece of the drives, up to `stop`. After a
     stretch, `go_on` passes to what holds next: call `solve_ivp` again from `t` and `y`, until
     `status` is not None. `solve` is that loop.
 
@@ -145,9 +170,9 @@ class ModeProblem:
         Parameters
         ----------
         mechanism : Mechanism
-            What moves, with one contact.
-        law : FrictionLaw
-            Friction of the contact.
+            What moves.
+        law : FrictionLaw or mapping of str to FrictionLaw
+            What holds it back, as in `simulate`.
         t_end : float
             Last time [s].
         y0 : mapping or sequence, optional
@@ -156,7 +181,7 @@ class ModeProblem:
         Raises
         ------
         InputError
-            If the law is a printed form, or there are several contacts.
+            If the law is a printed form, or `t_end` is not above 0.
         """
         laws = check_pair(mechanism, law)
         if isinstance(laws, PrintedForm):
@@ -167,41 +192,46 @@ class ModeProblem:
         if not (math.isfinite(t_end) and t_end > 0.0):
             raise InputError(f"t_end [s] must be above 0, got {t_end!r}.")
         self._model = model = formulate(mechanism, laws)
-        if model.contacts:
-            raise InputError(
-                f"to_ivp takes mechanisms with one contact, and this {type(mechanism).__name__} has"
-                f" {len(model.contacts)} ({', '.join(model.contacts)}): run it with simulate."
-            )
-        self.names, self.t_end = model.states, float(t_end)
+        self.names, self.contacts, self.t_end = model.states, tuple(model.contacts), float(t_end)
         bristles = model.states[2 * len(mechanism.coordinates) :]
         self._units = column_units(mechanism, bristles)
         inputs = gather(mechanism, laws, model, self.t_end)
         equations = Equations(model, inputs)
         self._w, self._whole, self._table = equations.w, equations.whole, inputs.table.tolist()
+        self._tolerance = EventDriven().tolerance_for(laws)
+        self._longest = inputs.time_scale / 6.0
         self._rows = [0.0] * (2 * (self._whole[MOST_EVENTS] + 2) * EVENT_COLUMNS)
-        self.changes: list[tuple[float, int, int]] = []
+        self._log = [0.0] * (2 * self._whole[ROW_COLUMNS])
+        self._known: tuple[float, list[float], list[float]] | None = None
+        self.changes: list[Change] = []
         start = initial_state("to_ivp", mechanism, laws, y0)
-        self._w[self._whole[Y] : self._whole[Y] + len(start)] = start
-        enter_pieces(self._table, self._w, self._whole)
-        initial_mode(self._w, self._whole)
-        self._settle()
+        self._put(within_stops(mechanism, start), Y)
+        self._happen(ENTER)
+        self._look()
         self.events = [self._event(guard) for guard in range(self._whole[N_GUARDS])]
 
     @property
     def t(self) -> float:
         """Time that is reached [s]."""
-        return float(self._w[TIME])
+        return self._t
 
     @property
     def y(self) -> Array:
         """State there (n,) [SI]."""
-        first = self._whole[Y]
-        return np.array(self._w[first : first + len(self.names)], dtype=np.float64)
+        self._ask(SHOWN)
+        return np.array(self._seen(POINT, len(self.names)), dtype=np.float64)
 
     @property
-    def mode(self) -> int:
-        """0 stick, 1 and -1 slip forward and backward, 2 and -2 pressed against a stop."""
-        return int(self._whole[MODE])
+    def mode(self) -> int | tuple[int, ...]:
+        """0 stick, 1 and -1 slip, 2 and -2 pressed against a stop; a tuple of several contacts."""
+        if not self.contacts:
+            return int(self._whole[MODE])
+        self._ask(SHOWN)
+        self._ask(COLUMNS_AT)
+        columns = dict(
+            zip(self._model.columns, self._seen(VALUES, len(self._model.columns)), strict=True)
+        )
+        return tuple(int(columns[f"mode:{one}"]) for one in self.contacts)
 
     @property
     def stop(self) -> float:
@@ -216,7 +246,7 @@ class ModeProblem:
         return Status.END_TIME if self.t >= self.t_end else None
 
     def fun(self, t: float, y: Sequence[float]) -> list[float]:
-        """Return the time derivatives of the states in the present mode.
+        """Return the time derivatives of the states in the present modes.
 
         Parameters
         ----------
@@ -230,23 +260,45 @@ class ModeProblem:
         list of float (n,)
             Derivatives [SI].
         """
-        to = self._whole[VALUES]
-        field(t, self._w, self._whole, self._put(y), to)
-        return self._w[to : to + len(self.names)]
+        self._w[TIME] = float(t)
+        self._put(y, POINT)
+        self._ask(RATES_AT)
+        return self._seen(STAGES, len(self.names))
 
-    def _put(self, y: Sequence[float]) -> int:
-        """Write a state beside that of the problem; return its place."""
-        point = int(self._whole[POINT])
-        self._w[point : point + len(self.names)] = map(float, y)
-        return point
+    def _ask(self, question: int, guard: int = 0) -> int:
+        """Ask the kernels at the time and states in the vector of the run."""
+        return exchange(
+            question, guard, self.t_end, self._tolerance, self._longest, self._w, self._whole,
+            self._table, self._log, self._rows,
+        )  # fmt: skip
+
+    def _put(self, y: Sequence[float], slot: int) -> None:
+        """Write a state to its place in the vector of the run."""
+        at = self._whole[slot]
+        self._w[at : at + len(self.names)] = map(float, y)
+
+    def _seen(self, slot: int, n: int) -> list[float]:
+        """Return numbers from a place in the vector of the run."""
+        at = self._whole[slot]
+        return self._w[at : at + n]
+
+    def _guards(self, t: float, y: Sequence[float]) -> list[float]:
+        """Return all guards, those of the state that was asked about last without new work."""
+        state = [float(value) for value in y]
+        if self._known is None or self._known[:2] != (t, state):
+            self._w[TIME] = float(t)
+            self._put(state, POINT)
+            at, to = self._whole[POINT], self._whole[SAMPLED]
+            take_over(at, self._w, self._whole)
+            guard_values(t, self._w, self._whole, at, to)
+            self._known = (t, state, self._seen(SAMPLED, self._whole[N_GUARDS]))
+        return self._known[2]
 
     def _event(self, guard: int) -> EventFunction:
         """Return a guard as an event of SciPy, which ends a stretch where it falls below 0."""
 
         def event(t: float, y: Sequence[float]) -> float:
-            to = self._whole[VALUES]
-            guard_values(t, self._w, self._whole, self._put(y), to)
-            value = float(self._w[to + guard])
+            value = float(self._guards(t, y)[guard])
             return INACTIVE if value == 0.0 else value
 
         known: Any = event  # SciPy reads attributes of functions
@@ -254,7 +306,7 @@ class ModeProblem:
         return event
 
     def go_on(self, t: float, y: Sequence[float], guard: int | None = None) -> None:
-        """Move to the end of a stretch, and to the mode or piece of the drives that holds next.
+        """Move to the end of a stretch, and to the modes or piece of the drives that hold next.
 
         Parameters
         ----------
@@ -265,34 +317,43 @@ class ModeProblem:
         guard : int, optional
             Index of the event that ended it; None if it reached `stop`.
         """
-        w, whole = self._w, self._whole
-        stop, first = self.stop, whole[Y]
-        w[TIME] = float(t)
-        w[first : first + len(self.names)] = map(float, y)
-        for i, value in enumerate(self.y):
-            w[whole[SCALE] + i] = max(w[whole[SCALE] + i], abs(float(value)))
+        stop = self.stop
+        begins = guard is None and t >= stop
+        self._w[TIME] = stop if begins else float(t)
+        self._put(y, Y)
+        self._ask(PLACE)
+        self._ask(NOTE)
         if guard is not None:
-            self._changing(handle_event, guard)
-            if guard < whole[FIRST_LIMIT]:
-                self._settle()
-        elif t >= stop:
-            w[TIME] = stop
-            enter_pieces(self._table, w, whole)
-            self._changing(turn_switches)
-            self._settle()
+            self._happen(FALLEN, guard)
+        elif begins and stop < self.t_end:
+            self._happen(JUMP)
+        self._look()
 
-    def _settle(self) -> None:
-        if self._whole[STATUS] == RUNNING:
-            self._changing(settle)
+    def _look(self) -> None:
+        """Let everything happen that falls at once, and note the time."""
+        self._t = float(self._w[TIME])
+        for _ in range(MOST_FALLS):
+            if self.status is not None or not self._happen(LOOK):
+                break
+        self._w[TIME], self._known = self._t, None
 
-    def _changing(self, transition: Callable[..., None], *before: int) -> None:
-        """Make a transition and note what it changed."""
-        whole, old = self._whole, self.mode
-        self._rows[:EVENT_COLUMNS] = self._rows[whole[EVENTS] * EVENT_COLUMNS :][:EVENT_COLUMNS]
-        whole[EVENTS], whole[STALLS] = 0, 0
-        transition(*before, self._w, whole, self._rows)
-        if self.mode != old:
-            self.changes.append((self.t, old, self.mode))
+    def _happen(self, question: int, guard: int = 0) -> int:
+        """Let something happen, and note what it changed."""
+        whole, rows = self._whole, self._rows
+        old = min(whole[EVENTS], 1)
+        rows[: old * EVENT_COLUMNS] = rows[(whole[EVENTS] - old) * EVENT_COLUMNS :][
+            : old * EVENT_COLUMNS
+        ]
+        whole[EVENTS] = old
+        found = self._ask(question, guard)
+        for row in range(old, whole[EVENTS]):
+            t, before, after, *_, contact = rows[row * EVENT_COLUMNS :][:EVENT_COLUMNS]
+            if before != after:
+                change = (float(t), int(before), int(after))
+                self.changes.append(
+                    (*change, self.contacts[int(contact)]) if self.contacts else change
+                )
+        return found
 
     def solve(
         self,
@@ -342,7 +403,9 @@ class ModeProblem:
             evaluations += int(found.nfev)
             times.append(found.t[1:])
             states.append(found.y.T[1:])
-            modes.append(np.full(len(found.t) - 1, self.mode))
+            modes.append(
+                np.array([self.mode] * (len(found.t) - 1)).reshape(-1, *modes[0].shape[1:])
+            )
             hit = [k for k, at in enumerate(found.t_events) if len(at)]
             self.go_on(found.t[-1], found.y[:, -1], hit[0] if hit else None)
             times.append(np.array([self.t]))
@@ -363,6 +426,7 @@ class ModeProblem:
             events=tuple(self.changes),
             status=status,
             evaluations=evaluations,
+            contacts=self.contacts,
         )
 
 
@@ -381,9 +445,9 @@ def to_ivp(
     Parameters
     ----------
     mechanism : Mechanism
-        What moves, with one contact.
-    law : FrictionLaw
-        Friction of the contact.
+        What moves.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        What holds it back, as in `simulate`.
     t_end : float
         Last time [s].
     y0 : mapping or sequence, optional

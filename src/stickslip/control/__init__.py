@@ -17,6 +17,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "DynamicsOfContacts": "equations_of_motion",
     "place_of": "actuation",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -5,6 +5,7 @@ from typing import final
 from collections.abc import Callable as _Callable
 from stickslip.control.actuation import place_of as place_of
 from stickslip.control.equations_of_motion import Dynamics as Dynamics
+from stickslip.control.equations_of_motion import DynamicsOfContacts as DynamicsOfContacts
 from stickslip.control.equations_of_motion import dynamics_at as dynamics_at
 from stickslip.control.feedback_loop import ClosedLoop as ClosedLoop
 from stickslip.control.feedback_loop import Controller as Controller

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Dynamics", "Evaluator", "dynamics_at"]
+__all__ = ["Dynamics", "DynamicsOfContacts", "Evaluator", "dynamics_at"]
 
 ROUNDING = 1e-12
 """Share of the largest that is none in the direction of a drive."""
@@ -161,11 +161,19 @@ def _times(direction: Any, amount: Any) -> Any:
 
 
 @final
-class _Parts:
+class DynamicsOfContacts:
     """Evaluates the equations of a mechanism with several contacts."""
 
     def __init__(self, mechanism: Mechanism, drives: Sequence[str]) -> None:
-        """Derive them; any law will do, for friction is given."""
+        """Derive them; any law will do, for friction is given.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        drives : sequence of str
+            Names of the drives that are commanded.
+        """
         from stickslip.formulation import formulate
         from stickslip.kernels.state_layout import NUMBERS
         from stickslip.solver import Equations, gather
@@ -178,7 +186,22 @@ class _Parts:
     def at(
         self, t: float, state: Sequence[float], contact: int = -1, drive: int = -1
     ) -> tuple[Any, Any]:
-        """Return forces and loads with a unit of friction at a contact, or of a drive."""
+        """Return forces and loads with a unit of friction at a contact, or of a drive.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        state : sequence of float (2 n,)
+            Coordinates and rates [SI].
+        contact, drive : int
+            Index of that contact, or of that drive; none if -1.
+
+        Returns
+        -------
+        array (n,), array (c,)
+            Forces and loads [SI].
+        """
         import numpy as np
 
         from stickslip.kernels import state_layout as at
@@ -215,7 +238,22 @@ class _Parts:
         return np.array(w[forces : forces + n]), np.array(w[load : load + count])
 
     def dynamics(self, mechanism: Mechanism, t: float, state: Sequence[float]) -> dict[str, Any]:
-        """Return the numbers of `Dynamics` in coordinates of the mechanism."""
+        """Return the numbers of `Dynamics` in coordinates of the mechanism.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What moves.
+        t : float
+            Time [s].
+        state : sequence of float (2 n,)
+            Coordinates and rates [SI].
+
+        Returns
+        -------
+        dict of str to object
+            Arguments of `Dynamics`, but the names of the drives.
+        """
         import numpy as np
 
         from stickslip.kernels import state_layout as at
@@ -344,7 +382,7 @@ def _of_several(
         driven, name = place.commanded(driven, Sampled(times=(0.0,), values=(0.0,)))
         names.append(name)
     state = _states(q, mechanism.coordinates) + _states(q_dot, mechanism.rates)
-    found = _Parts(driven, names).dynamics(mechanism, t, state)
+    found = DynamicsOfContacts(driven, names).dynamics(mechanism, t, state)
     if isinstance(drive, str):
         for name in ("command_direction", "normal_by_command"):
             found[name] = found[name][:, 0]

@@ -13,10 +13,12 @@ from stickslip.kernels.driver import begin, change, settle_all, turns_switch
 from stickslip.kernels.enums import END_TIME, HELD_FAST, RUNNING, SMOOTH, STEP_TOO_SMALL, STOP
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size, guard_values, note_sizes, reverses
 from stickslip.kernels.mode_transitions import settle
-from stickslip.kernels.model_interface import field, recorded
+from stickslip.kernels.model_interface import field, jacobian, recorded
 from stickslip.kernels.questions import MOTION, PREPARE, RESTORE, ask, ask_here
 from stickslip.kernels.state_layout import (
+    DRIFT,
     FRACTION,
+    MATRIX,
     MODE,
     MODES,
     N_CONTACTS,
@@ -41,7 +43,7 @@ from stickslip.kernels.state_layout import (
 from stickslip.kernels.step import advance
 from stickslip.kernels.stepper_selection import choose_stepper
 
-__all__ = ["exchange"]
+__all__ = ["exchange", "take_over"]
 
 ENTER = 0
 RATES_AT = 1
@@ -55,6 +57,7 @@ CUT = 8
 RETUNE = 9
 SHOWN = 10
 PLACE = 11
+ALONG = 12
 PAST = 1e-12
 """Share of its largest value by which a guard is below 0 where its event indicator is 0.
 
@@ -90,6 +93,15 @@ def take_over(at: int, w: Vector, whole: Wholes) -> None:
 
     Reads: `at`, TURN, MODE, MODES.
     Writes: `at`, VALUES.
+
+    Parameters
+    ----------
+    at : int
+        Place in `w` of the state.
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
     """
     turn_states(at, 0, w, whole)
     set_held_rates(at, w, whole)
@@ -210,15 +222,34 @@ def retune(w: Vector, whole: Wholes) -> None:
         ask_here(RESTORE, w, whole)
 
 
-def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
-    """Write what is asked about a state: rates, guards, or what is recorded.
+def rates_along(point: int, w: Vector, whole: Wholes) -> None:
+    """Write how the rates of a state change along a direction, in the modes at hand.
 
-    Reads: TIME, SCALE, REACHED, TURN, MODE, FLAGS, MODES.
-    Writes: VALUES, STAGES, SAMPLED, ANSWER, CHANGED.
+    Reads: TIME, DRIFT, TURN, MODE, FLAGS, MODES.
+    Writes: VALUES, STAGES, MATRIX, DRIFT, ANSWER, CHANGED.
+    """
+    n, matrix = whole[N_STATES], whole[MATRIX]
+    take_over(whole[DRIFT], w, whole)
+    jacobian(w[TIME], w, whole, point, matrix)
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += w[matrix + i * n + j] * w[whole[DRIFT] + j]
+        w[whole[STAGES] + i] = total
+    turn_states(whole[STAGES], 1, w, whole)
+
+
+def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
+    """Write what is asked about a state: rates, their changes, guards, or what is recorded.
+
+    Reads: TIME, SCALE, DRIFT, REACHED, TURN, MODE, FLAGS, MODES.
+    Writes: VALUES, STAGES, MATRIX, DRIFT, SAMPLED, ANSWER, CHANGED.
     """
     if question == RATES_AT:
         field(w[TIME], w, whole, point, whole[STAGES])
         turn_states(whole[STAGES], 1, w, whole)
+    elif question == ALONG:
+        rates_along(point, w, whole)
     elif question == GUARDS_AT:
         indicators(w[TIME], w, whole, point, whole[SAMPLED])
     else:
@@ -247,6 +278,7 @@ def exchange(
     RATES_AT   write the rates of the state at POINT to STAGES
     GUARDS_AT  write the guards at POINT to SAMPLED
     COLUMNS_AT write what is recorded at POINT to VALUES
+    ALONG      write how these rates change along the direction at DRIFT to STAGES
     PLACE      take over the state at Y
     FALLEN     make what follows from a guard that has fallen
     JUMP       make what follows from a new piece of the drives, or other inputs or parameters
@@ -258,8 +290,8 @@ def exchange(
     ========== ================================================================================
 
     Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE, POINT,
-    VALUES, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE, FLAGS, PIECE,
-    STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    VALUES, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE, FLAGS,
+    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
     Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, POLYNOMIAL, ROOM,
     drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
     LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,
@@ -294,7 +326,7 @@ def exchange(
         Whether `LOOK` has found anything.
     """
     point, y = whole[POINT], whole[Y]
-    if question in (RATES_AT, GUARDS_AT, COLUMNS_AT):
+    if question in (RATES_AT, ALONG, GUARDS_AT, COLUMNS_AT):
         take_over(point, w, whole)
         answer_at(question, point, w, whole)
     elif question == PLACE:

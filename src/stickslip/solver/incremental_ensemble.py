@@ -197,9 +197,9 @@ class IncrementalEnsemble:
             If an array has another shape.
         """
         shapes = {"untils": (self.count,), "values": (self.count, len(self.model.drives))}
-        for (name, shape), told in zip(shapes.items(), (untils, values), strict=True):
-            if told.size != math.prod(shape):
-                raise InputError(f"{name} must have the shape {shape}, got {told.shape}.")
+        for (name, shape), given in zip(shapes.items(), (untils, values), strict=True):
+            if given.size != math.prod(shape):
+                raise InputError(f"{name} must have the shape {shape}, got {given.shape}.")
         flat = self._runner.flat
         told = (flat(values), flat(untils), self._bounds, self._tolerance, self._cap, self._most)
         runs = (self._kept.reshape(-1), self._wholes.reshape(-1))  # the same memory

@@ -18,6 +18,7 @@ from stickslip.experiments.readers.layout import (
     cells_of,
     decoded,
     is_number,
+    labview_units,
     unit_in,
 )
 from stickslip.experiments.readers.scope_channels import is_scope, read_scope
@@ -126,7 +127,11 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int
         raise InputError(f"{path}: has no rows below the {layout.preface} lines of its preface.")
     names = cells_of(lines[0].lstrip("\ufeff"), layout.separator)
     if layout.units_row:
-        units = map(unit_in, cells_of(lines[1], layout.separator))
+        units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
+    else:
+        above = [*itertools.islice(io.StringIO(text), layout.preface)]
+        units = [*labview_units(names, above, layout.separator)]
+    if units:
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]
     sample = lines[1 + layout.units_row :]

@@ -285,8 +285,9 @@ def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
         "cells": f"parted by {marks[layout.separator]}, decimal {decimal}{thousands}",
         "header": f"line {layout.preface + 1}: {header if len(header) < 200 else header[:200]}",
     }
-    if layout.units_row:
-        reasons["units"] = f"row below the header: {', '.join(found.units)}"
+    if found.units:
+        where = "row below the header" if layout.units_row else "labels of LabVIEW above the header"
+        reasons["units"] = f"{where}: {', '.join(found.units)}"
     return layout, reasons
 
 

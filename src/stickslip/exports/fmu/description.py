@@ -85,6 +85,7 @@ def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi)
     state = "FMUstate" if fmi == 2 else "FMUState"
     common = {
         "modelIdentifier": heading.identifier,
+        f"providesDirectionalDerivative{'s' * (fmi == 3)}": "true",
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
@@ -180,7 +181,8 @@ def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> No
             ("EventIndicator", guards),
         ):
             for reference in references:
-                SubElement(place, tag, {"valueReference": str(reference)})
+                known = {} if tag == "InitialUnknown" else _known(variables[reference], 0)
+                SubElement(place, tag, {"valueReference": str(reference), **known})
         return
     for tag, references in (
         ("Outputs", outputs),
@@ -189,4 +191,12 @@ def _add_structure(root: Element, variables: Sequence[Variable], fmi: Fmi) -> No
     ):
         inside = SubElement(place, tag)
         for reference in references:
-            SubElement(inside, "Unknown", {"index": str(reference + 1)})
+            known = {} if tag == "InitialUnknowns" else _known(variables[reference], 1)
+            SubElement(inside, "Unknown", {"index": str(reference + 1), **known})
+
+
+def _known(variable: Variable, first: int) -> dict[str, str]:
+    """Return the states and inputs that a variable depends on, counted from `first`."""
+    if variable.depends_on is None:
+        return {}
+    return {"dependencies": " ".join(str(one + first) for one in variable.depends_on)}

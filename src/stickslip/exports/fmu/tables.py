@@ -15,11 +15,11 @@ from stickslip.trajectory import Status
 __all__ = ["model_header"]
 
 SLOTS = (
-    "ADDRESS", "BOOKS", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED", "SEVERAL",
-    "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
+    "ADDRESS", "BOOKS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED",
+    "SEVERAL", "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
 )  # fmt: skip
 """Places in the vectors of a run."""
-IN_HEADER = ("POINT", "SAMPLED", "STAGES", "VALUES", "Y")
+IN_HEADER = ("DRIFT", "POINT", "SAMPLED", "STAGES", "VALUES", "Y")
 """Those that depend on the model."""
 SIZES = (
     "SIZE", "N_STATES", "N_GUARDS", "N_COLUMNS", "N_DRIVES", "MOST_EVENTS", "ROW_COLUMNS",
@@ -28,7 +28,7 @@ SIZES = (
 """Places of sizes in the whole numbers of a run."""
 QUESTIONS = (
     "ENTER", "RATES_AT", "GUARDS_AT", "COLUMNS_AT", "FALLEN", "JUMP", "LOOK", "NOTE", "CUT",
-    "RETUNE", "SHOWN", "PLACE",
+    "RETUNE", "SHOWN", "PLACE", "ALONG",
 )  # fmt: skip
 """What the kernels are asked in model exchange."""
 ENDS = (Status.LIFT_OFF, Status.LIMIT, Status.PAINLEVE, Status.HELD)

@@ -63,6 +63,8 @@ class Variable:
     """Size that a state has; None of what is no state."""
     state: int | None = None
     """Reference of the state of which it is the derivative."""
+    depends_on: tuple[int, ...] | None = None
+    """References of all states and inputs that it depends on; None where they are not known."""
 
     @property
     def whole(self) -> bool:
@@ -120,6 +122,8 @@ def variables_of(
     )
     found += _parameters(mechanism, law, model, units, len(found))
     first_state = len(found)
+    inputs_of = [i for i, one in enumerate(found) if one.role == "input"]
+    every = (*inputs_of, *range(first_state, first_state + len(model.states)))
     for index, (state, value) in enumerate(zip(model.states, y0, strict=True)):
         found.append(
             Variable(
@@ -130,6 +134,7 @@ def variables_of(
                 nominal=nominals[index],
                 unit=units[state],
                 description=_state_words(mechanism, state),
+                depends_on=(first_state + index,),
             )
         )
     for index, column in enumerate(model.columns):
@@ -147,6 +152,7 @@ def variables_of(
                 index=index,
                 unit=units[column],
                 description=words.get(kind, f"Effort of the guided coordinate: {column}"),
+                depends_on=None if kind == "mode" else every,
             )
         )
     if not model.contacts:
@@ -155,6 +161,9 @@ def variables_of(
         )
     what = "Events so far: changes of mode and impacts"
     found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
+    n = len(mechanism.coordinates)
+    # rates of slips that are sums are set to 0 where they are held, and so change those of all
+    direct = 0 if model.sizes.header[state_layout.IS_TURNED] else n
     for index, state in enumerate(model.states):
         found.append(
             Variable(
@@ -164,6 +173,7 @@ def variables_of(
                 state=first_state + index,
                 unit=per_second(units[state]),
                 description=f"Time derivative of {state}",
+                depends_on=(first_state + n + index,) if index < direct else every,
             )
         )
     for index, (name, meaning) in enumerate(_guards(mechanism, model)):
@@ -173,6 +183,7 @@ def variables_of(
                 role="indicator",
                 index=index,
                 description=f"Event indicator, above 0 while the mode lasts: {meaning}",
+                depends_on=every,
             )
         )
     return tuple(found)

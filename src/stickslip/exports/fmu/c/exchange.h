@@ -280,4 +280,186 @@ static bool nominals_got(struct instance *self, double *values, size_t n) {
     return true;
 }
 
+/* --- directional derivatives, in the modes at hand
+ *
+ * How rates change with states is exact: the Jacobian of the modes. All else is found by central
+ * differences, extrapolated to steps of 0 (Ridders, Adv. Eng. Software 4, 1982). Rates of what is
+ * held have no effect, whatever they are set to.
+ */
+
+#define LEVELS 12
+#define ROUNDED 1e-15 /* of a value that is worked out */
+#define WIDEST 0.1 /* first difference over the size of what is varied */
+#define NARROWER 3.0
+
+struct line {
+    double states[N_STATES], inputs[AT_LEAST_ONE(N_INPUTS)];
+    double along_states[N_STATES], along_inputs[AT_LEAST_ONE(N_INPUTS)];
+};
+
+/* The numbers of the inputs in the vector of a run, in their order. */
+static int input_places(int places[AT_LEAST_ONE(N_INPUTS)]) {
+    int n = 0;
+    for (int i = 0; i < N_VARIABLES; i++) {
+        if (VARIABLES[i].role == INPUT) {
+            places[n++] = FIRST_NUMBER + VARIABLES[i].index - 1;
+        }
+    }
+    return n;
+}
+
+/* Work one unknown out at a distance along the line. */
+static double value_along(struct instance *self, const struct line *line,
+                          const struct variable *unknown, double distance) {
+    int places[AT_LEAST_ONE(N_INPUTS)];
+    const int n = input_places(places);
+    double *w = self->w;
+    for (int i = 0; i < n; i++) {
+        w[places[i]] = line->inputs[i] + distance * line->along_inputs[i];
+    }
+    for (int i = 0; i < N_STATES; i++) {
+        w[AT_POINT + i] = line->states[i] + distance * line->along_states[i];
+    }
+    const enum role role = unknown->role;
+    const enum question question = role == DERIVATIVE ? RATES_AT
+                                 : role == INDICATOR ? GUARDS_AT : COLUMNS_AT;
+    ask(&self->core, question, 0, 0.0, w, self->whole);
+    for (int i = 0; i < n; i++) {
+        w[places[i]] = line->inputs[i];
+    }
+    const int at = role == DERIVATIVE ? AT_STAGES : role == INDICATOR ? AT_SAMPLED : AT_VALUES;
+    return w[at + unknown->index];
+}
+
+static double extrapolated(struct instance *self, const struct line *line,
+                           const struct variable *unknown) {
+    double widest = HUGE_VAL, rows[LEVELS][LEVELS], best, least = HUGE_VAL;
+    for (int i = 0; i < N_STATES; i++) {
+        if (line->along_states[i] != 0.0) {
+            widest = fmin(widest, fmax(fabs(line->states[i]), NOMINALS[i])
+                                      / fabs(line->along_states[i]));
+        }
+    }
+    for (int i = 0; i < N_INPUTS; i++) {
+        if (line->along_inputs[i] != 0.0) {
+            widest = fmin(widest, fmax(fabs(line->inputs[i]), 1.0) / fabs(line->along_inputs[i]));
+        }
+    }
+    if (isinf(widest)) {
+        return 0.0; /* nothing is varied */
+    }
+    double plain[LEVELS], h = WIDEST * widest, rounding = 0.0;
+    int levels = 0;
+    for (int level = 0; level < LEVELS; level++, h /= NARROWER) {
+        const double ahead = value_along(self, line, unknown, h);
+        const double back = value_along(self, line, unknown, -h);
+        const double slope = (ahead - back) / (2.0 * h);
+        if (isfinite(slope)) { /* or else the equations do not reach so far */
+            plain[levels++] = slope;
+            rounding = ROUNDED * (fabs(ahead) + fabs(back)) / h;
+        }
+    }
+    if (levels < 2) {
+        return NAN;
+    }
+    /* wide differences of what is even, or flat, may agree with each other and be wrong */
+    const double narrow = plain[levels - 1];
+    const double apart = 2.0 * (fabs(narrow - plain[levels - 2]) + rounding);
+    best = narrow;
+    for (int i = 0; i < levels; i++) {
+        rows[i][0] = plain[i];
+        double factor = NARROWER * NARROWER;
+        for (int j = 1; j <= i; j++, factor *= NARROWER * NARROWER) {
+            rows[i][j] = (rows[i][j - 1] * factor - rows[i - 1][j - 1]) / (factor - 1.0);
+            const double error = fmax(fabs(rows[i][j] - rows[i][j - 1]),
+                                      fabs(rows[i][j] - rows[i - 1][j - 1]));
+            if (error < least && fabs(rows[i][j] - narrow) <= apart) {
+                least = error;
+                best = rows[i][j];
+            }
+        }
+    }
+    return best;
+}
+
+/* Put the vector of the run at the present instant into the scratch. */
+static bool has_point(struct instance *self) {
+    struct core *core = &self->core;
+    if (core->phase == IN_EVENT || core->phase == BETWEEN_EVENTS) {
+        put_time(core);
+        memcpy(self->w, core->w, sizeof self->w);
+        memcpy(self->whole, core->whole, sizeof self->whole);
+        return true;
+    }
+    if (core->phase == STEPPING && !self->has_point && core->whole[AT_STEPS] > 0) {
+        read_off(self, core, core->time);
+    }
+    if (core->phase != STEPPING || !self->has_point) {
+        say(self, LEVEL_ERROR, "Directional derivatives are known in a simulation%s.",
+            core->phase == STEPPING ? ", of a state that was brought back from its first step on"
+                                    : ", after initialization");
+        return false;
+    }
+    return true;
+}
+
+static bool directional(struct instance *self, const uint32_t *unknowns, size_t n,
+                        const uint32_t *knowns, size_t m, const double *seed, double *found) {
+    struct line line, of_inputs;
+    int places[AT_LEAST_ONE(N_INPUTS)];
+    memset(&line, 0, sizeof line);
+    if (!has_point(self)) {
+        return false;
+    }
+    memcpy(line.states, self->core.values + FIRST_STATE, sizeof line.states);
+    const int inputs = input_places(places);
+    for (int i = 0; i < inputs; i++) {
+        line.inputs[i] = self->w[places[i]];
+    }
+    for (size_t k = 0; k < m; k++) {
+        const struct variable *known = variable_of(self, knowns[k], false);
+        if (!known || (known->role != STATE && known->role != INPUT)) {
+            say(self, LEVEL_ERROR, "%s is no state and no input, along which derivatives are known.",
+                known ? known->name : "It");
+            return false;
+        }
+        if (known->role == STATE) {
+            line.along_states[known->index] += seed[k];
+            continue;
+        }
+        for (int i = 0; i < inputs; i++) {
+            if (places[i] == FIRST_NUMBER + known->index - 1) {
+                line.along_inputs[i] += seed[k];
+            }
+        }
+    }
+    of_inputs = line;
+    memset(of_inputs.along_states, 0, sizeof of_inputs.along_states);
+    double rates[N_STATES];
+    memcpy(self->w + AT_POINT, line.states, sizeof line.states);
+    memcpy(self->w + AT_DRIFT, line.along_states, sizeof line.along_states);
+    ask(&self->core, ALONG, 0, 0.0, self->w, self->whole);
+    memcpy(rates, self->w + AT_STAGES, sizeof rates);
+    for (size_t k = 0; k < n; k++) {
+        const struct variable *unknown = variable_of(self, unknowns[k], false);
+        switch (unknown ? unknown->role : INDEPENDENT) {
+        case STATE:
+            found[k] = line.along_states[unknown->index];
+            break;
+        case DERIVATIVE:
+            found[k] = rates[unknown->index] + extrapolated(self, &of_inputs, unknown);
+            break;
+        case COLUMN:
+        case INDICATOR:
+            found[k] = extrapolated(self, &line, unknown);
+            break;
+        default:
+            say(self, LEVEL_ERROR, "%s has no directional derivative.",
+                unknown ? unknown->name : "It");
+            return false;
+        }
+    }
+    return true;
+}
+
 #endif

@@ -158,8 +158,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const char bytes[], size_t s
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[],
                                         size_t n, const fmi2ValueReference knowns[], size_t m,
                                         const double seed[], double derivative[]) {
-    (void)unknowns, (void)n, (void)knowns, (void)m, (void)seed, (void)derivative;
-    return unknown(c, "directional derivatives");
+    return directional(c, unknowns, n, knowns, m, seed, derivative) ? OK : ERROR;
 }
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                        const int order[], const double v[]) {

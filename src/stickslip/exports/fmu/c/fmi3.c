@@ -259,6 +259,16 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {
     return OK;
 }
 
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[],
+                                        size_t n, const fmi3ValueReference knowns[], size_t m,
+                                        const double seed[], size_t seeds, double derivative[],
+                                        size_t derivatives) {
+    return fits_count(c, seeds, m, "seeds") && fits_count(c, derivatives, n, "derivatives") &&
+                   directional(c, unknowns, n, knowns, m, seed, derivative)
+               ? OK
+               : ERROR;
+}
+
 /* What the model description does not promise. */
 #define NO(NAME, TAKEN)                                                                             \
     fmi3Status fmi3##NAME TAKEN { return unknown(c, "function fmi3" #NAME); }
@@ -269,9 +279,6 @@ NO(EvaluateDiscreteStates, (fmi3Instance c))
 NO(GetNumberOfVariableDependencies, (fmi3Instance c, fmi3ValueReference a, size_t *b))
 NO(GetVariableDependencies, (fmi3Instance c, fmi3ValueReference a, size_t b[],
                              fmi3ValueReference d[], size_t e[], int f[], size_t g))
-NO(GetDirectionalDerivative,
-   (fmi3Instance c, const fmi3ValueReference a[], size_t b, const fmi3ValueReference d[], size_t e,
-    const double f[], size_t g, double h[], size_t i))
 NO(GetAdjointDerivative,
    (fmi3Instance c, const fmi3ValueReference a[], size_t b, const fmi3ValueReference d[], size_t e,
     const double f[], size_t g, double h[], size_t i))

@@ -100,6 +100,7 @@ struct instance {
     bool exchanges;   /* the importer takes the steps */
     bool rates_known, columns_known, guards_known; /* at the time and states of the importer */
     bool has_ended;
+    bool has_point;   /* the scratch has been read off at the communication point */
     struct core core;
     double w[SIZE]; /* scratch of what is read off */
     int64_t whole[WHOLES];
@@ -165,7 +166,7 @@ static void begin(struct instance *self) {
         memcpy(core->table, TABLE, sizeof core->table);
     }
     self->last_time = 0.0;
-    self->has_ended = false;
+    self->has_ended = self->has_point = false;
 }
 
 static struct instance *made(const char *name, const char *token, bool exchanges,
@@ -424,6 +425,7 @@ static bool read_off(struct instance *self, struct core *core, double t) {
         }
     }
     self->w[AT_TIME] = t;
+    self->has_point = true;
     take_values(core, DERIVATIVE, self->w, self->whole);
     take_values(core, INDICATOR, self->w, self->whole);
     return finite;
@@ -635,7 +637,7 @@ static bool brought_back(struct instance *self, const struct core *state) {
     forget_values(self);
     put_addresses(self->core.w); /* those of this process */
     self->last_time = state->time;
-    self->has_ended = false;
+    self->has_ended = self->has_point = false;
     return true;
 }
 
