@@ -350,7 +350,10 @@ def _by_rows(residual: Array, columns: Array) -> _Spread:
     changes = columns * (np.where(alone, 0.0, residual) / np.sqrt(spare))[:, None]
 
     def freedom(direction: Array) -> float:
-        weights = np.where(alone, 0.0, (columns @ direction) ** 2 / spare)
+        along = columns @ direction
+        # only their ratios count, and squares of tiny ones would be 0
+        along /= float(np.max(np.abs(along), initial=0.0)) or 1.0
+        weights = np.where(alone, 0.0, along**2 / spare)
         # trace of the quadratic form in independent residuals, and of its square (Satterthwaite)
         trace = float(weights @ left)
         cross = columns.T @ (weights[:, None] * columns)
