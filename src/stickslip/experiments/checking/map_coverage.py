@@ -37,6 +37,9 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     if not moving.any():
         yield _map("error", "All velocities are 0: no motion was recorded.", numbers)
         return
+    if not friction.any():
+        yield _map("error", "All values of friction are 0: it was not recorded.", numbers)
+        return
     low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
     few = distinct < FEWEST
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
