@@ -612,3 +612,25 @@ def test_findings_cross_processes_and_stay_unchangeable():
     assert again == one
     with pytest.raises(TypeError):
         again.numbers["gap"] = 1.0
+
+
+def test_a_constant_force_was_not_logged_at_a_lower_rate():
+    t = np.arange(400) / 200.0
+    record = Measurement(time=t, position=0.1 * t**2, force=np.full(400, 24.0))
+    assert not any(one.kind == "held samples" for one in check(record).findings)
+
+
+def test_a_trial_that_is_counted_twice_is_named():
+    t = np.arange(400) / 200.0
+    run = {"time": t, "position": np.sin(t), "force": np.cos(t)}
+    once = Measurement(**run, name="a")
+    again = Measurement(**run, name="b")
+    other = Measurement(**(run | {"force": 2.0 * np.cos(t)}), name="c")
+    found = [str(one) for one in check(Measurement(trials=(once, other, again))).findings]
+    assert sum("counted twice" in line for line in found) == 1
+    assert any(line.startswith("'b' has the samples of 'a'") for line in found)
+
+
+def test_friction_that_is_zero_everywhere_was_not_recorded():
+    table = Measurement(velocity=np.linspace(-1.0, 1.0, 20), friction=np.zeros(20))
+    assert check(table).worst == "error"

@@ -477,7 +477,11 @@ def relative_error(record: Measurement, problem: ForceMap, values: Array) -> flo
 @pytest.mark.parametrize(
     ("law", "least", "most"),
     [
-        (Coulomb, 0.90, 0.97),  # published 94.5 %
+        (
+            Coulomb,
+            0.58,
+            0.65,
+        ),  # published 94.5 %, with an error at rest, where any force is allowed
         (Dahl(kinetic_coefficient=0.4, bristle_stiffness=4e3), 0.10, 0.116),  # published 11.6 %
         pytest.param(
             Dahl, 0.04, 0.05, marks=pytest.mark.slow
@@ -490,6 +494,52 @@ def test_the_tribometer_record_is_predicted_as_well_as_published(tribometer, law
     assert least < relative_error(tribometer, problem, found.best.values) < most
 
 
+def strokes_and_rests(rate: float, noise: float) -> tuple[Array, Array, Array]:
+    """Return times, noisy positions and velocities of strokes of 1 s with rests of 1 s between."""
+    t = np.arange(0.0, 16.0, 1.0 / rate)
+    v = np.where(np.floor(t) % 2, 0.0, 0.1 * np.sin(np.pi * t) * np.sign(np.sin(0.5 * np.pi * t)))
+    v = np.where(np.floor(t / 4) % 2, -v, v)
+    x = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) / rate)])
+    return t, x + np.random.default_rng(1).normal(0.0, noise, len(t)), v
+
+
+@pytest.mark.parametrize(("rate", "noise"), [(100.0, 0.0), (1000.0, 5e-6)])
+def test_friction_at_rest_may_take_any_value_that_the_law_allows(rate, noise):
+    # closed form: the table while it slips; at rest anything, here half of the level
+    t, x, v = strokes_and_rests(rate, noise)
+    friction = np.where(v == 0.0, 1.0, 2.0 * np.sign(v) + 14.0 * v)
+    friction += np.random.default_rng(2).normal(0.0, 0.02, len(t))
+    found = stickslip.fit(
+        AXIS, CoulombViscous, Measurement(time=t, position=x, friction=friction)
+    ).estimates
+    for estimate, true in zip(found, (2.0, 14.0, 0.0), strict=True):
+        # each is off by less than its interval, or by 1 % where noise hides the slowest slip
+        assert abs(estimate.value - true) < max(estimate.high - estimate.value, 0.01 * true)
+
+
+def test_a_table_may_have_rows_at_rest():
+    v = np.concatenate([np.linspace(-1.0, 1.0, 40), np.zeros(20)])
+    friction = 2.0 * np.sign(v) + v + np.where(v == 0.0, np.linspace(-1.9, 1.9, 60), 0.0)
+    found = stickslip.fit(AXIS, CoulombViscous, Measurement(velocity=v, friction=friction))
+    assert [e.value for e in found.estimates] == pytest.approx([2.0, 1.0, 0.0], abs=1e-9)
+
+
+def test_noise_of_positions_does_not_relax_bristles_at_rest():
+    t, x, v = strokes_and_rests(1000.0, 5e-6)
+    true = Dahl(kinetic_coefficient=2.0, bristle_stiffness=4e3)
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) / 1000.0)])
+    z = [0.0]
+    for step in np.diff(way):  # closed form of Dahl's deflection along a displacement
+        end = math.copysign(5e-4, step)
+        z.append(end + (z[-1] - end) * math.exp(-abs(step) / 5e-4))
+    friction = 4e3 * np.array(z) + np.random.default_rng(2).normal(0.0, 0.02, len(t))
+    record = Measurement(time=t, position=x, friction=friction)
+    found = stickslip.fit(AXIS, true, record, vary=["kinetic_coefficient", "bristle_stiffness"])
+    # noise of friction and nothing else is left; without the rests it was several times as much
+    assert found.rms < 0.025
+    assert [e.value for e in found.estimates[:2]] == pytest.approx([2.0, 4e3], rel=0.01)
+
+
 @pytest.mark.parametrize(
     "law",
     [Dahl, LuGre, Dahl(kinetic_coefficient=0.4, bristle_stiffness=1e3)],
@@ -500,3 +550,14 @@ def test_bristles_are_refused_where_friction_has_no_time(law):
     table = Measurement(velocity=v, friction=2.0 * np.sign(v) + v)
     with pytest.raises(InputError, match="cannot be fitted to friction against velocity: bristles"):
         stickslip.fit(Axis(inertia=1.0), law, table)
+
+
+def test_one_row_that_leaves_most_of_the_residual_is_named():
+    v = np.linspace(-1.0, 1.0, 40)
+    friction = 2.0 * np.sign(v) + v + np.random.default_rng(1).normal(0.0, 0.02, 40)
+    plain = stickslip.fit(AXIS, CoulombViscous, Measurement(velocity=v, friction=friction))
+    friction[7] += 50.0
+    found = stickslip.fit(AXIS, CoulombViscous, Measurement(velocity=v, friction=friction))
+    # least squares of 3 parameters take at most a few leverages, 1 / 40 each, off it
+    assert any(line.startswith("Row 8 of the table alone leaves 9") for line in found.sentences)
+    assert not any("alone leaves" in line for line in plain.sentences)

@@ -65,6 +65,14 @@ def test_fewer_blocks_that_tell_leave_fewer_degrees_of_freedom():
     assert freedom_of(1e6 * told, np.array([5.0])) == pytest.approx(2.0)
 
 
+def test_rows_that_a_fit_follows_exactly_leave_no_division_by_zero():
+    # of four rows of a half, two leave 1e-10 of their variance to three parameters
+    v = np.linspace(-1.0, 1.0, 10)
+    friction = 2.0 * np.sign(v) + 0.05 * np.random.default_rng(3).normal(size=10)
+    found = fit(Axis(inertia=1.0), "power-viscous", Measurement(velocity=v, friction=friction))
+    assert np.all(found.inference.freedom >= 1.0)
+
+
 def test_intervals_keep_what_they_say_where_few_blocks_tell():
     random, hits, plain = np.random.default_rng(14), 0, 0
     column = np.where(np.arange(400) // 50 < 3, 1.0, 0.02)[:, None]

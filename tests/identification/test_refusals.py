@@ -13,6 +13,7 @@ from stickslip import (
     Measurement,
     RecordSettings,
     SpringBlock,
+    TowedBlock,
     Viscous,
     fit,
     select,
@@ -254,3 +255,34 @@ def test_a_load_that_is_given_twice_is_refused(parts):
     record = Measurement(**parts, load=5.0, overrides={"mechanism.load": 6.0})
     with pytest.raises(InputError, match="given twice"):
         fit(AXIS, CoulombViscous, record)
+
+
+def constant_push(count=300, rate=200.0):
+    """Return a record of an axis under one force, which it never changes."""
+    t = np.arange(count) / rate
+    speed = 0.4 * (1.0 - np.exp(-7.0 * t))  # of 5 kg, 10 N and 35 N s/m under 24 N
+    return Measurement(time=t, position=np.cumsum(speed) / rate, force=np.full(count, 24.0))
+
+
+def test_a_mass_is_not_looked_for_under_a_constant_force():
+    # without it all friction is that force: a mass of 0 and 24 N of friction leave nothing
+    with pytest.raises(
+        InputError, match=r"mechanism\.inertia: the force that moves the body never"
+    ):
+        fit(
+            Axis(inertia=4.0), "coulomb", constant_push(), vary=["friction.*", "inertia"],
+            route="inverse-dynamics",
+        )  # fmt: skip
+    found = fit(Axis(inertia=5.0), "coulomb-viscous", constant_push(), route="inverse-dynamics")
+    assert found.estimates[0].value == pytest.approx(10.0, rel=0.02)
+
+
+def test_friction_against_the_pull_is_refused():
+    t = np.arange(200.0)
+    pull = np.interp(t, [0.0, 100.0, 199.0], [0.0, 1e-4, 1.09e-3])
+    record = Measurement(time=t, pull=pull, friction=np.full(200, -0.6), load=1.0)
+    machine = TowedBlock(mass=1e-3, stiffness=2e3, speed=1e-6, load=1.0)
+    with pytest.raises(
+        InputError, match=r"mean coefficient of friction is −0\.6 and must be above"
+    ):
+        fit(machine, "rate-and-state", record)

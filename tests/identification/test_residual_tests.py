@@ -8,7 +8,7 @@ import pytest
 from benchmarks import faults
 
 from stickslip import Axis, CoulombViscous, Measurement, fit, select, simulate
-from stickslip.drives import Sine
+from stickslip.drives import Sampled, Sine
 from stickslip.identification.settings import RecordSettings
 
 QUICK = RecordSettings(starts=1)
@@ -156,3 +156,16 @@ def test_an_encoder_that_toggles_between_two_counts_is_no_vibration():
     record = Measurement(time=t, position=toggled, force=force)
     errors = fit(Axis(inertia=mass), CoulombViscous, record, route="inverse-dynamics").model_errors
     assert not {"vibration"} & {one.kind for one in errors}
+
+
+def test_a_record_that_rests_most_of_the_time_is_tested_too():
+    t = 0.005 * np.arange(1600)
+    force = np.where(np.mod(t, 4.0) < 0.8, 30.0 * np.sin(2.5 * np.pi * t), 0.0)
+    axis = Axis(inertia=1.0, drive=Sampled(times=t.tolist(), values=force.tolist()))
+    law = CoulombViscous(kinetic_coefficient=10.0, viscous_coefficient=8.0)
+    position = simulate(axis, law, t_end=float(t[-1])).at(t)["x"]
+    position = position + np.random.default_rng(1).normal(0.0, 1e-6, len(t))
+    found = fitted(Measurement(time=t, position=position, force=force))
+    # of 1,600 samples 1,280 and more are at rest; the law holds, and inverse dynamics finds it
+    assert found.estimates[0].value == pytest.approx(10.0, rel=0.02)
+    assert not found.model_errors

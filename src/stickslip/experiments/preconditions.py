@@ -3,11 +3,10 @@
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
-import numpy as np
-
 from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
 from stickslip.experiments.checking.data_quality import Finding, check, faults
-from stickslip.experiments.measurement import QUANTITIES, Measurement, quantity_called
+from stickslip.experiments.checking.map_coverage import same
+from stickslip.experiments.measurement import Measurement, quantity_called
 from stickslip.formatting import joined
 from stickslip.mechanisms import Mechanism
 
@@ -188,7 +187,7 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
     """
     for one in second.records():
         for other in first.records():
-            if not _same(one, other):
+            if not same(one, other):
                 continue
             name = one.name or other.name
             told = f" ({name!r})" if name else ""
@@ -197,21 +196,6 @@ def refuse_same(first: Measurement, second: Measurement) -> None:
                 " error would not be a held-out error. Give another record, or none: held-out"
                 " blocks then compare the laws on one record."
             )
-
-
-def _same(one: Measurement, other: Measurement) -> bool:
-    """Whether what both records have is the same, sample by sample."""
-    if one.joints and other.joints:
-        both = one.joints.keys() & other.joints.keys()
-        return bool(both) and all(_same(one.joints[name], other.joints[name]) for name in both)
-    pairs = [
-        (getattr(one, name), getattr(other, name))
-        for name in ("time", *QUANTITIES)
-        if getattr(one, name) is not None and getattr(other, name) is not None
-    ]
-    if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
-        return False  # times, and single numbers, may well be alike
-    return all(np.array_equal(mine, yours) for mine, yours in pairs)
 
 
 @contextmanager

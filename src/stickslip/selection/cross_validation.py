@@ -216,11 +216,21 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
     -------
     Plan
         Blocks, gap and horizon for all candidates.
+
+    Raises
+    ------
+    InputError
+        If the record is too short for blocks to be held out.
     """
     spans = fit.problem.spans
     if interleaved(spans):
         return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
+    if not length > 0.0:
+        raise InputError(
+            "hardly any rows of this record can be compared, and none can be held out: record"
+            " longer, or `fit` one law without a held-out error."
+        )
     block = length / folds
     if fit.problem.simulates:
         _check_block(fit.measurement, block, length, folds)

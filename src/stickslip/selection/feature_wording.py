@@ -39,6 +39,10 @@ from stickslip.selection.wording import (
 
 __all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
 
+BIASED = (
+    "An offset of the force sensor adds to the level at rest and in motion alike: the force does"
+    " not reverse."
+)
 MOST = 3
 """Items of a list at most."""
 CLEAR = 0.05
@@ -210,7 +214,7 @@ def _cannot_tell(
         )
     elif features.frequency > FASTER * features.natural_frequency:
         lines += [line for line in features.sentences if "effective mass" in line]
-    lines.append(UNMEASURED)
+    lines += [BIASED, UNMEASURED]
     return tuple(lines[:MOST])
 
 

@@ -52,6 +52,8 @@ DECISIVE = 10.0
 """Difference of AIC (effective sample size) from which two laws are told apart by it alone."""
 NOTHING = 0.5
 """Held-out error over the variation of friction from which a law explains next to nothing."""
+NOISY = 1.5
+"""Residuals over the scatter of neighbouring samples up to which they may be noise alone."""
 FACTORS = (100.0, 10.0, 0.1, 0.01)
 """Steps of the speed that are looked at for what to measure next."""
 SETTLED = 20.0
@@ -355,8 +357,9 @@ def _unexplained(closest: RateStateCandidate) -> str:
     """Return in what the record contradicts even the closest law; empty if it does not."""
     assert closest.fit is not None
     variation = float(np.std(closest.fit.problem.mean))
-    # a constant coefficient predicts no variation, which may be noise alone
-    if closest.fit.law.name == "constant-coefficient" or closest.score <= NOTHING * variation:
+    # a constant coefficient predicts no variation, which may be noise alone; so may be most of it
+    constant = closest.fit.law.name == "constant-coefficient"
+    if constant or closest.score <= NOTHING * variation or closest.fit.over_scatter <= NOISY:
         return ""
     return "its held-out error is more than half of the variation of friction itself"
 

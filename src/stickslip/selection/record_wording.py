@@ -249,15 +249,17 @@ def _verdict(
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
         )
+    least = all(best.score <= other.score for other in equal)
+    found = f"{capital(name)} {'predicts best' if least else 'is chosen'}"
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
-        return f"{capital(name)} predicts best, but {lower_first(outcome)}"
+        return f"{found}, but {lower_first(outcome)}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
-        return f"{capital(name)} predicts best, but the model does not hold: {lower_first(finding)}"
+        return f"{found}, but the model does not hold: {lower_first(finding)}"
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:
-        return f"{capital(name)} predicts best, but the two halves of the record disagree: {apart}."
+        return f"{found}, but the two halves of the record disagree: {apart}."
     if best.doubt:
         return to_predict(name, best.doubt)
     if equal:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from stickslip.formatting import (
     Scale,
+    capital,
     count,
     joined,
     lower_first,
@@ -152,7 +153,7 @@ def _nothing_fits(candidates: Sequence[TravelCandidate]) -> tuple[str, str]:
 
 def _why(candidate: TravelCandidate) -> str:
     """Return why a candidate is out, as a sentence."""
-    return candidate.dropped.rstrip(".") + "."
+    return capital(candidate.dropped.rstrip(".")) + "."
 
 
 def _tie(

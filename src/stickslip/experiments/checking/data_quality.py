@@ -192,6 +192,8 @@ def _findings(
     if measurement.kind == "scalars":
         yield from map_coverage.settings(records)
     yield from map_coverage.alike(records)
+    if not grave:
+        yield from map_coverage.repeated(records)
     for number, record in enumerate(records, 1):
         label = (record.name or f"trial {number}") if measurement.trials else ""
         fits = [*_fits(record, mechanism)]

@@ -9,7 +9,7 @@ from stickslip.experiments.checking.finding import TURN, Finding, Severity
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.formatting import count, percent, quantities, quantity
 
-__all__ = ["alike", "coverage", "settings", "unused"]
+__all__ = ["alike", "coverage", "repeated", "same", "settings", "unused"]
 
 FEWEST: Final = 3
 FEW_SPEEDS: Final = 5
@@ -36,6 +36,9 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     }
     if not moving.any():
         yield _map("error", "All velocities are 0: no motion was recorded.", numbers)
+        return
+    if not friction.any():
+        yield _map("error", "All values of friction are 0: it was not recorded.", numbers)
         return
     low, high = quantities([float(velocity.min()), float(velocity.max())], record.unit("velocity"))
     few = distinct < FEWEST
@@ -165,6 +168,55 @@ def alike(records: Sequence[Measurement]) -> Iterator[Finding]:
                 f" {cure}, or fit the trials separately."
             ),
             numbers={"without": len(bare)},
+        )
+
+
+def same(one: Measurement, other: Measurement) -> bool:
+    """Whether what both records have is the same, sample by sample.
+
+    Parameters
+    ----------
+    one, other : Measurement
+        Two records, neither of which has trials.
+
+    Returns
+    -------
+    bool
+        True if at least two arrays are equal and nothing differs.
+
+    Examples
+    --------
+    >>> run = {"time": [0.0, 1.0], "position": [0.0, 0.1]}
+    >>> same(Measurement(**run), Measurement(**run, force=[1.0, 2.0]))
+    True
+    """
+    if one.joints and other.joints:
+        both = one.joints.keys() & other.joints.keys()
+        return bool(both) and all(same(one.joints[name], other.joints[name]) for name in both)
+    pairs = [
+        (getattr(one, name), getattr(other, name))
+        for name in ("time", *QUANTITIES)
+        if getattr(one, name) is not None and getattr(other, name) is not None
+    ]
+    if sum(np.ndim(mine) > 0 for mine, _ in pairs) < 2:
+        return False  # times, and single numbers, may well be alike
+    return all(np.array_equal(mine, yours) for mine, yours in pairs)
+
+
+def repeated(records: Sequence[Measurement]) -> Iterator[Finding]:
+    """Name trials that hold the samples of an earlier one."""
+    for i, record in enumerate(records):
+        first = next((k for k in range(i) if same(records[k], record)), None)
+        if first is None:
+            continue
+        own, other = (records[k].name or f"trial {k + 1}" for k in (i, first))
+        yield Finding(
+            kind="trials",
+            severity="warning",
+            sentence=(
+                f"{own!r} has the samples of {other!r}: counted twice, they make intervals too"
+                " narrow. Leave one of them out."
+            ),
         )
 
 

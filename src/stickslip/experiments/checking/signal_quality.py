@@ -51,6 +51,8 @@ SLOWLY: Final = ("position", "velocity", "force", "load")
 """Signals that may be logged more slowly than others; a command or a table may be so by itself."""
 REPEATED: Final = 3
 """Times that each value is repeated at least, where a signal was logged more slowly ..."""
+LEVELS: Final = 8
+"""Values at least of a signal that was logged more slowly; fewer may have been commanded."""
 ALIKE: Final = 0.8
 """... and share of the values that are repeated just as often."""
 SHOWN: Final = 3
@@ -264,6 +266,8 @@ def held(record: Measurement) -> Iterator[Finding]:
         _, lengths = _runs(values)
         usual = int(np.median(lengths))
         if name not in SLOWLY or usual < REPEATED or np.mean(lengths == usual) < ALIKE:
+            continue
+        if len(lengths) < LEVELS:  # a constant, or a few levels of a command
             continue
         late = 0.5 * (usual - 1) * float(np.median(np.diff(record.time)))
         yield Finding(

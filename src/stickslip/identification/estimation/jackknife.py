@@ -40,6 +40,9 @@ DEPENDENT = 0.05
 """Chance with which independent rows pass for dependent ones."""
 ALONE = 1e-12
 """Share of what all blocks see of a direction, squared, below which the others see nothing."""
+LEVERAGE = 1e-6
+"""Share of a row's variance that a fit leaves, up to which this row alone sees a direction: squares
+of its inverse are terms of a difference of the size of 1."""
 ONCE = "only one segment of the record depends on it"
 
 
@@ -345,7 +348,7 @@ def _spread(seen: ResidualJacobian, known: Directions, blocks: int) -> _Spread:
 def _by_rows(residual: Array, columns: Array) -> _Spread:
     """Return the scatter by each row's residual, over what the fit leaves of its variance."""
     left = 1.0 - np.sum(columns**2, axis=1)
-    alone = left <= ALONE
+    alone = left <= LEVERAGE
     spare = np.where(alone, 1.0, left)
     changes = columns * (np.where(alone, 0.0, residual) / np.sqrt(spare))[:, None]
 

@@ -1,6 +1,7 @@
 """Records of friction, made ready to be predicted along their measured motion."""
 
 import functools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, noise_of, step_of
 from stickslip.formatting import joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
@@ -22,6 +23,7 @@ __all__ = [
     "MotionSegment",
     "check_loads",
     "load_along",
+    "reach_of",
     "refuse_timeless",
     "smoothed",
     "stretches_of",
@@ -34,14 +36,30 @@ GAP = 3.0
 """Steps of time longer than this many usual ones are gaps, in which the motion is not known."""
 LEAST = 8
 """Samples a record must have to say anything about a law."""
-WINDOW = 9
-"""Samples whose parabola gives the velocity where only the position was measured."""
+QUIET = 0.005
+"""Standard deviation that noise may leave in velocities, over the largest speed. The less they are
+smoothed, the less reversals shift."""
+BENDING = 0.3
+"""Half the length of the parabolas that give velocities, over the mean period per radian, at most:
+they take 1 % off the speed of a sine."""
+PAUSE = 9
+"""Samples of the shortest rest."""
 SEGMENTS = 40
 """Segments of a record where no length is given."""
 BUTTERWORTH = 4
 """Order of the filter that derived friction came through."""
 TIMELESS = "bristles depend on displacement, which a table without time does not have"
 """Why laws of bristles are not fitted to tables."""
+BEYOND = 4.0
+"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
+samples of normal noise lies beyond."""
+FINEST = 1e-5
+"""Least displacement over the range of positions that is resolved: what is finer may come from a
+filter before the record."""
+SLOW = 0.01
+"""Share of the largest speed below which a body may be at rest, if positions do not change."""
+CREEPING = 1e-3
+"""Share of the largest speed that a displacement within what is resolved may have at rest."""
 SHARES = 8
 """Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
 
@@ -330,9 +348,11 @@ def _table(number: int, record: Measurement, load: Array, first: int) -> MotionS
     return MotionSegment(
         record=number,
         path=path,
-        friction=np.asarray(record.values("friction"), dtype=float),
+        friction=(friction := np.asarray(record.values("friction"), dtype=float)),
         segment=first + rows % min(SHARES, len(rows) // 2),
         timed=False,
+        resting=velocity == 0.0,
+        held=friction,
     )
 
 
@@ -370,6 +390,8 @@ def _series(
             ),
             friction=friction[rows][picked],
             segment=first + share,
+            resting=velocity[picked] == 0.0,
+            held=friction[rows][picked],
         )
         first += count
 
@@ -377,20 +399,65 @@ def _series(
 def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
     """Return position and velocity of a stretch, each measured or from the other one.
 
-    Positions are not filtered: bristles see displacement, which noise changes least, and on
-    measured loops every filter that was tried made the prediction worse.
+    Velocities are 0 where none is resolved (`_resolved`).
+
+    Positions are not filtered, but held while nothing moves: bristles see displacement, which noise
+    changes least, and on measured loops every filter that was tried made the prediction worse.
     """
     known, t = record.quantities(), time[rows]
-    if "position" in known:
-        position = np.asarray(record.values("position"), dtype=float)[rows]
     if "velocity" in known:
         velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
-    else:
-        velocity = _velocity(t, position)
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
-        position = np.concatenate([[0.0], np.cumsum(steps)])
-    return position, velocity
+        return np.concatenate([[0.0], np.cumsum(steps)]), velocity
+    position = np.asarray(record.values("position"), dtype=float)[rows]
+    reach, doubt = reach_of(position), math.inf
+    if "velocity" not in known:
+        velocity, doubt = _velocity(t, position)
+    velocity = _resolved(t, position, velocity, reach, doubt)
+    # where nothing moves, the noise of positions would let bristles relax
+    moving = np.append(True, (velocity[1:] != 0.0) | (velocity[:-1] != 0.0))
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(t)), 0))
+    return position[last], velocity
+
+
+def _resolved(time: Array, position: Array, velocity: Array, reach: float, doubt: float) -> Array:
+    """Return velocities (n,) [m/s] that are 0 where the sensor does not resolve any.
+
+    At rest positions stay within their reach, for so long that what they may have gone meanwhile is
+    slow beside the largest speed. Slow velocities that were derived from positions, with a standard
+    deviation `doubt` [m/s], have the direction of the displacements before and after them; at
+    reversals, where these differ, it is not known.
+    """
+    moved, ways = _displacements(position, 2.0 * reach)
+    number = np.searchsorted(moved, np.arange(len(time)), side="right")
+    first, last = np.append(0, moved), np.append(moved, len(time)) - 1
+    fast = float(np.percentile(np.abs(velocity), 98.0))
+    span = np.where(last - first >= PAUSE, time[last] - time[first], 0.0)
+    resting = (CREEPING * fast * span > 2.0 * reach)[number]
+    derived = math.isfinite(doubt)
+    slow = np.abs(velocity) <= max(SLOW * fast, BEYOND * doubt if derived else 0.0)
+    if derived and len(moved):
+        before, after = np.append(ways[0], ways)[number], np.append(ways, ways[-1])[number]
+        velocity = np.where(slow, before * np.abs(velocity), velocity)
+        resting |= before != after
+    return np.where(resting & slow, 0.0, velocity)
+
+
+def reach_of(position: Array) -> float:
+    """Return the displacement to either side [m] that positions (n,) may not resolve."""
+    return max(BEYOND * noise_of(position, step_of(position)), FINEST * float(np.ptp(position)))
+
+
+def _displacements(position: Array, least: float) -> tuple[NDArray[np.intp], Array]:
+    """Return at which samples positions have gone farther than a distance, and which ways (k,)."""
+    found, ways, at = [], [], float(position[0])
+    for i, x in enumerate(position.tolist()):
+        if abs(x - at) > least:
+            found.append(i)
+            ways.append(math.copysign(1.0, x - at))
+            at = x
+    return np.array(found, dtype=np.intp), np.array(ways)
 
 
 def smoothed(columns: Array, passed: float) -> Array:
@@ -421,14 +488,25 @@ def _sections(passed: float) -> Array:
     return np.asarray(signal.butter(BUTTERWORTH, passed, output="sos"))
 
 
-def _velocity(time: Array, position: Array) -> Array:
-    """Return the velocity (n,) [m/s] by parabolas through neighbours, which shift no phase."""
-    if len(time) < WINDOW:
-        return np.gradient(position, time)
+def _velocity(time: Array, position: Array) -> tuple[Array, float]:
+    """Return the velocity (n,) [m/s] by parabolas, which shift no phase, and its deviation.
+
+    They are as short as the noise of positions allows. White noise s leaves a standard deviation of
+    s sqrt(3 / (k (k + 1) (2 k + 1))) where k neighbours to either side count.
+    """
     from scipy.signal import savgol_filter
 
-    step = float(np.median(np.diff(time)))
-    even = np.linspace(time[0], time[-1], round((time[-1] - time[0]) / step) + 1)
-    placed = np.interp(even, time, position)
-    slope = savgol_filter(placed, WINDOW, 2, deriv=1, delta=float(even[1] - even[0]))
-    return np.asarray(np.interp(time, even, slope), dtype=float)
+    steps = round((time[-1] - time[0]) / float(np.median(np.diff(time))))
+    even = np.linspace(time[0], time[-1], steps + 1)
+    x, dt = np.interp(even, time, position), float(even[1] - even[0])
+    noise, half, most = noise_of(position, step_of(position)), 0, max(steps // 2, 1)
+    while half < most:
+        half += 1
+        v = (x[2 * half :] - x[: -2 * half]) / (2 * half * dt)  # in which noise shows least
+        doubt = noise * math.sqrt(3.0 / (half * (half + 1) * (2 * half + 1))) / dt
+        frequency = float(np.std(v)) / max(float(np.std(x)), 1e-300)
+        fast = float(np.percentile(np.abs(v), 98.0))
+        if doubt <= QUIET * fast or (half + 1) * dt * frequency > BENDING:
+            break
+    slope = savgol_filter(x, 2 * half + 1, 2, deriv=1, delta=dt)
+    return np.asarray(np.interp(time, even, slope), dtype=float), doubt

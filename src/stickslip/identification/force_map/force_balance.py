@@ -18,10 +18,14 @@ from stickslip.experiments import Measurement, between_gaps, noise_of, step_of
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
+    FINEST,
+    QUIET,
     SEGMENTS,
+    SLOW,
     MotionSegment,
     check_loads,
     load_along,
+    reach_of,
     smoothed,
     weighs,
 )
@@ -60,16 +64,8 @@ Array = NDArray[np.float64]
 
 RIPPLES = 20.0
 """The common filter passes at least so many periods in a record, where the motion has none."""
-SLOW = 0.01
-"""Share of the largest speed below which a body may be at rest, if positions do not change."""
 SHORT = 0.1
 """Length of rests that are overlooked, over the memory of the filter: a row sees a tenth of it."""
-BEYOND = 4.0
-"""Standard deviations of the noise of positions from which a displacement is one: one in 16,000
-samples of normal noise lies beyond."""
-FINEST = 1e-5
-"""Least displacement over the range of positions that is resolved: what is finer may come from a
-filter before the record."""
 UNSURE = 0.1
 """Share of slow samples, seen through the filter, from which a row is none that slips."""
 FEW_SLIPPING = 0.05
@@ -80,9 +76,6 @@ LEAK = 1e-3
 """Share of the accelerations' variance that may be noise."""
 FEWEST = 5.0
 """The common filter passes at least so many times the mean frequency of the motion."""
-QUIET = 0.005
-"""Standard deviation that noise may leave in velocities, over the largest speed. The less they are
-smoothed, the less reversals shift."""
 OVERSAMPLED = 0.25
 """Most that the filter passes over half the frequency of these samples."""
 
@@ -399,7 +392,7 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     resting = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = max(BEYOND * _noise(raw), reach)
+        reach = reach_of(raw)
         steps = np.diff(_followed(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import quantity
+from stickslip.formatting import number, quantity
 from stickslip.friction import Evolution, RateState
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import Problem, ResidualJacobian
@@ -157,7 +157,7 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     Raises
     ------
     InputError
-        If something is missing, or the load point never changes its speed.
+        If something is missing, the load point never changes its speed, or friction is negative.
     """
     if measurement.trials:
         raise InputError(
@@ -192,6 +192,12 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
             f" {quantity(path.speeds.max(), 'm/s')}."
         )
     coefficient = np.asarray(measurement.values("friction")) / loads
+    if np.mean(coefficient) <= 0.0:
+        raise InputError(
+            f"the mean coefficient of friction is {number(float(np.mean(coefficient)))} and must be"
+            " above 0: count friction positive in the direction of the pull, with a gain such as"
+            ' gain={"friction": -1}, or correct the offset of the force.'
+        )
     return Record(
         time=time,
         coefficient=coefficient,

@@ -151,6 +151,11 @@ def simulate_velocity_steps(
         )
     logs = logarithms(law, stiffness, knots, speeds, times, tolerance)
     if logs is None:
+        if stiffness > law.critical_stiffness:
+            raise SimulationError(
+                "the equations of the slider are too stiff: with so small a direct effect,"
+                f" {law.direct_effect:g}, its speed follows that of the load point at once."
+            )
         raise SimulationError(
             f"the slider runs away: its stiffness is {stiffness:g} 1/m, and steady sliding needs"
             f" more than the critical one, {law.critical_stiffness:g} 1/m."

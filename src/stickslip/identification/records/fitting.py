@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
-from stickslip.formatting import number, quantity
+from stickslip.formatting import number, percent, quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimation.containment import (
     FittedLaw,
@@ -27,6 +27,7 @@ from stickslip.identification.estimation.halves import contradiction, widened
 from stickslip.identification.estimation.jackknife import infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import by_joint, in_forces, turned_as
@@ -65,6 +66,12 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+FEWEST_ROWS = 12
+"""Rows from which one of them may be called an exception."""
+LONE = 0.5
+"""Share of the squared residuals above which one row is named."""
+EXACT = 1e-12
+"""Squared residual over the variance of what was measured that may come from rounding."""
 WIDER = 100.0
 """How much farther out a guessed bound is moved that the search has met."""
 WIDENINGS = 3
@@ -605,6 +612,7 @@ def finished(
     )
     sentences = (
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
+        *_of_one_row(ready.problem, best.residual, measurement),
         *_doubtful(searched),
     )
     told = (
@@ -631,6 +639,25 @@ def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[st
             *sentences_of(told, best, inference, fit.at_bounds, estimates),
             *sentences,
         ),
+    )
+
+
+def _of_one_row(
+    problem: RecordProblem, residual: Array, measurement: Measurement
+) -> tuple[str, ...]:
+    """Return a sentence where a single row of a record leaves most of the squared residuals."""
+    if measurement.trials or len(residual) < FEWEST_ROWS:
+        return ()
+    squares = residual**2
+    at, total = int(np.argmax(squares)), float(squares.sum())
+    if squares[at] <= max(LONE * total, EXACT * float(np.var(problem.measured))):
+        return ()
+    row = float(problem.times[at])
+    timed = measurement.time is not None
+    where = f"The sample at {quantity(row, 's')}" if timed else f"Row {round(row) + 1} of the table"
+    return (
+        f"{where} alone leaves {percent(float(squares[at]) / total)} of the squared residuals:"
+        " check it for an error of measurement.",
     )
 
 

@@ -12,9 +12,9 @@ from typing_extensions import TypeVar
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, with_doubts
 from stickslip.friction import FrictionLaw
-from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
-from stickslip.identification.force_map.data import stretches_of
+from stickslip.identification.force_map.data import MotionSegment, stretches_of
 from stickslip.identification.force_map.force_balance import BalanceProblemBuilder, balanced
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
@@ -42,6 +42,8 @@ __all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulat
 Array = NDArray[np.float64]
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
+CONSTANT = 1e-6
+"""Variation of a force over its size below which it never changes."""
 RecordRouteName: TypeAlias = Literal["shooting", "force-map", "inverse-dynamics"]
 
 
@@ -301,9 +303,12 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
+    stretches = balanced(mechanism, measurement, hold=hold, slipping=True)
+    if mass is not None:
+        _refuse_constant(stretches, mass)
     problem, starts = map_along(
         wanted.law,
-        balanced(mechanism, measurement, hold=hold, slipping=True),
+        stretches,
         balanced(mechanism, measurement, hold=hold, samples=SOME, slipping=True),
         free=wanted.free,
         known=wanted.known,
@@ -318,6 +323,25 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         _refuse_overrides(measurement, problem.free_parameters)
     build = BalanceProblemBuilder(mechanism, problem, hold)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) -> None:
+    """Refuse to look for a mass where without it friction would be a constant force.
+
+    A mass of 0 with that friction leaves nothing, whatever the motion was.
+    """
+    table = [
+        (one.friction + mass.start * one.regressors[:, 0])[one.rows_of(None)]
+        for one in stretches
+        if one.regressors is not None
+    ]
+    forces = np.concatenate(table)
+    if np.ptp(forces) <= CONSTANT * np.max(np.abs(forces), initial=0.0):
+        raise InputError(
+            f"inverse dynamics cannot find {mass.path}: the force that moves the body never"
+            " changes, and a mass of 0 with a friction of that size would explain it. Give the"
+            " mass and do not vary it, or choose the route shooting."
+        )
 
 
 PROBLEMS: Mapping[RecordRouteName, Callable[[ProblemRequest], FitSetup]] = {
