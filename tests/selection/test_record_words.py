@@ -370,3 +370,8 @@ def test_an_interval_that_reaches_0_is_no_objection_to_a_law_that_an_f_test_esta
 def test_a_law_with_several_objections_is_told_by_the_first():
     assert first_of("c is estimated as 0") == "c is estimated as 0"
     assert first_of("a is 0; b is 0") == "a is 0, and 1 more objection"
+
+
+def test_a_table_of_candidates_has_plain_symbols(confirmed):
+    objected = dataclasses.replace(confirmed.best, outcome="$sigma_2$ is estimated as 0")
+    assert objected.to_row()["outcome"] == "sigma_2 is estimated as 0"

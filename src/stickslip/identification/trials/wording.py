@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from stickslip.experiments import condition_name, condition_unit
-from stickslip.formatting import interval, joined, number, unit_text, with_unit, within
+from stickslip.formatting import interval, joined, number, significant, unit_text, with_unit, within
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity
@@ -96,7 +96,7 @@ def _outcome(
 def _change(line: ConditionLine) -> str:
     """Return how a parameter changes with a condition: "mu_k rises from 2 N at 20 °C to ..."."""
     verb = "rises" if line.slope > 0.0 else "falls"
-    first, last = (with_unit(number(value), line.quantity.unit) for value in line.values)
+    first, last = (with_unit(significant(value), line.quantity.unit) for value in line.values)
     at, to = (_at(line.condition, value) for value in line.ends)
     return f"{line.quantity.symbol} {verb} from {first} at {at} to {last} at {to}"
 
