@@ -136,7 +136,8 @@ def draw_friction_velocity(
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
         factor, unit = scale_of(seen[rate], run.units[rate])
-        v, force = factor * seen[rate], seen["friction"]
+        of_force, unit_of_force = scale_of(seen["friction"], run.units.get("friction", "N"))
+        v, force = factor * seen[rate], of_force * seen["friction"]
         apart = _impacts(seen.t, v)
         axes.axhline(0, color=MUTED, linewidth=0.8)
         axes.axvline(0, color=MUTED, linewidth=0.8)
@@ -145,7 +146,7 @@ def draw_friction_velocity(
         )
         axes.margins(0.08, 0.18)
         axes.set_xlabel(f"velocity, {unit}")
-        axes.set_ylabel(f"friction, {run.units.get('friction', 'N')}")
+        axes.set_ylabel(f"friction, {unit_of_force}")
         axes.grid(axis="y")
         axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
         axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
