@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stickslip import Axis, Measurement, RecordSettings, select
 from stickslip.cli.console import json_text, plain, show_table
-from stickslip.formatting import NO_BREAK_SPACE, Scale, scale_of, unbroken
+from stickslip.formatting import NO_BREAK_SPACE, Scale, scale_of, unbroken, with_unit
 from stickslip.formatting.units import PREFIXES
 from stickslip.quantities import Quantity
 from stickslip.report import Page, Paragraph, Section, Table
@@ -88,7 +88,8 @@ def test_a_score_in_a_column_is_the_score_in_the_sentence(scores, unit, share):
     scale = scale_of(scores, unit)
     parts = score_text(scale, scores[0], share * scores[0])
     assert scale.estimate(scores[0], share * scores[0]).startswith(" ".join(parts).strip())
-    assert score_text(scale, scores[0]).value == scale.number(scores[0])
+    told = with_unit(score_text(scale, scores[0]).value, scale.unit)
+    assert told == scale.error(scores[0])
     assert score_text(scale, math.inf) == ("no score", "")
 
 

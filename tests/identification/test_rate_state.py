@@ -193,7 +193,7 @@ def test_without_an_evolution_effect_only_the_difference_is_known():
     found = fitted(record(law(evolution_effect=0.0), noise=3e-4), drift="none")
     assert found.rate.value == pytest.approx(0.010, rel=0.02)
     assert not found.separable
-    assert any("only a - b is known" in sentence for sentence in found.sentences)
+    assert any("only a − b is known" in sentence for sentence in found.sentences)
     distance = next(e for e in found.estimates if e.quantity.symbol == "D_c")
     assert not distance.bounded
     assert distance.reason
@@ -251,7 +251,7 @@ def test_of_the_rock_only_the_difference_of_a_and_b_is_known(rock):
     assert found.rate.value == pytest.approx(0.0157, abs=0.001)  # published fit: 0.0157, b about 0
     assert found.rmse <= 0.00113  # published: 1.1e-3
     assert not found.separable
-    assert any("only a - b is known" in sentence for sentence in found.sentences)
+    assert any("only a − b is known" in sentence for sentence in found.sentences)
 
 
 def test_the_whole_rock_record_has_the_difference_of_its_levels(rock):

@@ -1,10 +1,12 @@
 """Figures of runs and laws say what they show, and are the same each time."""
 
+import dataclasses
 import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from tests.support import quick, wide_only
 
 from stickslip import (
@@ -22,7 +24,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.control import PID, closed_loop
-from stickslip.drives import Pulse
+from stickslip.drives import Pulse, Sine
 from stickslip.plots import inline_svg
 from stickslip.plots.core.helpers import dense, grouped, horizon, looks, wrapped
 from stickslip.plots.core.label_placement import Curve, label_curves
@@ -229,6 +231,42 @@ def test_only_the_proposed_settings_are_marked():
     none = draw_separation(ROWS, "coulomb", [(0.1, 0.2)])
     words = texts_of(inline_svg(none, alt="Next", prefix="s", **SEPARATION_SIZES), "fw")
     assert "measure here" not in words
+
+
+def test_numbers_of_settings_have_room_and_those_to_measure_next_go_first():
+    values = (0.024, 0.036, 0.06, 0.075, 0.08, 0.1, 0.15)
+    rows = [dataclasses.replace(ROWS[0], value=value) for value in values]
+    figure = Figure(figsize=(8.8, 3.2))
+    draw_separation(rows, "coulomb", proposed=[0.08])(figure, False)
+    (axes,) = figure.axes
+    shown = axes.get_xticks()
+    np.testing.assert_allclose(shown, [0.024, 0.036, 0.06, 0.08, 0.1, 0.15], rtol=1e-12)
+    np.testing.assert_allclose(sorted({*shown, *axes.get_xticks(minor=True)}), values, rtol=1e-12)
+
+
+def test_no_line_joins_the_velocities_before_and_after_a_body_hits_a_stop():
+    drive = Sine(amplitude=60.0, frequency=2.0)
+    axis = Axis(inertia=3.0, lower_stop=-0.02, upper_stop=0.02, restitution=0.4, drive=drive)
+    run = simulate(axis, Coulomb(kinetic_coefficient=20.0), t_end=0.5)
+    assert sum(event.reason == "hits stop" for event in run.events) > 10
+    figure = Figure()
+    draw_friction_velocity(run)(figure, False)
+    v = max((line.get_xdata() for line in figure.axes[0].lines), key=len)
+    # without a gap, a line would lead from sliding one way to sliding the other way
+    far = np.abs(np.diff(v)) > 0.01 * np.nanmax(np.abs(v))
+    assert not (far & (v[:-1] * v[1:] < 0.0)).any()
+    assert np.isnan(v).any()
+
+
+def test_the_axis_of_fixed_steps_names_a_stop_only_where_there_is_one(runs):
+    said = {}
+    for name, run in (("stops", runs["Coulomb"]), ("slides on", runs["Viscous"])):
+        figure = Figure()
+        draw_fixed_steps(run, {"1 ms": run})(figure, False)
+        said[name] = figure.axes[0].get_xlabel()
+    assert said == {
+        "stops": "time after the exact stop, ms", "slides on": "time after the end, ms"
+    }  # fmt: skip
 
 
 def test_stick_slip_that_goes_on_is_shown_to_its_end():

@@ -125,3 +125,11 @@ def test_the_chosen_law_is_the_one_that_is_called_chosen():
         axes = drawn(draw_friction_map(v, 2.0 * np.sign(v), laws, 1.0, chosen=chosen))[0]
         said = [text.get_text().replace("\n", " ") for text in axes.texts]
         assert [one for one in said if one.startswith("chosen: ")] == [f"chosen: {chosen}"]
+
+
+@pytest.mark.parametrize("chosen", RISING)
+def test_the_chosen_law_of_a_map_is_solid_and_the_other_is_dashed(chosen):
+    v = np.linspace(-0.1, 0.1, 100)
+    (axes, *_) = drawn(draw_friction_map(v, 20.0 * v, RISING, 1.0, chosen=chosen))
+    styles = {line.get_color(): line.get_linestyle() for line in axes.get_lines()}
+    assert (styles[C1], styles[C2]) == ("-", "--")

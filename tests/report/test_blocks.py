@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -144,3 +145,30 @@ def test_ticks_at_the_ends_do_not_stick_out_and_have_true_minus_signs():
         ("50%", "0", "middle"),
         ("100%", "1", "last"),
     )
+
+
+@pytest.mark.parametrize(
+    ("ticks", "texts"),
+    [
+        ((3.998, 4.0, 4.002), ["3.998", "4", "4.002"]),
+        ((13.8, 13.85, 13.9), ["13.8", "13.85", "13.9"]),
+        ((2.398, 2.3995, 2.401), ["2.398", "2.3995", "2.401"]),
+        ((0.01, 1.0, 100.0), ["0.01", "1", "100"]),
+        ((0.0, 0.25, 0.5), ["0", "0.25", "0.5"]),
+    ],
+)
+def test_numbers_of_ticks_stand_where_they_say(ticks, texts):
+    axis = report.Axis(low=ticks[0], high=ticks[-1], ticks=ticks)
+    assert [tick.text for tick in axis.placed_ticks()] == texts
+
+
+def test_a_pure_number_in_a_table_has_no_unit():
+    rows = tuple(
+        report.Row(cells=(unit, report.Number(value="0.18", doubt="± 0.02", unit=unit)))
+        for unit in ("1", "N s^2/m^2")
+    )
+    table = report.Table(columns=(report.Column(head="a"), report.Column(head="b")), rows=rows)
+    section = report.Section(id="a", nav="A", heading="A", blocks=(table,))
+    page = report.Page(title="Rig", subject="rig.toml", sections=(section,), footer="stickslip")
+    said = re.findall(r'<span class="unit">(.*?)</span>', report.render(page))
+    assert said == ["N s<sup>2</sup>/m<sup>2</sup>"]

@@ -31,7 +31,7 @@ from stickslip.experiments import LawEstimates
 from stickslip.mechanisms import Prescribed
 from stickslip.report.core import documents
 from stickslip.report.runs import RunReport, page, run_page
-from stickslip.sweep import band_of
+from stickslip.sweep import Spread, band_of
 
 EVERY = "test_every_section_can_be_made_of"
 WHOLE = f"{EVERY}[a cart on bristles]"
@@ -129,6 +129,35 @@ def test_the_page_of_the_reference_cart_says_its_numbers():
     assert "24.86" in said  # the first cycle
     assert "does not hold: lowest velocity −6.1" in said
     assert "0.314 mm back-slip in the last cycle" in said
+
+
+def test_an_axis_that_is_held_does_not_move_in_any_cycle():
+    held = Axis(inertia=1.0, drive=Sine(amplitude=0.5, frequency=2.0))
+    said = texts(run_page(about(held, Coulomb(kinetic_coefficient=1.0), 2.0)))
+    assert "The axis does not move" in said
+    assert "does not move in any cycle" in said
+    assert "advances" not in said
+
+
+def test_rounding_of_the_ways_to_and_fro_is_no_travel():
+    driven = Axis(inertia=3.0, drive=Sine(amplitude=10.0, frequency=2.0))
+    law = dataclasses.replace(
+        LUGRE, kinetic_coefficient=20.0, static_coefficient=28.0, static_switch=False,
+        stribeck_velocity=0.03, bristle_stiffness=1e5, bristle_damping=300.0,
+    )  # fmt: skip
+    subject = about(driven, law, 2.0)
+    last = subject.cycles[-1]
+    assert 0.0 < abs(last.travel) < 1e-6 * last.back_slip
+    assert last.advance == 0.0
+    said = texts(run_page(subject))
+    assert "The last cycle ends where it began" in said
+    assert not re.search(r"10 −\d\d (?:m|mm|m/s)\b", said)
+
+
+def test_a_range_has_the_unit_and_the_last_digit_of_the_number_beside_it():
+    subject = about(BLOCK, COULOMB, 2.0)
+    assert subject.range_beside(Spread(0.0982, 0.0999, 0.1017), 0.0999) == "98.2 to 101.7 mm"
+    assert subject.range_beside(Spread(0.0, 0.0, 0.2), 0.0) == "0.00 to 0.20 m"
 
 
 def test_of_very_many_cycles_some_are_shown_and_the_others_are_said_to_be_left_out():

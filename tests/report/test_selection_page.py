@@ -271,7 +271,7 @@ def test_fixed_steps_are_reported_with_how_often_they_reverse_the_body(alone, al
     stop = alone.best.criteria.stop_time
     rows = compare_fixed_steps(RIG, alone.best.fit.law, t_end=2.0 * stop, steps=(dt,))
     assert int(found[2]) == max(row.reversals for row in rows)
-    assert "Velocity around the stop, exact and with fixed steps" in reader.labels
+    assert "Velocity of the exact run and with fixed steps" in reader.labels
 
 
 def test_only_reversals_beyond_those_of_the_exact_run_are_counted(alone):

@@ -230,7 +230,7 @@ def test_what_is_not_distinguished_is_listed():
 
 def test_scores_have_the_digits_that_their_standard_error_allows():
     assert score_text(Scale(1e3, "mm"), 0.00043, 0.000079) == ("0.43", "± 0.08")
-    assert score_text(Scale(1.0, "N"), 1.0, math.inf) == ("1", "")
+    assert score_text(Scale(1.0, "N"), 1.0, math.inf) == ("1.00", "")
     assert score_text(Scale(1.0, "rad"), 0.2, 0.03) == ("0.20", "± 0.03")
 
 
@@ -319,7 +319,7 @@ def test_halves_that_contradict_each_other_stand_in_the_verdict(confirmed):
     best = dataclasses.replace(confirmed.best, fit=dataclasses.replace(fit, halves=apart))
     said = words_with(confirmed, best).verdict
     assert "predicts best, but the two halves of the record disagree: " in said
-    assert "= 9 N and 1 N, a difference of 80 standard errors." in said
+    assert "= 9.0 and 1.0 N, a difference of 80 standard errors." in said
 
 
 def judged_again(verdict, candidates):
@@ -370,3 +370,8 @@ def test_an_interval_that_reaches_0_is_no_objection_to_a_law_that_an_f_test_esta
 def test_a_law_with_several_objections_is_told_by_the_first():
     assert first_of("c is estimated as 0") == "c is estimated as 0"
     assert first_of("a is 0; b is 0") == "a is 0, and 1 more objection"
+
+
+def test_a_table_of_candidates_has_plain_symbols(confirmed):
+    objected = dataclasses.replace(confirmed.best, outcome="$sigma_2$ is estimated as 0")
+    assert objected.to_row()["outcome"] == "sigma_2 is estimated as 0"

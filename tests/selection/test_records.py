@@ -399,7 +399,7 @@ def test_scores_that_read_alike_have_the_digits_that_tell_them_apart():
     assert [distinct(millimetres, pair, one) for one in pair] == ["1.2341 mm", "1.2344 mm"]
     # equal scores, and what is no score of these, are written as ever
     assert distinct(millimetres, (pair[0], pair[0]), pair[0]) == "1.23 mm"
-    assert distinct(millimetres, pair, 2e-6) == "0.002 mm"
+    assert distinct(millimetres, pair, 2e-6) == "0.00200 mm"
     assert distinct(Scale(1.0, "N"), (1.234, 1.2339999999), 1.234) == "1.23 N"
 
 

@@ -35,7 +35,7 @@ from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
-from stickslip.formatting import fixed, number, printable, residue
+from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -280,7 +280,7 @@ def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
     """Return what the headline and the tiles of a run say of its motion, by what it is called."""
     if cycles := _cycles(mechanism, run):
         return {
-            "travel in a cycle": cycles[-1].travel,
+            "travel in a cycle": cycles[-1].advance,
             "back-slip in a cycle": cycles[-1].back_slip,
         }
     seen = criteria_of(run, mechanism)
@@ -496,12 +496,13 @@ def _show_band(band: Band) -> None:
         rows.append([f"mean velocity{of}", *_cells(band.mean_velocities[name], f"{unit}/s")])
     stdout().print()
     title = f"{band.count} runs with samples of {', '.join(band.draws)}, seed {band.seed}"
-    show_table(title, ["", "median", "95 % from", "to", "unit"], rows)
+    show_table(title, ["", "median", "95 % of the runs", "unit"], rows)
     if band.ended_early:
         early = f"{band.ended_early} of {band.count} runs ended early and are excluded."
         stdout().print(early, markup=False)
 
 
 def _cells(spread: Spread, unit: str) -> list[str]:
-    values = (spread.median, spread.low, spread.high)
-    return [*(f"{number(value + 0.0, 6)}" for value in values), unit]
+    factor, unit = scale_of([spread.median], unit)
+    median, low, high = (factor * one for one in (spread.median, spread.low, spread.high))
+    return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]

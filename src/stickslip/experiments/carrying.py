@@ -14,6 +14,7 @@ from stickslip.experiments.estimates import (
     equated,
     levels_at,
     slips_in_angle,
+    unit_on,
 )
 from stickslip.experiments.rig import Rig
 from stickslip.formatting import joined, number, quantity, span
@@ -341,9 +342,8 @@ def unfitted_bristles(
     give = 2.0 * float(law.break_away(1.0)) / min(stiffness)
     if give < DECIDES * abs(distance):
         return ()
-    turning = slips_in_angle(mechanism)
     return tuple(
-        f"${one.symbol}$ = {quantity(value, turned(one.unit, turning))}"
+        f"${one.symbol}$ = {quantity(value, unit_on(mechanism, one))}"
         for name, one, value in found
         if name not in fitted
     )

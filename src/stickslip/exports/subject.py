@@ -10,7 +10,10 @@ from stickslip.errors import InputError
 from stickslip.experiments import AT_UNIT_LOAD, LawEstimates, Levels, Rig
 from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
-from stickslip.formatting import printable
+from stickslip.formatting import (
+    parameter_words,
+    printable,
+)
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, turned
@@ -77,7 +80,7 @@ class Subject:
                 name=one.identifier,
                 value=one.value,
                 unit=self.unit(one.quantity),
-                meaning=", ".join(filter(None, (one.name.replace("_", " "), self.known(one.name)))),
+                meaning=", ".join(filter(None, (parameter_words(one.name), self.known(one.name)))),
             )
             for one in self.equations.parameters
         )

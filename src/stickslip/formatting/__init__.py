@@ -30,6 +30,7 @@ from stickslip.formatting.text import (
     in_words,
     joined,
     lower_first,
+    parameter_words,
     printable,
     unbroken,
 )
@@ -61,6 +62,7 @@ __all__ = [
     "joined",
     "lower_first",
     "number",
+    "parameter_words",
     "percent",
     "printable",
     "quantities",

@@ -12,6 +12,7 @@ __all__ = [
     "in_words",
     "joined",
     "lower_first",
+    "parameter_words",
     "printable",
     "unbroken",
 ]
@@ -38,6 +39,7 @@ _WITHIN: Final = re.compile(
     rf"(?<=[\d)⁰¹²³⁴⁵⁶⁷⁸⁹])(?: {_UNIT})+"  # a number and its unit
     r"|(?<=[\d)]) (?=[%±×✓!](?![A-Za-z]))"
     r"|(?<=[±×]) (?=\d)"
+    r"|(?<=\$) = (?=[\d(−])"  # a symbol and its value
 )
 
 
@@ -207,3 +209,24 @@ def lower_first(text: str) -> str:
     'the rig: mass and stiffness.'
     """
     return text[:1].lower() + text[1:]
+
+
+def parameter_words(path: str) -> str:
+    """Return the name of a parameter in words, as it stands within a sentence.
+
+    Parameters
+    ----------
+    path : str
+        Its path or its name.
+
+    Returns
+    -------
+    str
+        The last part of the path, with spaces; proper names begin with a capital.
+
+    Examples
+    --------
+    >>> parameter_words("friction.kinetic_coefficient"), parameter_words("stribeck_velocity")
+    ('kinetic coefficient', 'Stribeck velocity')
+    """
+    return path.rpartition(".")[2].replace("_", " ").replace("stribeck", "Stribeck")

@@ -8,11 +8,14 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from stickslip.formatting.numbers import (
+    MOST_DIGITS,
     PLAIN_POWERS,
     EstimateText,
     estimate,
     estimate_text,
+    interval,
     number,
+    significant,
 )
 
 __all__ = ["Scale", "quantities", "quantity", "scale_of", "span", "unit_text", "with_unit"]
@@ -82,6 +85,50 @@ class Scale(NamedTuple):
             Number and unit.
         """
         return with_unit(self.number(value, digits), self.unit)
+
+    def error(self, value: float, digits: int = 3) -> str:
+        """Return an SI error or residual with this unit, zeros at its end kept.
+
+        Parameters
+        ----------
+        value : float
+            The error, SI.
+        digits : int
+            Significant digits.
+
+        Returns
+        -------
+        str
+            Number and unit.
+
+        Examples
+        --------
+        >>> Scale(1e3, "mm").error(0.01), Scale(1e3, "mm").quantity(0.01)
+        ('10.0 mm', '10 mm')
+        """
+        return with_unit(significant(self.factor * value, digits), self.unit)
+
+    def interval(self, low: float, high: float) -> str:
+        """Return an SI range in this unit, its ends rounded to two digits of its width.
+
+        Parameters
+        ----------
+        low, high : float
+            The ends, SI.
+
+        Returns
+        -------
+        str
+            Both ends and unit; one number where they agree to six digits.
+
+        Examples
+        --------
+        >>> Scale(1e3, "mm").interval(0.0982, 0.1017), Scale(1e3, "mm").interval(0.02, 0.02)
+        ('98.2 to 101.7 mm', '20 mm')
+        """
+        if high - low <= 10.0**-MOST_DIGITS * max(abs(low), abs(high)):
+            return self.quantity(low, MOST_DIGITS)
+        return with_unit(interval(self.factor * low, self.factor * high), self.unit)
 
     def estimate(self, value: float, half_width: float) -> str:
         """Return an SI value with its error and this unit.
@@ -250,10 +297,13 @@ def unit_text(unit: str) -> str:
 
     Examples
     --------
-    >>> unit_text("N s^2/m^2"), unit_text("1")
-    ('N s²/m²', '')
+    >>> unit_text("N s^2/m^2"), unit_text("1"), unit_text("N/degC")
+    ('N s²/m²', '', 'N/°C')
     """
-    return "" if unit == "1" else re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_RAISED), unit)
+    if unit == "1":
+        return ""
+    unit = re.sub(r"\bdeg(?=[CF]\b)", "°", unit)
+    return re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_RAISED), unit)
 
 
 def with_unit(text: str, unit: str) -> str:

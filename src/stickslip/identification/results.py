@@ -22,6 +22,7 @@ from stickslip.formatting import (
     interval,
     joined,
     number,
+    parameter_words,
     printable,
     with_unit,
     within,
@@ -230,7 +231,7 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         """Return the law with its estimates, and what the data cannot tell."""
         rows = [
             (
-                e.path.rpartition(".")[2].replace("_", " "),
+                parameter_words(e.path),
                 e.quantity.symbol,
                 within(e.value, e.low, e.high),
                 "" if e.quantity.unit == "1" else e.quantity.unit,

@@ -85,7 +85,7 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
                 cells = [name, one.name, str(one.parameters) if one.fit else NO_VALUE]
                 cells.append(f"{error} {own.scale.unit}" if one.validation else NO_VALUE)
                 if second:
-                    cells.append(own.scale.quantity(one.second.rms) if one.second else NO_VALUE)
+                    cells.append(own.scale.error(one.second.rms) if one.second else NO_VALUE)
                 rows.append(cells)
                 notes.append(f"{name}, {one.name}: {one.outcome}")
             notes += [f"{name}: {line}" for line in own.missing]

@@ -98,7 +98,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     @override
     def comparison(self, verdict: RateStateVerdict) -> Comparison:
         second = any(one.second is not None for one in verdict.candidates)
-        heads = ["law", "free", "held-out error", "a - b", *(["second record"] if second else [])]
+        heads = ["law", "free", "held-out error", "a − b", *(["second record"] if second else [])]
         rows = []
         for one in verdict.candidates:
             fit = one.fit

@@ -201,7 +201,8 @@ def _row(candidate: RecordCandidate, verdict: RecordVerdict, *, second: bool) ->
     scale = verdict.scale
 
     def shown(value: float | None) -> str:
-        return NO_VALUE if value is None or not math.isfinite(value) else scale.number(value)
+        known = value is not None and math.isfinite(value)
+        return score_text(scale, value).value if known else NO_VALUE
 
     seen = candidate.validation
     score = " ".join(score_text(scale, candidate.score, candidate.score_error)).strip()

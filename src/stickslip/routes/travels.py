@@ -7,7 +7,16 @@ from typing import final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, interval, quantity, significant
+from stickslip.formatting import (
+    NO_VALUE,
+    Scale,
+    interval,
+    quantity,
+    scale_of,
+    significant,
+    with_unit,
+    within,
+)
 from stickslip.friction import law_type
 from stickslip.identification import (
     AnyLaw,
@@ -28,7 +37,14 @@ from stickslip.routes.route import (
     Route,
     SelectRequest,
 )
-from stickslip.selection import PLAIN, TravelCandidate, TravelVerdict, limits_of, select_travels
+from stickslip.selection import (
+    PLAIN,
+    TravelCandidate,
+    TravelVerdict,
+    limits_of,
+    score_text,
+    select_travels,
+)
 
 __all__ = ["TravelRoute"]
 
@@ -96,7 +112,8 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
         everyone = verdict.candidates
         notes = [f"{c.title}: {c.unscored}" for c in everyone if verdict.ranked and c.unscored]
         first = trials[0] if read else None
-        rows = [_row(c, first, ranked=verdict.ranked) for c in everyone]
+        scale = scale_of([c.criteria.travel for c in everyone if c.criteria], "m")
+        rows = [_row(c, first, scale, ranked=verdict.ranked) for c in everyone]
         return Comparison(heads=heads, rows=rows, notes=notes)
 
     @override
@@ -120,7 +137,9 @@ class TravelRoute(Route[TravelFit, TravelVerdict]):
         return travel_sections(verdict, origin, remark)
 
 
-def _row(candidate: TravelCandidate, first: Trial | None, *, ranked: bool) -> list[str]:
+def _row(
+    candidate: TravelCandidate, first: Trial | None, scale: Scale, *, ranked: bool
+) -> list[str]:
     """Return a row; with the first trial, where other quantities than travels were read."""
     if candidate.fit is None or candidate.criteria is None:
         rest = 3 + (first is not None) + ranked
@@ -128,11 +147,18 @@ def _row(candidate: TravelCandidate, first: Trial | None, *, ranked: bool) -> li
     found = candidate.fit.estimates
     cells = [
         candidate.title,
-        ", ".join(f"{e.quantity.symbol} = {significant(e.value, 3)}" for e in found),
+        ", ".join(
+            f"{e.quantity.symbol} = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
+            for e in found
+        ),
         ", ".join(interval(e.low, e.high) for e in found),
-        quantity(candidate.criteria.travel, "m"),
+        with_unit(significant(scale.factor * candidate.criteria.travel), scale.unit),
         *([] if first is None else [first.as_read(candidate.criteria.travel)]),
         "yes" if candidate.criteria.velocity_never_negative else "no",
     ]
-    score = NO_VALUE if candidate.score is None else significant(1e3 * candidate.score, 3)
-    return cells + ([score] if ranked else [])
+    if not ranked:
+        return cells
+    if candidate.score is None:
+        return [*cells, NO_VALUE]
+    score = score_text(Scale(1e3, "mm"), candidate.score, candidate.score_error)
+    return [*cells, " ".join(score).strip()]

@@ -70,7 +70,7 @@ class FeatureCandidate(Candidate[FeatureFit]):
             "score": self.score,
             "score_error": self.score_error,
             **{f"{name}_error": self.errors.get(name, math.nan) for name in COMPARED},
-            "outcome": self.outcome,
+            "outcome": plain(self.outcome),
         }
 
     @override

@@ -180,7 +180,7 @@ def _lede(
         text = " ".join(score_text(one.scale, one.closest.score, one.closest.score_error)).strip()
         part = f"{text} {one.scale.unit} at the {name}"
         if one.on_second is not None:
-            part += f" ({one.scale.quantity(one.on_second.error)} on the second record)"
+            part += f" ({one.scale.error(one.on_second.error)} on the second record)"
         errors.append(part)
     text = f"Held-out error of the force: {joined(errors)}."
     for name, one in verdicts.items():

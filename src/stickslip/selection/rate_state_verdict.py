@@ -76,7 +76,7 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
             "score_error": self.validation.error if self.validation else math.nan,
             "a_minus_b": self.fit.rate.value if self.fit else math.nan,
             "rmse": self.fit.rmse if self.fit else math.nan,
-            "outcome": self.outcome,
+            "outcome": plain(self.outcome),
         }
 
     @override

@@ -183,7 +183,7 @@ def _lede(
 
 def _about_rate(fit: RateStateFit) -> str:
     rate = fit.rate
-    told = f"$a$ - $b$ = {rate.plus_minus}"
+    told = f"$a$ − $b$ = {rate.plus_minus}"
     if rate.low > 0.0:
         return f"{told}: friction grows with speed, and steady sliding is stable."
     if rate.high < 0.0:
@@ -201,7 +201,7 @@ def _about_rate(fit: RateStateFit) -> str:
 def _settles(fit: RateStateFit) -> tuple[str, ...]:
     lines = []
     if fit.rate.interval != "known" and fit.rate.bounded:
-        lines.append(f"$a$ - $b$ = {fit.rate.plus_minus}.")
+        lines.append(f"$a$ − $b$ = {fit.rate.plus_minus}.")
     known = [e for e in fit.estimates if e.bounded and e.path.startswith("friction.")]
     if fit.separable:
         symbols = [f"${e.quantity.symbol}$ = {e.plus_minus}" for e in known

@@ -122,7 +122,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "score_error": self.validation.error if self.validation else math.nan,
             "last_third": self.validation.extrapolation if self.validation else math.nan,
             "second_record": self.second.rms if self.second else math.nan,
-            "outcome": self.outcome,
+            "outcome": plain(self.outcome),
         }
 
     @override

@@ -109,10 +109,10 @@ def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
     """
     others = [other for other in among if other != value] if value in among else []
     for digits in range(3, 8):
-        text = scale.quantity(value, digits)
-        if all(scale.quantity(other, digits) != text for other in others):
+        text = scale.error(value, digits)
+        if all(scale.error(other, digits) != text for other in others):
             return text
-    return scale.quantity(value)
+    return scale.error(value)
 
 
 def outcomes(
@@ -343,9 +343,11 @@ def _lede(
         text += f" {capital(_not_distinguished(equal))}."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
+        apart = _told_apart(usual, best)
+        error = told(usual.score) if apart else scale.error(usual.score)
         text += (
-            f" Coulomb + viscous friction, the usual choice: {told(usual.score)} on the same blocks"
-            f"{'' if _told_apart(usual, best) else ', which is not significantly different'}."
+            f" Coulomb + viscous friction, the usual choice: {error} on the same blocks"
+            f"{'' if apart else ', which is not significantly different'}."
         )
     elif without is not None and math.isfinite(without.score):
         text += f" Without friction: {told(without.score)}."

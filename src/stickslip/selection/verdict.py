@@ -12,7 +12,7 @@ from typing_extensions import TypeVar, override
 
 from stickslip.display import OnAxes, Summary, plots, summary_of_table
 from stickslip.experiments import Measurement
-from stickslip.formatting import EstimateText, Scale, count, scale_of
+from stickslip.formatting import EstimateText, Scale, count, scale_of, significant
 from stickslip.identification import Fit, FittedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
@@ -79,7 +79,7 @@ def score_text(scale: Scale, score: float | None, error: float | None = None) ->
     if score is None or not math.isfinite(score):
         return EstimateText("no score", "")
     if error is None or not math.isfinite(error):
-        return EstimateText(scale.number(score), "")
+        return EstimateText(significant(scale.factor * score), "")
     return scale.estimate_text(score, error)
 
 

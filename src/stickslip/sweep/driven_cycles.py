@@ -38,6 +38,11 @@ class DrivenCycle:
     """Lowest normal force [N]."""
 
     @property
+    def advance(self) -> float:
+        """Travel [m] or [rad], exactly 0 where it is rounding of the ways to and fro."""
+        return self.travel if self.moves_on else 0.0
+
+    @property
     def mean_velocity(self) -> float:
         """Travel over duration [m/s] or [rad/s]."""
         return self.travel / self.period

@@ -174,7 +174,7 @@ def in_words(path: str) -> str:
     """
     if path.startswith("measurement.offset.force."):
         return "constant force"
-    return path.rpartition(".")[2].replace("_", " ")
+    return formatting.parameter_words(path)
 
 
 def step_intervals(

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from stickslip.formatting import number
+from stickslip.formatting import number, with_unit, within
 from stickslip.identification.estimation.jackknife import (
     BLOCKS,
     Inference,
@@ -210,11 +210,9 @@ def difference(quantities: Sequence[Quantity], halves: Halves | None) -> str:
         return ""
     worst = halves.contradicting[0]
     own = quantities[worst]
-    first, second = (
-        f"{number(float(values[worst]))}{'' if own.unit == '1' else f' {own.unit}'}"
-        for values in halves.values
-    )
+    ends = sorted(float(values[worst]) for values in halves.values)
+    first, second = (within(float(values[worst]), *ends) for values in halves.values)
     return (
-        f"{own.symbol} = {first} and {second}, a difference of"
+        f"{own.symbol} = {first} and {with_unit(second, own.unit)}, a difference of"
         f" {number(abs(float(halves.distance[worst])), 2)} standard errors"
     )

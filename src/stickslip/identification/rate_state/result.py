@@ -508,7 +508,7 @@ def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
             )
         else:
             said.append(
-                f"a and b are not separable on this record (correlation {correlation}): only a - b"
+                f"a and b are not separable on this record (correlation {correlation}): only a − b"
                 " is known."
             )
     distance = fitted.get(PATHS[2])
@@ -517,7 +517,7 @@ def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
     if fit.drift:
         said.append(
             f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
-            " law; a - b and a drift trade against each other."
+            " law; a − b and a drift trade against each other."
         )
     said += _about_windows(fit.windows)
     if found.agreeing == 1 and len(found.costs) > 1:
@@ -528,7 +528,7 @@ def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
 
 
 def _about_rate(rate: Estimate) -> str:
-    sign = "either sign of a - b is possible"
+    sign = "either sign of a − b is possible"
     if rate.low > 0.0:
         sign = "friction grows with speed, and steady sliding is stable"
     elif rate.high < 0.0:
@@ -551,7 +551,7 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
         f"{estimated(w.rate, w.half_width)} with {quantity(w.after, 'm')}" for w in windows
     )
     return [
-        f"a - b depends on the length of record used after the last step: {told}. The law does not"
+        f"a − b depends on the length of record used after the last step: {told}. The law does not"
         " describe the whole record; the interval holds for the part used."
     ]
 

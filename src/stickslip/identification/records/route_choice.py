@@ -15,7 +15,11 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, StickslipError, renamed
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, percent
+from stickslip.formatting import (
+    number,
+    parameter_words,
+    percent,
+)
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled
@@ -305,7 +309,7 @@ def _contradiction(
         if path.endswith(COMPARED) and value > 0.0 and other > 0.0:
             factor = max(value / other, other / value)
             if factor > CONTRADICTED:
-                name = path.rpartition(".")[2].replace("_", " ")
+                name = parameter_words(path)
                 return (
                     f"simulated segments and inverse dynamics disagree: the {name} differs by a"
                     f" factor of {number(factor, 2)}"

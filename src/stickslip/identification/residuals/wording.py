@@ -5,7 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import number, percent, quantities, quantity
+from stickslip.formatting import (
+    percent,
+    quantity,
+    scale_of,
+    with_unit,
+    within,
+)
 from stickslip.identification.residuals.effects import Effect
 from stickslip.quantities import turned
 
@@ -108,7 +114,7 @@ SAID: Mapping[str, tuple[str, str, str]] = {
 
 
 def finding_of(
-    effect: Effect, value: float, interval: tuple[float, float], measurement: Measurement
+    effect: Effect, value: float, ends: tuple[float, float], measurement: Measurement
 ) -> str:
     """Return what an error is, with its size and interval.
 
@@ -118,7 +124,7 @@ def finding_of(
         The error.
     value : float
         Its coefficient [SI].
-    interval : (float, float)
+    ends : (float, float)
         Ends of its 95 % interval [SI].
     measurement : Measurement
         The record, which says whether units are those of rotation.
@@ -133,35 +139,37 @@ def finding_of(
     >>> record = Measurement(time=[0.0, 1e-3], position=[0.0, 1e-3], force=[1.0, 1.0])
     >>> spring = Effect("spring", lambda s: (s.middle,))
     >>> finding_of(spring, -4.0, (-4.1, -3.9), record).partition(":")[0]
-    'A force falls with position by 4 N/m (95 % interval 3.9 N/m to 4.1 N/m)'
+    'A force falls with position by 4.00 N/m (95 % interval 3.90 to 4.10 N/m)'
     """
     unit, above, below = SAID[effect.kind]
     sign = -1.0 if value < 0.0 else 1.0
-    ends = sorted(sign * end for end in interval)
-    size, low, high = _sized([abs(value), *ends], unit, measurement)
+    low, high = sorted(sign * end for end in ends)
+    size, span = _sized(abs(value), (low, high), unit, measurement)
     scaled = measurement.unit("force" if effect.kind == "force limit" else "position")
     return (above if value > 0.0 else below).format(
-        size=f"{size} (95 % interval {low} to {high})",
+        size=f"{size} (95 % interval {span})",
         scale=quantity(effect.scale, scaled),
         where="near rest" if effect.scale else "at the largest speed",
         half=_half_sample(value, measurement),
     )
 
 
-def _sized(values: list[float], unit: str, measurement: Measurement) -> list[str]:
-    """Return numbers with their unit."""
+def _sized(
+    value: float, ends: tuple[float, float], unit: str, measurement: Measurement
+) -> tuple[str, str]:
+    """Return a number and its interval, both to the same digit and in one unit."""
     if unit == "share":
-        return [percent(value) for value in values]
-    if not unit:
-        return [number(value) for value in values]
+        low, high = map(percent, ends)
+        return percent(value), f"{low} to {high}"
     force = measurement.unit("force")
-    if unit == "stiffness":
-        stiffness = f"{force}/{measurement.unit('position')}"
-        return [quantity(value, stiffness) for value in values]
-    if unit == "mass":
-        return [quantity(value, turned("kg", measurement.turning)) for value in values]
-    unit = force if unit == "force" else unit
-    return [quantity(values[0], unit), *quantities(values[1:], unit)]
+    units = {
+        "force": force,
+        "stiffness": f"{force}/{measurement.unit('position')}",
+        "mass": turned("kg", measurement.turning),
+    }
+    scale = scale_of([value], units.get(unit, unit))
+    low, high = (scale.factor * end for end in ends)
+    return with_unit(within(scale.factor * value, low, high), scale.unit), scale.interval(*ends)
 
 
 def _half_sample(delay: float, measurement: Measurement) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from stickslip.experiments import condition_name, condition_unit
-from stickslip.formatting import joined, number, with_unit
+from stickslip.formatting import interval, joined, number, significant, unit_text, with_unit, within
 from stickslip.identification.trials.condition_lines import ConditionLine
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity
@@ -94,24 +94,26 @@ def _outcome(
 
 
 def _change(line: ConditionLine) -> str:
-    """Return how a parameter changes with a condition: "mu_k rises from 2 N at 20 degC to ..."."""
+    """Return how a parameter changes with a condition: "mu_k rises from 2 N at 20 °C to ..."."""
     verb = "rises" if line.slope > 0.0 else "falls"
-    first, last = (with_unit(number(value), line.quantity.unit) for value in line.values)
+    first, last = (with_unit(significant(value), line.quantity.unit) for value in line.values)
     at, to = (_at(line.condition, value) for value in line.ends)
     return f"{line.quantity.symbol} {verb} from {first} at {at} to {last} at {to}"
 
 
 def _at(condition: str, value: float) -> str:
     unit = condition_unit(condition)
-    return f"{number(value)} {unit}" if unit else f"{condition_name(condition)} {number(value)}"
+    if unit:
+        return with_unit(number(value), unit)
+    return f"{condition_name(condition)} {number(value)}"
 
 
 def _slope(line: ConditionLine, *, confirmed: bool) -> str:
-    unit = "" if line.quantity.unit == "1" else f" {line.quantity.unit}"
-    by = condition_unit(line.condition) or f"unit of {condition_name(line.condition)}"
+    by = unit_text(condition_unit(line.condition)) or f"unit of {condition_name(line.condition)}"
+    slope = with_unit(within(line.slope, line.low, line.high), line.quantity.unit)
     text = (
-        f"{line.quantity.symbol} changes by {number(line.slope)}{unit} per {by} (95 % interval"
-        f" {number(line.low)} to {number(line.high)})"
+        f"{line.quantity.symbol} changes by {slope} per {by} (95 % interval"
+        f" {interval(line.low, line.high)})"
     )
     if line.scatter < SURE:
         text += ", including scatter about the line beyond the intervals of the trials"

@@ -13,6 +13,7 @@ from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED
 from stickslip.trajectory import Trajectory
 
 __all__ = [
+    "JUMP",
     "Array",
     "LineStyle",
     "Sizes",

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, condition_name, condition_unit, velocity_of
-from stickslip.formatting import scale_of
+from stickslip.formatting import scale_of, unit_text
 from stickslip.identification import ConditionLine, TrialComparison, load_along
 from stickslip.mechanisms import Mechanism
 from stickslip.plots.core.arguments import check_type
@@ -159,10 +159,11 @@ def _parameter(
         axes.set_xticks(range(len(words)), words)
         axes.margins(x=0.3)
     quantity = comparison.trials[0].estimates[i].quantity
-    unit = "" if quantity.unit == "1" else f", {quantity.unit}"
-    axes.set_title(f"{symbol_label(quantity.symbol)}{unit}", color=MUTED)
+    unit = unit_text(quantity.unit)
+    title = symbol_label(quantity.symbol)
+    axes.set_title(f"{title}, {unit}" if unit else title, color=MUTED)
     what = condition_name(condition) or "trial"
-    in_unit = condition_unit(condition)
+    in_unit = unit_text(condition_unit(condition))
     axes.set_xlabel(f"{what}, {in_unit}" if in_unit else what)
     axes.grid(axis="y")
 

@@ -111,7 +111,7 @@ def draw_friction_map(
             seen = (velocity >= first) & (velocity <= last)
             _points(axes, factor * velocity[seen], friction[seen], turn[seen])
             lines = _inside(curves, first, last, factor)
-            _lines(axes, lines, look)
+            _lines(axes, lines, look, chosen)
             _frame(axes, (factor * first, factor * last), friction[seen], lines)
             axes.set(xlabel=f"velocity, {unit}", ylabel=f"friction, {units[1]}")
         if low_speeds:
@@ -176,11 +176,14 @@ def _say_trend(axes: Axes) -> None:
 
 
 def _lines(
-    axes: Axes, lines: Mapping[str, tuple[Array, Array]], look: Mapping[str, LineStyle]
+    axes: Axes,
+    lines: Mapping[str, tuple[Array, Array]],
+    look: Mapping[str, LineStyle],
+    chosen: str,
 ) -> None:
     for name, (v, force) in lines.items():
         colour, _, width, order = look[name]
-        dashes = "-" if order == max(one.order for one in look.values()) else (0, (5, 2))
+        dashes = "-" if name == chosen else (0, (5, 2))
         axes.plot(v, force, color=colour, linestyle=dashes, linewidth=width, zorder=order)
 
 

@@ -52,7 +52,8 @@ def draw_fixed_steps(
     callable
         Draws it; each panel covers the same number of steps, so that chatter is as wide.
     """
-    stop = next((e.t for e in reversed(exact.events) if e.to_mode == 0), exact.span[1])
+    found = next((e.t for e in reversed(exact.events) if e.to_mode == 0), None)
+    stop = exact.span[1] if found is None else found
 
     def draw(figure: Figure, narrow: bool) -> None:
         columns = 1 if narrow else min(COLUMNS, len(fixed))
@@ -64,7 +65,7 @@ def draw_fixed_steps(
         for axes in panels[len(fixed) :]:
             axes.set_visible(False)
         for axes in panels[max(len(fixed) - columns, 0) : len(fixed)]:
-            axes.set_xlabel("time after the exact stop, ms")
+            axes.set_xlabel(f"time after the {'end' if found is None else 'exact stop'}, ms")
 
     return draw
 

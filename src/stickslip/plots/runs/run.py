@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.formatting import scale_of
@@ -13,6 +14,8 @@ from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
 from stickslip.plots.core.event_markers import name_events, name_modes, within
 from stickslip.plots.core.helpers import (
+    JUMP,
+    Array,
     Sizes,
     coordinate_name,
     dense,
@@ -133,13 +136,17 @@ def draw_friction_velocity(
     def draw(figure: Figure, _narrow: bool) -> None:
         axes = figure.add_subplot()
         factor, unit = scale_of(seen[rate], run.units[rate])
-        v, force = factor * seen[rate], seen["friction"]
+        of_force, unit_of_force = scale_of(seen["friction"], run.units.get("friction", "N"))
+        v, force = factor * seen[rate], of_force * seen["friction"]
+        apart = _impacts(seen.t, v)
         axes.axhline(0, color=MUTED, linewidth=0.8)
         axes.axvline(0, color=MUTED, linewidth=0.8)
-        axes.plot(v, force, color=C1, linewidth=2.0)
+        axes.plot(
+            np.insert(v, apart, np.nan), np.insert(force, apart, np.nan), color=C1, linewidth=2.0
+        )
         axes.margins(0.08, 0.18)
         axes.set_xlabel(f"velocity, {unit}")
-        axes.set_ylabel("friction, N")
+        axes.set_ylabel(f"friction, {unit_of_force}")
         axes.grid(axis="y")
         axes.plot(v[:1], force[:1], "o", color=C1, markerfacecolor=SURFACE, markersize=6, zorder=4)
         axes.plot(v[-1:], force[-1:], "o", color=C1, markersize=5, zorder=5)
@@ -148,6 +155,15 @@ def draw_friction_velocity(
             label_at(axes, v[-1], force[-1], "end", INK, offset=(8, 9))
 
     return draw
+
+
+def _impacts(t: Array, v: Array) -> NDArray[np.intp]:
+    """Return the places of samples before which the velocity jumps at an instant.
+
+    No line joins the two states, since friction between them is that of neither.
+    """
+    at_once = np.diff(t) <= 4.0 * np.spacing(np.abs(t[1:]))
+    return np.flatnonzero(at_once & (np.abs(np.diff(v)) > JUMP * np.abs(v).max(initial=0.0))) + 1
 
 
 def draw_runs(

@@ -23,6 +23,8 @@ from stickslip.selection import Separation, TravelVerdict
 __all__ = ["SEPARATION_SIZES", "draw_proposal", "draw_separation", "plot_separation"]
 
 SEPARATION_SIZES: Final = Sizes(wide=(880, 320), narrow=(358, 300))
+ROOM, NARROW_ROOM = 0.06, 0.12
+"""Width of the number of a setting over that of all settings, in a wide and a narrow figure."""
 
 
 def draw_separation(
@@ -74,7 +76,7 @@ def draw_separation(
         axes.set_xlabel(f"{what}, {unit}")
         axes.set_ylabel("travel, m")
         axes.grid(axis="y")
-        axes.set_xticks(settings)
+        _ticks(axes, settings, [factor * value for value in proposed], narrow)
         axes.margins(x=0.03)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         _where_to_measure(axes, [factor * value for value in proposed])
@@ -83,6 +85,17 @@ def draw_separation(
         _name_laws(axes, settings, paths, look, titles, narrow)
 
     return draw
+
+
+def _ticks(axes: Axes, settings: Array, proposed: Sequence[float], narrow: bool) -> None:
+    """Number the settings that have room for it, those to measure next before all others."""
+    least = (NARROW_ROOM if narrow else ROOM) * float(np.ptp(settings))
+    shown: list[float] = []
+    for at in [*proposed, settings[0], settings[-1], *settings]:
+        if all(abs(at - other) >= least for other in shown):
+            shown.append(float(at))
+    axes.set_xticks(sorted(shown))
+    axes.set_xticks(settings, minor=True)
 
 
 def _name_laws(

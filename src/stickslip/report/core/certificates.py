@@ -1,6 +1,8 @@
 """The certificate of a run as a list: what was checked, and how well it holds."""
 
-from stickslip.formatting import quantity, residue
+import math
+
+from stickslip.formatting import fixed, quantity, residue, scale_of, with_unit
 from stickslip.report.core.blocks import KeyValue
 from stickslip.trajectory import Trajectory
 
@@ -31,11 +33,12 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     ['Energy', 'Events', 'Sticking and slipping', 'Drift at rest', 'Steps']
     """
     book = run.certificate
-    stops = f", {quantity(book.work_stops, 'J', 4)} by the stops" if book.work_stops else ""
+    parts = book.work_friction, book.work_stops, book.energy_end
+    given, friction, at_stops, left = _balance(book.energy_start + book.work_supplied, *parts)
+    stops = f", {at_stops} by the stops" if book.work_stops else ""
     energy = (
-        f"{quantity(book.energy_start + book.work_supplied, 'J', 4)} initially and from the"
-        f" drives; {quantity(book.work_friction, 'J', 4)} dissipated by friction{stops};"
-        f" {quantity(book.energy_end, 'J', 4)} remaining. Mismatch {residue(book.energy_error)}"
+        f"{given} initially and from the drives; {friction} dissipated by friction{stops};"
+        f" {left} remaining. Mismatch {residue(book.energy_error)}"
     )
     items = [KeyValue(key="Energy", value=energy, mark="ok" if book.certified else "warn")]
     if located:
@@ -62,3 +65,14 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
     items += [KeyValue(key="Near a limit", value=text, mark="warn") for text in book.warnings]
     items += [KeyValue(key="Problem", value=text, mark="bad") for text in book.problems]
     return tuple(items)
+
+
+def _balance(*energies: float) -> list[str]:
+    """Return energies in one unit and with the decimals of the largest, which has four digits."""
+    scale = scale_of(energies, "J")
+    largest = scale.factor * max(map(abs, energies))
+    decimals = max(3 - math.floor(math.log10(largest)), 0) if largest else 0
+    return [
+        with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
+        for one in energies
+    ]

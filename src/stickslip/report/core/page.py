@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from stickslip.documents import write_file
 from stickslip.errors import InputError
-from stickslip.formatting import printable, unbroken
+from stickslip.formatting import printable, unbroken, unit_text
 from stickslip.report.core import formulas, markup
 from stickslip.report.core.blocks import Block
 from stickslip.report.core.documents import Page
@@ -110,6 +110,7 @@ def _environment() -> Environment:
         "plain": markup.plain,
         "show": _show,
         "unbroken": unbroken,
+        "unit_text": unit_text,
     }
     return environment
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from stickslip.errors import InputError
@@ -26,6 +27,9 @@ Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
 """A colour by its meaning; the style sheet says which it is in light, dark and print."""
 
 _NEAR_AN_END: Final = 4.0
+DIGITS_OF_A_FLOAT: Final = 15
+UNSEEN: Final = 0.02
+"""Share of the length of an axis by which the number of a tick may be off."""
 
 
 class Tick(NamedTuple):
@@ -175,7 +179,7 @@ class Axis:
         >>> Axis(low=0.0, high=1.0, ticks=(0.0, 0.5)).placed_ticks()[1]
         Tick(left='50%', text='0.5', side='middle')
         """
-        labels = self.labels or tuple(_tick_text(tick) for tick in self.ticks)
+        labels = self.labels or _tick_texts(self.ticks)
         out = []
         for tick, text in zip(self.ticks, labels, strict=True):
             at = self.position(tick)
@@ -284,8 +288,16 @@ class RowPlot:
     alt: str = ""
 
 
-def _tick_text(value: float) -> str:
-    return number(value)
+def _tick_texts(ticks: tuple[float, ...]) -> tuple[str, ...]:
+    """Return numbers with as many digits as tell them apart, three at least."""
+    near = UNSEEN * (max(ticks, default=0.0) - min(ticks, default=0.0))
+    enough = (
+        digits
+        for digits in range(3, DIGITS_OF_A_FLOAT)
+        if all(abs(float(f"{tick:.{digits}g}") - tick) <= near for tick in ticks)
+    )
+    digits = next(enough, DIGITS_OF_A_FLOAT)
+    return tuple(number(tick, digits) for tick in ticks)
 
 
 def _percent(value: float) -> str:
@@ -331,7 +343,7 @@ def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowP
     return RowPlot(marks=tuple(marks))
 
 
-def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
+def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = ()) -> Axis | None:
     """Return the axis of held-out errors, logarithmic if they span more than 20 times.
 
     Parameters
@@ -340,6 +352,8 @@ def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
         Held-out errors [SI]; those that are not finite and above 0 are left out.
     scale : Scale
         Unit of the axis.
+    halves : iterable of float
+        Their standard errors in the same order [SI]; the axis holds their bars.
 
     Returns
     -------
@@ -350,16 +364,24 @@ def error_axis(errors: Iterable[float], scale: Scale) -> Axis | None:
     --------
     >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm")).ticks
     (0.0, 2.5, 5.0)
+    >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm"), [1e-4, 3e-4]).ticks
+    (0.0, 5.0, 10.0)
     """
-    scores = [scale.factor * one for one in errors if 0.0 < one < math.inf]
-    if len(scores) < 2:
+    known = [
+        (scale.factor * one, scale.factor * half if math.isfinite(half) else 0.0)
+        for one, half in zip_longest(errors, halves, fillvalue=0.0)
+        if 0.0 < one < math.inf
+    ]
+    if len(known) < 2:
         return None
+    scores = [one for one, _ in known]
     low, high = min(scores), max(scores)
     if high > _WIDEST * low:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         ticks = tuple(10.0**power for power in powers)
         shown = ticks[:: 1 + len(ticks) // 6]
         return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=ERRORS)
-    power = 10.0 ** math.floor(math.log10(high))
-    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= high)
+    end = max(one + half for one, half in known)
+    power = 10.0 ** math.floor(math.log10(end))
+    top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= end)
     return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)

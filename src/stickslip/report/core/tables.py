@@ -26,7 +26,8 @@ class Number:
     doubt : str
         Such as "± 4".
     unit : str
-        Only where the rows of a column differ; else it stands in the head.
+        Only where the rows of a column differ; else it stands in the head. A pure number, ``"1"``,
+        has none.
 
     Examples
     --------

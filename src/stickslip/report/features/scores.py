@@ -2,7 +2,15 @@
 
 import math
 
-from stickslip.formatting import estimate_text, in_words, number, percent, quantity, signed_percent
+from stickslip.formatting import (
+    estimate_text,
+    in_words,
+    number,
+    percent,
+    signed_percent,
+    significant,
+    with_unit,
+)
 from stickslip.identification import COMPARED, QUANTILE, FeatureFit
 from stickslip.report.core.blocks import Block, KeyValue, KeyValues, Math, Paragraph, Subheading
 from stickslip.report.core.documents import Section
@@ -142,7 +150,7 @@ def _observed(fit: FeatureFit, index: int) -> Number:
 
 
 def _sized(name: str, value: float) -> str:
-    return quantity(value, UNITS.get(name, "1"))
+    return with_unit(significant(value), UNITS.get(name, "1"))
 
 
 def parameters_section(verdict: FeatureVerdict) -> Section | None:
@@ -182,6 +190,6 @@ def _parameter(verdict: FeatureVerdict, fit: FeatureFit, index: int) -> Row:
     cells: tuple[Cell, ...] = (
         Name(text=label_of(estimate), aside="" if estimate.bounded else estimate.reason),
         Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
-        "—" if given is None else quantity(given, unit),
+        "—" if given is None else with_unit(number(given), unit),
     )
     return Row(cells=cells)

@@ -1,7 +1,11 @@
 """The opening: the verdict, the law with its numbers, and what one would quote."""
 
 from stickslip import formatting
-from stickslip.formatting import number, with_unit
+from stickslip.formatting import (
+    number,
+    parameter_words,
+    with_unit,
+)
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact
@@ -62,10 +66,10 @@ def _law_lines(fit: FeatureFit) -> tuple[LawLine, ...]:
             continue
         text = f"{formatting.quantity(value, quantity.unit)}, taken as given"
         text = estimate.plus_minus if estimate else text
-        lines.append(LawLine(label=name.replace("_", " "), formula=f"${quantity.symbol}$ = {text}"))
+        lines.append(LawLine(label=parameter_words(name), formula=f"${quantity.symbol}$ = {text}"))
     for path, estimate in found.items():
         if path.startswith("mechanism."):
-            name = path.rpartition(".")[2].replace("_", " ")
+            name = parameter_words(path)
             formula = f"${estimate.quantity.symbol}$ = {estimate.plus_minus}"
             lines.append(LawLine(label=f"effective {name}", formula=formula))
     return tuple(lines)

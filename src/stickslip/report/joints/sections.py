@@ -121,7 +121,7 @@ def opening_section(verdict: JointVerdict, kicker: str, remark: str = "") -> Sec
         facts += [replace(fact, what=f"{label}: {fact.what}")] if fact else []
     opening = Opening(
         kicker=kicker,
-        verdict=words.verdict,
+        verdict=typeset(words.verdict, symbols),
         lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
         law=tuple(laws),
         facts=tuple(facts[:3]),
@@ -158,7 +158,7 @@ def forces_section(verdict: JointVerdict) -> Section | None:
 def _errors(verdict: JointVerdict) -> str:
     said = []
     for name, own in verdict.joints.items():
-        said.append(f"{own.scale.quantity(own.closest.score)} at the {name}")
+        said.append(f"{own.scale.error(own.closest.score)} at the {name}")
     return joined(said)
 
 

@@ -12,6 +12,7 @@ from stickslip.formatting import (
     in_words,
     joined,
     number,
+    parameter_words,
     quantity,
     ratio,
     significant,
@@ -44,6 +45,7 @@ from stickslip.report.core.blocks import (
 )
 from stickslip.report.core.checks import check_items
 from stickslip.report.core.documents import LawLine, Opening, Origin, PageSections, Section
+from stickslip.report.core.headings import checks_heading
 from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.reproduce import law_references, reproduce
 from stickslip.report.core.sparklines import error_axis, error_plot
@@ -116,7 +118,7 @@ def _law_lines(fit: RateStateFit) -> tuple[LawLine, ...]:
             continue
         estimate = found.get(f"friction.{name}")
         text = estimate.plus_minus if estimate else _held_text(name, quantity(value, symbol.unit))
-        lines.append(LawLine(label=name.replace("_", " "), formula=f"${symbol.symbol}$ = {text}"))
+        lines.append(LawLine(label=parameter_words(name), formula=f"${symbol.symbol}$ = {text}"))
     for path, estimate in found.items():
         if not path.startswith("friction."):
             name = path.rpartition(".")[2]
@@ -140,7 +142,10 @@ def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
     ]
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
-        what = "$a$ - $b$: what a step by a factor of e changes in the long run, 95 % interval"
+        what = (
+            "$a$ − $b$: lasting change of the coefficient where the speed rises by a factor of e,"
+            " 95 % interval"
+        )
         facts.append(Fact(value=shown, aside=half, what=what))
     speeds = fit.problem.record.path.speeds
     steps = len(fit.problem.record.path.steps)
@@ -198,7 +203,7 @@ def friction_section(verdict: RateStateVerdict) -> Section:
         " largest step."
     )
     blocks: list[Block] = [Figure(svg=record, caption=caption), _held_figure(verdict, shown)]
-    heading = f"What was measured, and what {verdict.closest.title.lower()} makes of it"
+    heading = "Measured and fitted coefficient of friction"
     return Section(id="friction", nav="Friction", heading=heading, blocks=tuple(blocks))
 
 
@@ -263,7 +268,7 @@ def _held_figure(verdict: RateStateVerdict, shown: list[RateStateCandidate]) -> 
 def scores_section(verdict: RateStateVerdict) -> Section:
     """Return the section that compares all laws."""
     rows = verdict.candidates
-    axis = error_axis((c.score for c in rows), PLAIN)
+    axis = error_axis((c.score for c in rows), PLAIN, (c.score_error for c in rows))
     second = any(c.second is not None for c in rows)
     columns = (
         Column(head="model"),
@@ -381,7 +386,7 @@ def _windows(fit: RateStateFit) -> Table:
         )
         for one in fit.windows
     ]
-    caption = "If $a$ - $b$ changes with the way, the law does not describe the whole record."
+    caption = "If $a$ − $b$ changes with the way, the law does not describe the whole record."
     return Table(columns=columns, rows=tuple(rows), caption=caption)
 
 
@@ -419,7 +424,7 @@ def residuals_section(verdict: RateStateVerdict) -> Section | None:
         f"{over}. Error bars assume an effective sample size of"
         f" {significant(effective, 2)} of {len(residual):,}."
     )
-    heading = f"The fit leaves {number(fit.rmse, 2)} of the coefficient"
+    heading = f"Root-mean-square residual of the coefficient: {number(fit.rmse, 2)}"
     figure = Figure(svg=svg, caption=caption)
     return Section(id="residuals", nav="Residuals", heading=heading, blocks=(figure,))
 
@@ -436,9 +441,7 @@ def record_section(verdict: RateStateVerdict) -> Section:
         *check_items(verdict.checks),
     )
     warned = sum(item.mark != "none" for item in items)
-    heading = "The record, and no warning from its checks"
-    if warned:
-        heading = f"The record, and {count(warned, 'warning')} from its checks"
+    heading = checks_heading(warned)
     return Section(
         id="record", nav="Record and checks", heading=heading, blocks=(KeyValues(items=items),)
     )

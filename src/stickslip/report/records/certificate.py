@@ -6,7 +6,16 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.formatting import in_words, number, percent, quantity, ratio, residue, significant
+from stickslip.formatting import (
+    in_words,
+    number,
+    parameter_words,
+    percent,
+    quantity,
+    ratio,
+    residue,
+    significant,
+)
 from stickslip.identification import SEPARABLE, RecordFit
 from stickslip.report.core.blocks import KeyValue, KeyValues
 from stickslip.report.core.documents import Section
@@ -126,7 +135,7 @@ def _information(fit: RecordFit) -> list[KeyValue]:
     text = f"{len(segments):,}"
     if all(record.time is not None for record in fit.measurement.records()):
         text += f" of {quantity(float(np.median(lengths)), 's', 2)} each"
-    ended = ", ".join(path.rpartition(".")[2].replace("_", " ") for path in fit.at_bounds)
+    ended = ", ".join(parameter_words(path) for path in fit.at_bounds)
     return [
         KeyValue(key="Segments", value=text),
         KeyValue(

@@ -21,7 +21,7 @@ from stickslip.report.core.headings import identified_heading
 from stickslip.report.core.markup import label_of, typeset
 from stickslip.report.core.sparklines import Axis, Mark, RowPlot
 from stickslip.report.core.tables import Cell, Column, Correlations, Name, Number, Row, Table
-from stickslip.report.records.texts import symbols_of
+from stickslip.report.records.texts import symbols_of, to_digits
 from stickslip.selection import RecordCandidate, RecordVerdict, in_sentence
 
 __all__ = ["parameters_section"]
@@ -85,7 +85,7 @@ def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
     known = halves is not None and bool(np.all(np.isfinite(halves)))
     pair = "—"
     if halves is not None and known:
-        first, second = (_to_digits(one, estimate) for one in halves)
+        first, second = (to_digits(one, estimate) for one in halves)
         pair = f"{first} → {second}"
     aside, unit = "" if estimate.bounded else estimate.reason, estimate.quantity.unit
     cells: tuple[Cell, ...] = (
@@ -98,14 +98,6 @@ def _row(fit: RecordFit, index: int, halves: tuple[float, float] | None) -> Row:
         _narrow(fit, index),
     )
     return Row(cells=cells)
-
-
-def _to_digits(value: float, estimate: Estimate) -> str:
-    """Return a value to the digits of the estimate."""
-    shown = estimate.parts[0]
-    if "×" in shown or not estimate.bounded:
-        return significant(value, 3)
-    return fixed(value, len(shown.partition(".")[2]))
 
 
 def _narrow(fit: RecordFit, index: int) -> str:
@@ -236,7 +228,7 @@ def _allowed(one: RecordCandidate, found: Allowed) -> KeyValue:
     assert one.fit is not None
     estimate = one.fit.estimate(found.path)
     unit = estimate.quantity.unit
-    end = with_unit(significant(found.value, 2), unit)
+    end = with_unit(significant(found.value, 3), unit)
     at, cost = found.tried[1], found.costs[1]  # the nearer one to the end
     tried = with_unit(significant(at, 3), unit)
     rise = percent(cost - 1.0) + " larger" if cost < TWICE else ratio(cost)

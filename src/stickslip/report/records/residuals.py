@@ -19,7 +19,8 @@ from stickslip.plots import (
 )
 from stickslip.report.core.blocks import Block, Figure
 from stickslip.report.core.documents import Section
-from stickslip.report.records.texts import rival_of
+from stickslip.report.core.markup import typeset
+from stickslip.report.records.texts import rival_of, symbols_of
 from stickslip.selection import RecordVerdict
 
 __all__ = ["residuals_section"]
@@ -104,16 +105,17 @@ def _residual_figure(
     )  # fmt: skip
     caption = (
         f"**Residuals** of the fit: measured minus predicted {verdict.quantity}{start}. Root mean"
-        f" square {scale.quantity(fit.rms)}{_share(fit)}."
+        f" square {scale.error(fit.rms)}{_share(fit)}."
     )
     rival = rival_of(verdict)
     if rival is not None and rival.fit is not None:
-        caption += f" {rival.title}: {scale.quantity(rival.fit.rms)}."
+        caption += f" {rival.title}: {scale.error(rival.fit.rms)}."
     caption += (
         f" Error bars assume an effective sample size of {significant(fit.inference.effective, 2)}"
         f" of {len(fit.residual):,} rows."
     )
-    return Figure(svg=svg, caption=f"{caption} {_tests(fit, trends)}")
+    text = typeset(f"{caption} {_tests(fit, trends)}", symbols_of(verdict.candidates))
+    return Figure(svg=svg, caption=text)
 
 
 def _tests(fit: RecordFit, trends: list[str]) -> str:

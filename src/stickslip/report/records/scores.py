@@ -41,7 +41,7 @@ def scores_section(verdict: RecordVerdict) -> Section:
     if count == 1:
         heading = "One candidate, scored on held-out blocks"
     scale = verdict.scale
-    axis = error_axis((c.score for c in rows), scale)
+    axis = error_axis((c.score for c in rows), scale, (c.score_error for c in rows))
     second = any(c.second is not None for c in rows)
     columns = (
         Column(head="model"),
@@ -90,7 +90,7 @@ def _row(
             error_plot(c.score, c.score_error, scale, "c1" if is_best else _colour(verdict, c))
         )
     if verdict.plan.length:
-        cells.append(scale.number(last) if math.isfinite(last) else "—")
+        cells.append(score_text(scale, last).value if math.isfinite(last) else "—")
     if second:
         cells.append(score_text(scale, c.second.rms).value if c.second else "—")
     outcome = c.outcome or c.dropped or "how much friction matters"

@@ -8,7 +8,13 @@ import numpy as np
 
 from stickslip import formatting
 from stickslip.errors import InputError
-from stickslip.formatting import number, rounded, signed_percent, significant, with_unit
+from stickslip.formatting import (
+    number,
+    parameter_words,
+    rounded,
+    signed_percent,
+    with_unit,
+)
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
@@ -23,7 +29,7 @@ from stickslip.quantities import fields_of, turned
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import LawLine, Opening, Section
 from stickslip.report.core.markup import label_of, typeset
-from stickslip.report.records.texts import paired, rival_of, symbols_of
+from stickslip.report.records.texts import paired, rival_of, symbols_of, to_digits
 from stickslip.selection import (
     RecordVerdict,
     Steady,
@@ -69,7 +75,7 @@ def opening_section(verdict: RecordVerdict, kicker: str, remark: str = "") -> Se
     fit = verdict.closest.fit if verdict.best else None
     opening = Opening(
         kicker=kicker,
-        verdict=words.verdict,
+        verdict=typeset(words.verdict, symbols),
         lede=f"{typeset(words.lede, symbols)} {remark}".strip(),
         law=law_lines(fit, verdict.closest.left_out) if fit else (),
         facts=_facts(verdict),
@@ -190,7 +196,7 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
     else:
         lines = [
             LawLine(
-                label=q.symbol and name.replace("_", " "), formula=_assigned(fit, name, left_out)
+                label=q.symbol and parameter_words(name), formula=_assigned(fit, name, left_out)
             )
             for name, q in fields_of(type(law)).items()
             if getattr(law, name) is not None
@@ -201,7 +207,7 @@ def law_lines(fit: RecordFit, left_out: Collection[str] = ()) -> tuple[LawLine, 
         lines.append(LawLine(label="constant force", formula=text))
     for estimate in fit.estimates:
         if estimate.path.startswith("mechanism.") and not estimate.path.endswith("offset"):
-            name = estimate.path.rpartition(".")[2].replace("_", " ")
+            name = parameter_words(estimate.path)
             formula = f"${estimate.quantity.symbol}$ = {estimate.plus_minus}"
             lines.append(LawLine(label=name, formula=formula))
     return tuple(lines)
@@ -279,7 +285,7 @@ def _second(verdict: RecordVerdict) -> Fact | None:
     if on_second is None:
         return None
     return Fact(
-        value=verdict.scale.quantity(on_second.error),
+        value=verdict.scale.error(on_second.error),
         what=f"error on the second record; the choice {on_second.finding} there",
     )
 
@@ -322,7 +328,7 @@ def _telling(verdict: RecordVerdict) -> Fact | None:
     halves = verdict.half_estimates.get(own[0].path)
     what = f"{label_of(own[0])}, with its {own[0].interval} interval"
     if halves and np.all(np.isfinite(halves)):
-        first, second = (significant(x, 3) for x in halves)
+        first, second = (to_digits(x, own[0]) for x in halves)
         halves_of = "the trials" if fit.halves and fit.halves.several else "the record"
         what += f"; {first} in the first half of {halves_of}, {second} in the second"
     return Fact(value=value, aside=with_unit(doubt, own[0].quantity.unit), what=what)

@@ -5,12 +5,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stickslip.formatting import fixed, significant
+from stickslip.identification import Estimate
 from stickslip.selection import RecordCandidate, RecordVerdict
 
 __all__ = [
     "paired",
     "rival_of",
     "symbols_of",
+    "to_digits",
 ]
 
 
@@ -54,3 +57,24 @@ def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:
     """Return the symbols with subscripts of all fitted parameters."""
     fits = [c.fit for c in candidates if c.fit]
     return frozenset(e.quantity.symbol for fit in fits for e in fit.estimates)
+
+
+def to_digits(value: float, estimate: Estimate) -> str:
+    """Return a value to the digits of an estimate, such as what half of a record gives for it.
+
+    Parameters
+    ----------
+    value : float
+        The value, in the unit of the estimate.
+    estimate : Estimate
+        The estimate.
+
+    Returns
+    -------
+    str
+        The number; three digits of it where the estimate has a power of ten or no bound.
+    """
+    shown = estimate.parts[0]
+    if "×" in shown or not estimate.bounded:
+        return significant(value, 3)
+    return fixed(value, len(shown.partition(".")[2]))

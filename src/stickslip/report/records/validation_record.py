@@ -58,7 +58,7 @@ def _standard(one: RecordCandidate) -> float:
 
 def _heading(best: RecordCandidate, scale: Scale) -> str:
     assert best.second is not None
-    said = scale.quantity(best.second.rms)
+    said = scale.error(best.second.rms)
     far = _standard(best)
     if far > ALIKE:
         return f"Error on the second record: {said}, larger than the held-out error"
@@ -77,12 +77,12 @@ def _sentence(
     held = with_unit(" ".join(score_text(scale, best.score, best.score_error)).strip(), scale.unit)
     times = ratio(best.second.rms / best.score) if best.score > 0.0 else ""
     text += (
-        f" {best.title} has an error of {scale.quantity(best.second.rms)} there, and {held} on"
+        f" {best.title} has an error of {scale.error(best.second.rms)} there, and {held} on"
         f" held-out blocks of the first{f': {times} that' if times else ''}."
     )
     for other in laws[1:]:
         assert other.second is not None
-        text += f" {other.title}: {scale.quantity(other.second.rms)}."
+        text += f" {other.title}: {scale.error(other.second.rms)}."
     reasons = {
         "holds": ": no law has a significantly smaller error there",
         "does not hold": ": another law has a significantly smaller error there",
@@ -111,11 +111,15 @@ def _table(laws: list[RecordCandidate], scale: Scale) -> Table:
         assert one.second is not None
         value, doubt = score_text(scale, one.score, one.score_error)
         known = [size for size in one.second.blocks if math.isfinite(size)]
-        ends = f"{scale.number(min(known))} to {scale.number(max(known))}" if known else "—"
+        ends = (
+            " to ".join(score_text(scale, end).value for end in (min(known), max(known)))
+            if known
+            else "—"
+        )
         cells = (
             Name(text=one.title),
             Number(value=value, doubt=doubt),
-            scale.number(one.second.rms),
+            score_text(scale, one.second.rms).value,
             ends,
         )
         rows.append(Row(cells=cells, chosen=index == 0))
@@ -143,8 +147,8 @@ def _figure(verdict: RecordVerdict, record: Measurement, laws: list[RecordCandid
     )
     names = joined([in_sentence(name) for name in seen])
     caption = (
-        f"**Predicted and measured on the second record.** {which}; each segment is {start}. Dots:"
-        f" measured; lines: {names}. Below: measured minus predicted."
+        f"**Predicted and measured on the second record.** {which}; each segment is {start}. Grey:"
+        f" measured; other lines: {names}. Below: measured minus predicted."
     )
     return Figure(svg=svg, caption=caption)
 

@@ -6,7 +6,7 @@ from functools import partial
 from typing import final
 
 from stickslip.experiments import LawEstimates, Rig
-from stickslip.formatting import capital, count, joined, number, percent, quantity, span
+from stickslip.formatting import capital, count, joined, number, percent, quantity, scale_of
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.plots import (
     MOST_PANELS,
@@ -154,7 +154,8 @@ def _spread(about: ContactsReport) -> list[str]:
     travels = list(band.travels.items())
     shown = joined(
         [
-            f"{name} changes by {span(one.low, one.high, band.units[name])}"
+            f"{name} changes by"
+            f" {scale_of([one.low, one.high], band.units[name]).interval(one.low, one.high)}"
             for name, one in travels[:MOST_SAID]
         ]
     )

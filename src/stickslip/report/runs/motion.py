@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stickslip.formatting import capital, count, joined, number, quantity
+from stickslip.formatting import Scale, capital, count, joined, number, quantity, significant
 from stickslip.plots import (
     CYCLE_SIZES,
     FORCE_SIZES,
@@ -51,6 +51,8 @@ SHORTEST, LONGEST = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
 ANIMATED_CYCLES = 2
+ROUNDING = 1e-9
+"""Relative error of a travel that is 0: a law fitted to one travel reproduces it to rounding."""
 
 
 def motion_section(about: RunReport) -> Section:
@@ -139,12 +141,14 @@ def cycles_section(about: RunReport) -> Section | None:
 
 
 def _cycles_heading(about: RunReport) -> str:
+    if not about.moves:
+        return f"The {about.part} does not move in any cycle"
     if not about.cycles[-1].moves_on:
         return "The last cycle ends where it began"
     travels = [one.travel for one in about.cycles]
+    advance = f"The {about.part} {about.advances(travels[-1])}"
     if len(travels) == 1:
-        return f"The {about.part} advances {about.of(travels[0])} in one cycle"
-    advance = f"The {about.part} advances {about.of(travels[-1])}"
+        return f"{advance} in one cycle"
     change = abs(travels[-1] - travels[-2])
     if change <= STEADY * abs(travels[-1]):
         return f"{advance} per cycle once the motion has settled"
@@ -170,18 +174,18 @@ def _cycle_table(about: RunReport) -> Table:
 
 
 def _cycle_row(about: RunReport, place: int, one: DrivenCycle) -> Row:
-    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.travel, 4)]
+    cells: list[Cell] = [f"cycle {place + 1}", _thousandth(one.advance, 4)]
     if about.band is not None:
         spreads = about.band.cycles
         low, _, high = spreads[place]
-        cells.append(f"{_thousandth(low)} to {_thousandth(high)}")
-    cells += [_thousandth(value) for value in (one.mean_velocity, one.back_slip)]
+        cells.append(Scale(1e3, "").interval(low, high))
+    cells += [_thousandth(value) for value in (one.advance / one.period, one.back_slip)]
     cells += [_thousandth(one.least_velocity), number(one.least_normal_force)]
     return Row(cells=tuple(cells))
 
 
 def _thousandth(value: float, digits: int = 3) -> str:
-    return number(1e3 * value + 0.0, digits) if abs(value) > 1e-12 else "0"
+    return significant(1e3 * value, digits) if abs(value) > 1e-12 else "0"
 
 
 def animation_section(about: RunReport) -> Section | None:
@@ -284,7 +288,7 @@ def criteria_section(about: RunReport) -> Section:
             key="3. Relative error of the travel",
             value="no travel of this rig was measured"
             if error is None
-            else f"{number(100.0 * error, 3)} % of the measured one",
+            else f"{number(100.0 * error) if abs(error) > ROUNDING else 0} % of the measured one",
         ),
     )
     text = (

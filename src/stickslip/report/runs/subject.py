@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
 
+import numpy as np
+
 from stickslip.experiments import LawEstimates, Rig
-from stickslip.formatting import quantity
+from stickslip.formatting import quantity, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import cycle_or_none, slip_names
 from stickslip.selection import Criteria, criteria_of
-from stickslip.sweep import Band, DrivenCycle, cycles_in
+from stickslip.sweep import Band, DrivenCycle, Spread, cycles_in
 from stickslip.trajectory import Trajectory
 
 __all__ = ["RunReport"]
@@ -89,6 +91,11 @@ class RunReport:
         return self.run.units[self.slip]
 
     @property
+    def moves(self) -> bool:
+        """Whether the body moves at all."""
+        return bool(np.any(self.run[self.rate] != 0.0))
+
+    @property
     def mean_velocity(self) -> float:
         """Over all whole cycles, or without any over the run."""
         if self.cycles:
@@ -130,3 +137,42 @@ class RunReport:
             The number with its unit.
         """
         return quantity(value + 0.0, self.unit + ("/s" if per_second else ""), digits)
+
+    def range_beside(self, spread: Spread, value: float, *, per_second: bool = False) -> str:
+        """Return a range of distances or speeds in the unit of the number beside it.
+
+        Parameters
+        ----------
+        spread : Spread
+            The range, in the SI unit of the coordinate.
+        value : float
+            The number; its size chooses the unit if it is not 0.
+        per_second : bool
+            Whether they are speeds.
+
+        Returns
+        -------
+        str
+            Both ends with their unit.
+        """
+        unit = self.unit + ("/s" if per_second else "")
+        scale = scale_of([value] if value else [spread.low, spread.high], unit)
+        return scale.interval(spread.low, spread.high)
+
+    def advances(self, travel: float, digits: int = 3) -> str:
+        """Return by how much the body advances or moves back, as a predicate.
+
+        Parameters
+        ----------
+        travel : float
+            Last position less the first, in the SI unit of the coordinate.
+        digits : int
+            Significant digits.
+
+        Returns
+        -------
+        str
+            Verb and distance.
+        """
+        verb = "advances" if travel >= 0.0 else "moves back"
+        return f"{verb} {self.of(abs(travel), digits)}"

@@ -1,7 +1,7 @@
 """The opening of the report of a run: how it ended, how far the body came."""
 
 from stickslip.experiments import equated, unfitted_bristles
-from stickslip.formatting import count, joined, quantity, span
+from stickslip.formatting import count, joined, quantity
 from stickslip.report.core.blocks import Fact
 from stickslip.report.core.documents import Opening, Section
 from stickslip.report.core.headings import ended_early
@@ -29,12 +29,16 @@ def _headline(about: RunReport) -> str:
     run, seen, part = about.run, about.criteria, about.part
     if not run.status.complete:
         return ended_early(run.span[1])
+    if not about.moves:
+        return f"The {part} does not move"
     if about.cycles:
         last = about.cycles[-1]
         if not last.moves_on:
             return f"The {part} makes no net motion: the last cycle ends where it began"
+        way = "moves" if last.travel > 0.0 else "moves back"
         return (
-            f"The {part} moves {about.of(last.travel)} in a cycle of {quantity(last.period, 's')}"
+            f"The {part} {way} {about.of(abs(last.travel))} in a cycle of"
+            f" {quantity(last.period, 's')}"
         )
     if seen.stop_time is not None:
         after = quantity(seen.stop_time, "s")
@@ -47,12 +51,13 @@ def _lede(about: RunReport) -> str:
     if about.cycles:
         number = count(len(about.cycles), "whole cycle")
         travel = sum(one.travel for one in about.cycles)
-        said.append(f"The {about.part} advances {about.of(travel, 4)} in {number}.")
-    resting = _resting(about, about.cycles[-1].travel if about.cycles else about.criteria.travel)
+        if about.moves:
+            said.append(f"The {about.part} {about.advances(travel, 4)} in {number}.")
+    resting = _resting(about, about.cycles[-1].advance if about.cycles else about.criteria.travel)
     said += [f"The travel {resting.removeprefix('; ')}."] if resting else []
     band = about.band
     if band is not None:
-        travels = span(band.travel.low, band.travel.high, about.unit)
+        travels = about.range_beside(band.travel, about.criteria.travel)
         said.append(
             f"With the law's parameters drawn from their estimates, the travel of the whole run is"
             f" {travels} in 95 % of {band.count} runs."
@@ -63,17 +68,17 @@ def _lede(about: RunReport) -> str:
 
 def _facts(about: RunReport) -> tuple[Fact, ...]:
     band, seen = about.band, about.criteria
-    moved = about.cycles[-1].travel if about.cycles else seen.travel
+    moved = about.cycles[-1].advance if about.cycles else seen.travel
     travel = Fact(
         value=about.of(seen.travel, 4),
-        aside="" if band is None else span(band.travel.low, band.travel.high, about.unit),
+        aside="" if band is None else about.range_beside(band.travel, seen.travel),
         what=f"travel in the whole run{_resting(about, moved)}",
     )
     mean = Fact(
         value=about.of(about.mean_velocity, per_second=True),
         aside=""
         if band is None
-        else span(band.mean_velocity.low, band.mean_velocity.high, f"{about.unit}/s"),
+        else about.range_beside(band.mean_velocity, about.mean_velocity, per_second=True),
         what="mean velocity over whole cycles" if about.cycles else "mean velocity of the run",
     )
     slip = about.cycles[-1].back_slip if about.cycles else seen.largest_return

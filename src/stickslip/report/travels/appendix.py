@@ -3,7 +3,13 @@
 from collections.abc import Mapping
 
 from stickslip import formatting
-from stickslip.formatting import fixed, joined, scale_of, within
+from stickslip.formatting import (
+    fixed,
+    joined,
+    scale_of,
+    with_unit,
+    within,
+)
 from stickslip.plots import SEPARATION_SIZES, draw_proposal, inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import (
@@ -131,7 +137,7 @@ def parameters_section(verdict: TravelVerdict) -> Section | None:
         rows=tuple(rows),
     )
     said = [
-        f"${e.quantity.symbol}$ = {formatting.quantity(e.value, e.quantity.unit)}"
+        f"${e.quantity.symbol}$ = {with_unit(within(e.value, e.low, e.high), e.quantity.unit)}"
         for e in best.fit.estimates
     ]
     fitted = joined(said)

@@ -58,7 +58,8 @@ def _heading(verdict: TravelVerdict) -> str:
     if best is None:
         return "No model reaches the measured travel"
     if verdict.ranked and best.score is not None:
-        error = score_scale_of(verdict).quantity(best.score)
+        scale = score_scale_of(verdict)
+        error = with_unit(score_text(scale, best.score, best.score_error).value, scale.unit)
         return f"{capital(friction_of(best.title))}: held-out error {error}"
     others = [c for c in verdict.explained if c is not best]
     gaps = [gap for c in others if (gap := largest_difference(verdict, c)) is not None]

@@ -6,7 +6,13 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.formatting import fixed, joined, quantity, significant
+from stickslip.formatting import (
+    fixed,
+    joined,
+    quantities,
+    quantity,
+    significant,
+)
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification import trials_of
 from stickslip.plots import (
@@ -88,7 +94,9 @@ def _events(run: Trajectory) -> str:
     """Say what happens when, in one sentence."""
     if not run.events:
         return "There are no events."
-    said = [f"{event.reason} at {quantity(event.t, 's')}" for event in run.events[:MOST_EVENTS]]
+    first = run.events[:MOST_EVENTS]
+    times = quantities([event.t for event in first], "s")
+    said = [f"{event.reason} at {t}" for event, t in zip(first, times, strict=True)]
     more = len(run.events) - MOST_EVENTS
     tail = f"; {more} more events" if more > 0 else ""
     return f"Dots are events: {joined(said) if not tail else ', '.join(said)}{tail}."
@@ -174,13 +182,14 @@ def fixed_steps_section(verdict: TravelVerdict) -> Section | None:
         _, rate = slip_and_rate(verdict)
         svg = inline_svg(
             draw_fixed_steps(best.run, runs, rate=rate),
-            alt="Velocity around the stop, exact and with fixed steps",
+            alt="Velocity of the exact run and with fixed steps",
             prefix="fixed-steps",
             **fixed_step_sizes(len(runs)),
         )
+        stops = any(event.to_mode == 0 for event in best.run.events)
+        when = "around the stop" if stops else "at the end of the run"
         caption = (
-            "**Velocity around the stop.** Each panel covers the same number of steps; dots are"
-            " steps."
+            f"**Velocity {when}.** Each panel covers the same number of steps; dots are steps."
         )
         blocks.insert(0, Figure(svg=svg, caption=caption))
     if limit is not None and limit < max(steps):

@@ -3,11 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.experiments import whole_cycles
-from stickslip.formatting import joined, number, quantity
+from stickslip.formatting import (
+    joined,
+    number,
+    quantity,
+    scale_of,
+)
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelModel, Trial
 from stickslip.mechanisms import Mechanism
@@ -181,10 +187,11 @@ class Proposal:
                 f"No setting of {symbol} {ends} would distinguish {titles[self.best]} from"
                 f" {names}: their predictions differ by at most {quantity(self.widest, 'm', 2)}."
             )
-        one, other = (
-            joined([quantity(row.predicted[name], "m") for row in self.settings])
-            for name in (self.best, self.rival)
-        )
+        told = {
+            name: [row.predicted[name] for row in self.settings] for name in (self.best, self.rival)
+        }
+        scale = scale_of([min(map(abs, chain(*told.values())))], "m")
+        one, other = (joined([scale.quantity(x) for x in travels]) for travels in told.values())
         return (
             f"Set {symbol} to {joined([row.text for row in self.settings])}, three runs each."
             f" {titles[self.best]} predicts {one}, {titles[self.rival]} {other}."
