@@ -308,14 +308,18 @@ WORDS = (3, 5, 8)
 LIMIT = 7
 def swapped(i, j):
     return j, i + 1
-def halved(x):
-    if x > 1.0:
-        return 0.5 * x
-    return x
+def halved(start):
+    if start > 1.0:
+        return 0.5 * start
+    return start
 def is_even(i):
     return i % 2 == 0
 """
-KINDS = {"swapped": ("ij", (WHOLE, WHOLE)), "halved": ("x", (REAL,)), "is_even": ("i", (TRUTH,))}
+KINDS = {
+    "swapped": ({"i": WHOLE, "j": WHOLE}, (WHOLE, WHOLE)),
+    "halved": ({"start": REAL}, (REAL,)),  # a word that a label might be
+    "is_even": ({"i": WHOLE}, (TRUTH,)),
+}
 PARAMETERS = {"i": WHOLE, "j": WHOLE, "x": REAL, "y": REAL, "w": VECTOR}
 BODIES = {
     "division": "return 1.0 * (i // 3) + 10.0 * (i % 3) + 100.0 * (i // -4) + 1000.0 * (i % -4)",
@@ -377,7 +381,7 @@ def translate(bodies):
     module = {"math": math}
     exec(program, module)
     signatures = {
-        name: Signature(name, tuple((p, PARAMETERS[p]) for p in taken), results)
+        name: Signature(name, tuple(taken.items()), results)
         for name, (taken, results) in KINDS.items()
     }
     own = [f"f{k}" for k in range(len(bodies))]
@@ -450,7 +454,7 @@ KERNELS_REFUSED = {
     "return x > y": None,
     "return w": "does not return a real number",
     "return swapped(i, j)": "has no result",
-    "return halved(w)": "is a vector, where x is a real number",
+    "return halved(w)": "is a vector, where start is a real number",
     "return is_even(x)": "is a real number, where i is a whole number",
     "return halved(x, y)": "takes 1 arguments",
     "return TABLE": "does not return a real number",

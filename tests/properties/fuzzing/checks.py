@@ -40,7 +40,7 @@ PLAYED = 1e-12
 to the rounding of what they once were."""
 CLOCK = 4
 """Roundings of the time within which an event may be located."""
-UNNOTICED = 2e-12
+UNNOTICED = 4e-12
 """Share of its least size that counts, at which what bristles carry need not have turned."""
 LEAST_SHARES = (1e-3, 1e-6)
 """That size over the speed of all kinetic energy, and over what the largest force gives in all."""
@@ -57,6 +57,8 @@ MOST_STEPS = 5
 """Steps over which momenta are compared with forces."""
 NEWTON = 1e-5
 """What they may differ by, over the sizes of all impulses."""
+ROUGH = 1e-3
+"""The same where friction falls as a power below 1 of speed, which nodes in time do not resolve."""
 STATES = 1e-7
 """The same over the largest momenta of the run, of which the tolerance is a part."""
 FAINTEST = 1e-12
@@ -229,7 +231,8 @@ class Evidence:
         if self.whole is not None:
             return self.whole.least_speed
         pull = max(one.force for one in self.each) / float(self.masses.diagonal().min())
-        return LEAST_SHARES[1] * pull * self.case.t_end
+        largest = max(pull, float(self.accelerations.max(initial=0.0)))
+        return LEAST_SHARES[1] * largest * self.case.t_end
 
     @cached_property
     def masses(self) -> np.ndarray:
@@ -475,11 +478,16 @@ def obeys_newtons_law(e: Evidence) -> Found:
             if not rests:
                 largest = max(one.force for one in e.each)  # whose bristles are as states are
                 allowed += STATES * (carried + abs(first) + abs(last) + (end - start) * largest)
-                allowed += NEWTON * moved
+                allowed += (ROUGH if falls_at_once(e.case.laws.values()) else NEWTON) * moved
             if not abs(last - first - impulse) <= allowed:
                 yield f"momentum along {name} changes by {last - first:.8g} from {start!r} s to"
                 yield f"{end!r} s, by its forces {impulse:.8g} of {moved:.8g}"
                 return
+
+
+def falls_at_once(laws: Iterable[FrictionLaw]) -> bool:
+    """Whether the friction of one of several laws falls infinitely steeply from rest."""
+    return any(isinstance(law, Stribeck) and law.exponent < 1.0 for law in laws)
 
 
 @dataclass(frozen=True)
@@ -670,7 +678,7 @@ def goes_on(e: Evidence) -> Found:
     """
     stuck = (Status.ZENO, Status.STEP_TOO_SMALL, Status.NOT_FINITE)
     laws = e.case.laws.values()
-    if any(isinstance(law, Stribeck) and law.exponent < 1.0 for law in laws):
+    if falls_at_once(laws):
         return
     tick = CLOCK * float(np.spacing(e.run.span[1]))
     least = min((getattr(law, "stribeck_velocity", math.inf) for law in laws), default=math.inf)

@@ -54,6 +54,8 @@ COMPARISONS: Mapping[type[ast.cmpop], tuple[str, str]] = {
     ast.Gt: ("sgt", "ogt"),
     ast.GtE: ("sge", "oge"),
 }
+ENTRY = "entry.point"
+"""Label of the first block of a function, which no parameter can be called."""
 FUNCTIONS = {
     "sin": ("llvm.sin.f64", 1),
     "cos": ("llvm.cos.f64", 1),
@@ -288,7 +290,7 @@ class _Body:
         self._places: list[str] = []
         self._lines: list[str] = []
         self._count = 0
-        self._block = "start"
+        self._block = ENTRY
         self._around: list[tuple[str, str]] = []
         self._kinds: dict[str, str] = {}
         self._vectors: dict[str, Value] = {}
@@ -311,7 +313,7 @@ class _Body:
             f"define internal {signature.result} @{signature.symbol}({_parameters(signature)})"
             " nounwind {"
         )
-        return "\n".join([head, "start:", *self._places, *self._lines, "}"])
+        return "\n".join([head, f"{ENTRY}:", *self._places, *self._lines, "}"])
 
     # --- statements: each returns whether the next one is reached; `names` have values
 
