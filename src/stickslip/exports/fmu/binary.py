@@ -70,7 +70,7 @@ def compiled(objects: Mapping[str, bytes], header: str, fmi: Fmi) -> bytes:
     """
     compiler = compiler_here()
     sources = files("stickslip.exports.fmu").joinpath("c")
-    names = ("instance.h", "exchange.h", f"fmi{fmi}.c")
+    names = ("instance.h", "exchange.h", "calls.h", f"fmi{fmi}.c")
     texts = {name: sources.joinpath(name).read_bytes() for name in names}
     texts["model.h"] = header.encode()
     texts["exports.map"] = f"{{ global: fmi{fmi}*; local: *; }};\n".encode()

@@ -22,6 +22,7 @@ static void put_time(struct core *core) {
     }
 }
 
+/* Work out what is asked for at the time and states of the importer. */
 static void work_out(struct instance *self, enum role role) {
     struct core *core = &self->core;
     if (core->phase != IN_EVENT && core->phase != BETWEEN_EVENTS) {
@@ -79,6 +80,7 @@ static bool is_beyond_drives(struct instance *self) {
     return is_beyond;
 }
 
+/* Begin at the state and with the inputs at hand. */
 static bool first_event(struct instance *self) {
     struct core *core = &self->core;
     if (HELD) {

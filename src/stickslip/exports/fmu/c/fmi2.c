@@ -1,5 +1,5 @@
 /* FMI 2.0, for co-simulation and model exchange. */
-#include "exchange.h"
+#include "calls.h"
 
 typedef int fmi2Status; /* OK, warning, discard, error, fatal, pending */
 typedef struct instance *fmi2Component;

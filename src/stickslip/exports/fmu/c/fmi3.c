@@ -1,5 +1,5 @@
 /* FMI 3.0, for co-simulation and model exchange. */
-#include "exchange.h"
+#include "calls.h"
 
 typedef int fmi3Status; /* OK, warning, discard, error, fatal */
 typedef struct instance *fmi3Instance;
