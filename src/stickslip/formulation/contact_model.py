@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import symengine as se
 
+from stickslip.errors import InputError
 from stickslip.formulation.code_printer import function
 from stickslip.formulation.contact_parts import (
     ContactParts,
@@ -103,6 +104,13 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         board,
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
+    loops = parts.directions.loops
+    if slopes and loops.closing:
+        raise InputError(
+            f"{type(mechanism).__name__}: the slips of {', '.join(parts.closing)} follow from those of others,"
+            " with which motions have no derivatives with respect to parameters yet: take"
+            " differences of runs, or give them no law (None)."
+        )
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
@@ -143,6 +151,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
         contacts=own.contacts,
+        closing=parts.closing,
         alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
             (*laws[kind].switch_events, *[None] * sizes.law_switches)[: sizes.law_switches]
@@ -300,6 +309,9 @@ def _sizes(
         parameters=parameter_count,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,
+        looped=parts.directions.loops.looped,
+        closing=len(parts.directions.loops.closing),
+        cuts=len(parts.directions.loops.cuts),
         turned=bool(parts.directions.forward),
         kinds=own.kinds,
         shared=own.shared,
@@ -346,6 +358,7 @@ def _text(
     turning = (*parts.directions.forward, *parts.directions.backward)
     some: Mapping[str, Sequence[se.Expr]] = {
         "turning": [e for row in turning for e in row],
+        "loops": parts.directions.loops.numbers(),
         "efforts": equations.efforts,
         "limits": equations.limits,
         "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],

@@ -8,6 +8,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.dense_evaluation import piece_at, restore
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import enter_pieces, load_piece, next_stop
 from stickslip.kernels.driver import begin, change, settle_all, turns_switch
 from stickslip.kernels.enums import END_TIME, HELD_FAST, RUNNING, SMOOTH, STEP_TOO_SMALL, STOP
@@ -21,6 +22,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
     N_STATES,
     PIECE,
@@ -83,6 +85,8 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     for i in range(n):
         if whole[whole[MODES] + i] == HELD_FAST:
             w[at + n + i] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        bind(at + n, w, whole)
 
 
 def take_over(at: int, w: Vector, whole: Wholes) -> None:

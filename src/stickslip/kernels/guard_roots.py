@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import factor_of, size_along
 from stickslip.kernels.enums import (
     BACKWARD,
     BREAK_BACKWARD,
@@ -30,7 +31,9 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
+    N_PAIRS,
     POINT,
     REACHED,
     RIGID,
@@ -109,10 +112,9 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     if not whole[HAS_BRISTLES]:
         return
     if whole[N_CONTACTS] > 0:
-        n = whole[N_COORDINATES]
-        for i in range(n):
+        for i in range(whole[N_DIRECTIONS]):
             if reverses(2 * i, whole):
-                w[to + 2 * i] += QUIET * w[whole[SCALE] + n + i]
+                w[to + 2 * i] += QUIET * guard_size(2 * i, w, whole)
     elif whole[MODE] != 0:
         w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
 
@@ -138,7 +140,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
         return False
     if whole[N_CONTACTS] == 0:
         return guard == STOP
-    if guard < 0 or guard >= 2 * whole[N_COORDINATES] or guard % 2 == 1:
+    if guard < 0 or guard >= 2 * whole[N_DIRECTIONS] or guard % 2 == 1:
         return False
     i = guard // 2
     return whole[whole[MODES] + i] in (FORWARD, BACKWARD) and not whole[whole[RIGID] + i]
@@ -342,7 +344,7 @@ def is_held(whole: Wholes) -> bool:
     if whole[N_CONTACTS] == 0:
         return abs(whole[MODE]) != 1
     held = False
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         held = held or whole[whole[MODES] + i] == HELD_FAST
     return held
 
@@ -355,7 +357,7 @@ def opposite(guard: int, whole: Wholes) -> int:
     Reads: MODES.
     """
     if whole[N_CONTACTS] > 0:
-        pair = guard < 2 * whole[N_COORDINATES] and not is_speed(guard, whole)
+        pair = guard < 2 * whole[N_PAIRS] and not is_speed(guard, whole)
         return guard + 1 - 2 * (guard % 2) if pair else guard
     if guard in (BREAK_FORWARD, BREAK_BACKWARD):
         return BREAK_FORWARD + BREAK_BACKWARD - guard
@@ -379,7 +381,7 @@ def is_speed(guard: int, whole: Wholes) -> bool:
     bool
         Whether it is.
     """
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES]:
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS]:
         return False
     return whole[whole[MODES] + guard // 2] != HELD_FAST
 
@@ -404,7 +406,7 @@ def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
         Size, in the unit that the guard has in the mode at hand.
     """
     if is_speed(guard, whole):
-        return w[whole[SCALE] + whole[N_COORDINATES] + guard // 2]
+        return size_along(guard // 2, whole[SCALE] + whole[N_COORDINATES], w, whole)
     return w[whole[REACHED] + guard]
 
 
@@ -418,7 +420,7 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     Parameters
     ----------
     i : int
-        Index of the coordinate.
+        Index of the coordinate, direction or cut.
     w : array (SIZE,)
         Vector of the run; everything is worked out at a state.
     whole : array (WHOLES,)
@@ -432,6 +434,22 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     if whole[DIAGONAL]:
         return 0.0
     n = whole[N_COORDINATES]
+    if i >= n:
+        total = 0.0
+        for j in range(n):
+            factor = factor_of(i, j, w, whole)
+            if factor != 0.0:
+                total += abs(factor) * forces_on(j, w, whole)
+        return total
+    return forces_on(i, w, whole)
+
+
+def forces_on(i: int, w: Vector, whole: Wholes) -> float:
+    """Return the sizes of the force on a coordinate and of its inertia forces.
+
+    Reads: FORCE, MASS, ACCELERATION.
+    """
+    n = whole[N_COORDINATES]
     total = abs(w[whole[FORCE] + i])
     for j in range(n):
         total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
@@ -443,7 +461,7 @@ def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
 
     Reads: FORCE, MASS, ACCELERATION, MODES.
     """
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES] or is_speed(guard, whole):
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
         return 0.0
     return size_of_forces(guard // 2, w, whole)
 

@@ -48,6 +48,7 @@ from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_DRIVES,
     N_GUARDS,
+    N_PAIRS,
     N_STATES,
     N_WALLS,
     POINT,
@@ -488,7 +489,7 @@ def own_moments(
     """
     n, values = whole[N_COORDINATES], whole[VALUES]
     kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
-    after = (following + 1) * whole[ROW_COLUMNS] - n - 2 * whole[N_CONTACTS]
+    after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
     moments(first, t, w, whole, own, q, m)
     for c in range(m):
         w[kept + c] = w[moment + c]

@@ -11,13 +11,16 @@ they share in proportion to their levels: they reach these together.
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.factors import factorise, solve_free
+from stickslip.kernels.contacts.loops import cut_levels, find_followers, share_in_loops
 from stickslip.kernels.contacts.stops import raise_levels
+from stickslip.kernels.directions import slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
 from stickslip.kernels.equations import (
     FORCES,
     GEOMETRY,
     LAW,
     LOADS,
+    LOOPS_OF,
     MASSES,
     TURNING,
     WALLS_OF,
@@ -26,6 +29,7 @@ from stickslip.kernels.equations import (
 from stickslip.kernels.guard_roots import size_of_forces
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BORNE,
     BRISTLE_COUNTS,
     BRISTLE_RATES,
     BRISTLES,
@@ -54,6 +58,8 @@ from stickslip.kernels.state_layout import (
     LEVEL_FACTOR,
     LEVELS,
     LOAD,
+    LOOPED,
+    LOOPS,
     MASS,
     MASS_COLUMNS,
     MASS_ROWS,
@@ -61,8 +67,10 @@ from stickslip.kernels.state_layout import (
     MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_HELD,
     N_MASSES,
+    N_PAIRS,
     N_REACTIONS,
     N_STATES,
     N_WALLS,
@@ -122,6 +130,8 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
     if whole[IS_TURNED]:
         evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        evaluate(LOOPS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[LOOPS])
     if whole[N_WALLS] > 0:
         evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])
@@ -187,7 +197,7 @@ def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     factor = w[whole[SLIP_FACTORS] + contact]
     mode = whole[whole[MODES] + coordinate]
     if mode in (HELD_FAST, FREE):
-        return 1 if factor * w[at + whole[N_COORDINATES] + coordinate] >= 0.0 else -1
+        return 1 if factor * slip_rate_along(coordinate, at, w, whole) >= 0.0 else -1
     return 1 if mode * factor > 0.0 else -1
 
 
@@ -249,7 +259,7 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     if whole[whole[MODES] + coordinate] == HELD_FAST:
         w[row] = 0.0
     else:
-        speed = w[whole[SLIP_FACTORS] + contact] * w[at + whole[N_COORDINATES] + coordinate]
+        speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
         w[row] = side * speed
     bristle = whole[whole[BRISTLES] + contact]
     if bristle >= 0:
@@ -358,10 +368,12 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     for c in range(whole[N_CONTACTS]):
         own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
         w[friction + c] = own
-        w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
+        spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
+    if whole[N_DIRECTIONS] > n:
+        bear(w, whole)
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
             w[needed + i] = 0.0
@@ -370,6 +382,22 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             for j in range(n):
                 total -= w[mass + i * n + j] * w[found + j]
             w[needed + i] = total
+
+
+def bear(w: Vector, whole: Wholes) -> None:
+    """Write the forces that held contacts of loops have to bear, along all coordinates.
+
+    NEEDED has the forces but those of inertia.
+
+    Reads: MASS, ACCELERATION, NEEDED.
+    Writes: BORNE.
+    """
+    n = whole[N_COORDINATES]
+    for i in range(n):
+        total = w[whole[NEEDED] + i]
+        for j in range(n):
+            total -= w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j]
+        w[whole[BORNE] + i] = total if whole[whole[LOOPED] + i] else 0.0
 
 
 def blur(i: int, w: Vector, whole: Wholes) -> float:
@@ -403,8 +431,8 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
     Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
     Writes: LEVELS, FRICTION.
     """
-    n, levels = whole[N_COORDINATES], whole[LEVELS]
-    for i in range(2 * n):
+    levels = whole[LEVELS]
+    for i in range(2 * whole[N_PAIRS]):
         w[levels + i] = 0.0
     for c in range(whole[N_CONTACTS]):
         factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
@@ -412,6 +440,9 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
             place = 2 * c + (k if factor > 0.0 else 1 - k)
             level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
             w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        cut_levels(levels, w, whole)
+        share_in_loops(w, whole)
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
@@ -641,7 +672,7 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 
 
 def refactor(w: Vector, whole: Wholes) -> None:
-    """Factorise a constant mass matrix for the modes at hand.
+    """Factorise a constant mass matrix for the modes at hand; find what follows from others.
 
     Reads: MASS, MODES.
     Writes: CHOLESKY.
@@ -653,6 +684,8 @@ def refactor(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        find_followers(w, whole)
     if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
         factorise(w, whole)
 

@@ -6,6 +6,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import assemble, put_motion
 from stickslip.kernels.contacts.stops import finite, stopped_side
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import combined, slip_rate_along
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
 from stickslip.kernels.equations import EFFORTS, POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
@@ -27,6 +28,7 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LIVELIEST,
     LOAD,
+    LOOPED,
     MASS,
     MODES,
     MOTION_POINT,
@@ -34,6 +36,7 @@ from stickslip.kernels.state_layout import (
     N_CONTACTS,
     N_COORDINATES,
     N_DRIVES,
+    N_PAIRS,
     N_STATES,
     OPEN,
     POINT,
@@ -218,8 +221,8 @@ def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
 
     Reads: `at`, SLIP_FACTORS.
     """
-    rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
-    return w[whole[SLIP_FACTORS] + contact] * w[rate]
+    i = whole[whole[SLIPS] + contact]
+    return w[whole[SLIP_FACTORS] + contact] * slip_rate_along(i, at, w, whole)
 
 
 def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
@@ -375,18 +378,19 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     share, h = w[FRACTION], w[LENGTH]
     terms = int(w[whole[DENSE]])
     damping = w[whole[DAMPING] + contact]
-    constant = factor * w[whole[FRICTION] + contact] - damping * w[whole[Y] + n + i]
+    constant = factor * w[whole[FRICTION] + contact]
+    constant -= damping * combined(i, whole[Y] + n, w, whole)
     slip, power = 0.0, 1.0
     for k in range(1, terms + 1):
         power *= share
-        slip += w[dense + k * states + i] * power
+        slip += combined(i, dense + k * states, w, whole) * power
     work = constant * slip
     if damping != 0.0:
         for node in range(len(NODES)):
             x = share * NODES[node]
-            rate = w[dense + terms * states + n + i]
+            rate = combined(i, dense + terms * states + n, w, whole)
             for k in range(terms - 1, -1, -1):
-                rate = rate * x + w[dense + k * states + n + i]
+                rate = rate * x + combined(i, dense + k * states + n, w, whole)
             work += WEIGHTS[node] * share * h * damping * rate * rate
     w[whole[WORKS] + contact] += work
     w[TAKEN] += work
@@ -430,8 +434,9 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
             if not abs(bound) < math.inf:
                 return False
         evaluate(REST, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
-        for i in range(n):
-            side = 0 if w[values + i] >= 0.0 else 1
-            if abs(w[values + i]) > w[whole[LEVELS] + 2 * i + side]:
+        for i in range(whole[N_PAIRS]):
+            force = combined(i, values, w, whole)
+            level = w[whole[LEVELS] + 2 * i + (0 if force >= 0.0 else 1)]
+            if abs(force) > level and not whole[whole[LOOPED] + i]:
                 return False
     return True

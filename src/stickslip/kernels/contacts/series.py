@@ -13,6 +13,7 @@ from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
 from stickslip.kernels.error_scale import VANISHED, series_tail
@@ -32,10 +33,13 @@ from stickslip.kernels.state_layout import (
     FRICTION,
     LENGTH,
     LEVELS,
+    LOOPED,
     MASS,
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
     N_SLOPES,
     N_STATES,
     N_TIME_SLOPES,
@@ -111,6 +115,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[last + n + i] = w[at + n + i]
         w[last + states + i] = h * w[at + n + i]
         w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
+    for i in range(whole[N_PAIRS]):
         w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
     for i in range(states):
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
@@ -134,6 +139,10 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         last += states
     w[whole[DENSE]] = terms - small
     w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+    for i in range(n, whole[N_DIRECTIONS]):
+        for k in range(terms - small + 1):
+            rate = combined(i, whole[DENSE] + 1 + k * states + n, w, whole)
+            w[whole[NEEDED_SERIES] + k * whole[N_PAIRS] + i] = rate
 
 
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
@@ -143,7 +152,7 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     Writes: DRIFT, NEEDED_SERIES.
     """
     n = whole[N_COORDINATES]
-    row = whole[NEEDED_SERIES] + terms * n
+    row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
     slopes = whole[SLOPE_VALUES]
     modes, found = whole[MODES], whole[DRIFT]
     k, count = 0, whole[N_SLOPES]
@@ -160,18 +169,20 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
         damping = w[whole[DAMPING] + c]
         if damping != 0.0:
             i = whole[whole[SLIPS] + c]
-            w[row + i] -= damping * w[last + n + i]
+            spread(i, damping * combined(i, last + n, w, whole), row, w, whole)
     for i in range(n):
         w[found + i] = w[row + i]
     solve_free(w, whole, found)
     for i in range(n):
-        if whole[modes + i] != HELD_FAST:
+        if whole[modes + i] != HELD_FAST and not whole[whole[LOOPED] + i]:
             w[row + i] = 0.0
         elif not whole[DIAGONAL]:
             total = w[row + i]
             for j in range(n):
                 total -= w[whole[MASS] + i * n + j] * w[found + j]
             w[row + i] = total
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        w[row + cut] = combined(cut, row, w, whole)
 
 
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
@@ -212,6 +223,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
+    if whole[whole[LOOPED] + i]:
+        return is_looped_balanced(i, w, whole)
     size = abs(w[whole[FORCE] + i])
     for k in range(whole[N_SLOPES]):
         if whole[whole[SLOPE_ROWS] + k] == i:
@@ -231,6 +244,25 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for j in range(n):
         size += abs(w[row + j]) * size_of_forces(j, w, whole)
     return found <= STILLNESS * size
+
+
+def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
+    """Whether forces on a slip of a loop that begins balance but for their rounding.
+
+    Reads: LOOPS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLIP_FACTORS, FOLLOWED, MODES.
+    Writes: VALUES.
+    """
+    n, row = whole[N_COORDINATES], whole[VALUES]
+    for j in range(n):
+        w[row + j] = factor_of(i, j, w, whole)
+    solve_free(w, whole, row)
+    size = 0.0
+    for j in range(n):
+        size += abs(w[row + j]) * size_of_forces(j, w, whole)
+    for c in range(whole[N_CONTACTS]):
+        force = w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c]
+        size += abs(force * combined(whole[whole[SLIPS] + c], row, w, whole))
+    return abs(combined(i, whole[ACCELERATION], w, whole)) <= STILLNESS * size
 
 
 def search(
@@ -294,21 +326,21 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     int
         Index of the guard, or `NO_GUARD`.
     """
-    n, states = whole[N_COORDINATES], whole[N_STATES]
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
     moved, grown = whole[POINT], whole[DRIFT]
     sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
-    sum_terms(whole[NEEDED_SERIES] + n, n, count, grown, n, w)
+    sum_terms(whole[NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
     best = NO_GUARD
     w[FRACTION] = 1.0
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         w[whole[ROOTS] + guard] = NEVER_FALLS
     h = w[LENGTH]
     slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
     early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
     if early != NO_GUARD:
         best = look_at(early, best, slack, w, whole)
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         if w[FRACTION] == 0.0:
             return best
         if guard != early:
@@ -350,15 +382,17 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
 
     Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
-    n, i = whole[N_COORDINATES], guard // 2
+    i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
+        if whole[whole[LOOPED] + i]:
+            return math.inf
         level = w[whole[LEVELS] + guard]
         value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
         spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
         return value + spare if value < spare else value
     if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
-        return mode * w[whole[Y] + n + i]
+        return mode * slip_rate_along(i, whole[Y], w, whole)
     return math.inf
 
 
@@ -372,12 +406,14 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 
     Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
-    n, states = whole[N_COORDINATES], whole[N_STATES]
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     best, least = NO_GUARD, 1.0
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         i = guard // 2
-        if whole[whole[MODES] + i] == HELD_FAST:
-            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + n + i]
+        if whole[whole[MODES] + i] == HELD_FAST or i >= n:
+            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
+            if whole[whole[MODES] + i] != HELD_FAST:
+                slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
         else:
             slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
         value = value_of(guard, w, whole)
@@ -394,19 +430,24 @@ def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> in
     Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
+    pairs = whole[N_PAIRS]
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
     w[POLYNOMIAL + 1] = 1.0
     if mode == HELD_FAST:
         w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
-        row, count = whole[NEEDED_SERIES] + n + i, int(w[whole[BOUNDS]]) - 1
-        x = search(value, w[whole[DRIFT] + i], slack, row, n, side_sign(guard), count, w)
+        row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
+        x = search(value, w[whole[DRIFT] + i], slack, row, pairs, side_sign(guard), count, w)
     else:
         if value == 0.0 and is_balanced(i, w, whole):
             w[POLYNOMIAL + 1] = 0.0
-        row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
-        x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+        if i < n:
+            row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+        else:
+            row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
+            x = search(value, math.inf, slack, row, pairs, mode, count, w)
     return note_root(guard, x, best, w, whole)
 
 

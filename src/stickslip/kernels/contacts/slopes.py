@@ -20,6 +20,7 @@ from stickslip.kernels.contacts.assembly import (
 )
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.directions import factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import (
     LAW_MARGIN_SLOPES,
@@ -58,6 +59,7 @@ from stickslip.kernels.state_layout import (
     MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
     N_HELD,
     N_REACTIONS,
@@ -170,10 +172,10 @@ def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
     """
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
-    rate = w[whole[MOTION_POINT] + n + i]
+    rate = slip_rate_along(i, whole[MOTION_POINT], w, whole)
     slope = factor_slope(contact, w, whole) * rate
-    if k == n + i:
-        slope += w[whole[SLIP_FACTORS] + contact]
+    if n <= k < 2 * n:
+        slope += factor_of(i, k - n, w, whole) * w[whole[SLIP_FACTORS] + contact]
     return side_of(contact, w, whole, whole[MOTION_POINT]) * slope
 
 
@@ -215,7 +217,7 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
     if whole[N_REACTIONS] > 0:
         react_along(k, w, whole)
     respond(k, w, whole)
-    for i in range(2 * n):
+    for i in range(2 * whole[N_DIRECTIONS]):
         w[whole[LEVEL_SLOPES] + i] = 0.0
     for c in range(contacts):
         if not whole[whole[OPEN] + c]:
@@ -242,7 +244,8 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
             slope = friction_slope(c, k, w, whole)
             i = whole[whole[SLIPS] + c]
             own = sliding_friction(c, w, whole)
-            w[found + i] -= w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
+            grows = w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
+            spread(i, grows, found, w, whole)
         w[whole[FRICTION_SLOPES] + c] = slope
     for i in range(n):
         w[needed + i] = w[found + i]

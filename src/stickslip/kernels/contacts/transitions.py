@@ -11,10 +11,12 @@ from stickslip.kernels.contacts.guards import (
     law_flags,
 )
 from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
+from stickslip.kernels.contacts.loops import close_loops, crossing
 from stickslip.kernels.contacts.motion import mode_of
 from stickslip.kernels.contacts.series import TOGETHER
 from stickslip.kernels.contacts.stops import margin_of, stopped_side
 from stickslip.kernels.coordinates import turn_states
+from stickslip.kernels.directions import bind, combined, slip_rate_along
 from stickslip.kernels.enums import (
     BACKWARD,
     EXACT,
@@ -51,6 +53,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_LIMITS,
     N_REACTIONS,
     N_SWITCHES,
@@ -97,7 +100,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n = whole[N_COORDINATES]
+    n = whole[N_DIRECTIONS]
     if whole[IS_TURNED]:
         prepare(w[TIME], w, whole)
         turn_states(whole[Y], 0, w, whole)
@@ -116,8 +119,9 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     none_forced(whole)
     settle_modes(w, whole)
     for i in range(n):
-        rests = w[whole[Y] + n + i] == 0.0 and whole[whole[MODES] + i] == FORWARD
-        if rests and not whole[whole[RIGID] + i] and w[whole[ACCELERATION] + i] < 0.0:
+        rests = slip_rate_along(i, whole[Y], w, whole) == 0.0 and whole[whole[MODES] + i] == FORWARD
+        falls = combined(i, whole[ACCELERATION], w, whole) < 0.0
+        if rests and not whole[whole[RIGID] + i] and falls:
             whole[whole[MODES] + i] = BACKWARD  # as bristles begin to bend
             refresh(w[TIME], w, whole, whole[Y])
     for i in range(n):
@@ -148,7 +152,7 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
     Reads: Y, WALLS, OPEN.
     """
-    rate = w[whole[Y] + whole[N_COORDINATES] + i]
+    rate = slip_rate_along(i, whole[Y], w, whole)
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
         return HELD_FAST
     if not rubs(i, whole):
@@ -178,7 +182,7 @@ def remember(whole: Wholes) -> None:
     Reads: MODES, OPEN.
     Writes: BEFORE, CLOSED.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
         whole[whole[CLOSED] + c] = 1 - whole[whole[OPEN] + c]
@@ -189,7 +193,7 @@ def none_forced(whole: Wholes) -> None:
 
     Writes: FORCED.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[FORCED] + i] = 0
 
 
@@ -204,7 +208,10 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
     LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
     CANDIDATES, KEPT.
     """
-    for i in range(whole[N_COORDINATES]):
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        close_loops(False, w, whole)
+        set_rates(w, whole)
+    for i in range(whole[N_DIRECTIONS]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     solved = decide(w, whole)
@@ -217,6 +224,19 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
     if whole[LAW_SWITCHES] > 0:
         law_flags(w[TIME], w, whole, whole[Y])
         refresh(w[TIME], w, whole, whole[Y])
+
+
+def set_rates(w: Vector, whole: Wholes) -> None:
+    """Set the rates of what is held, and of what follows from others, to what they are exactly.
+
+    Reads: Y, FOLLOWED, MODES.
+    Writes: Y.
+    """
+    rates = whole[Y] + whole[N_COORDINATES]
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[MODES] + i] == HELD_FAST:
+            w[rates + i] = 0.0
+    bind(rates, w, whole)
 
 
 def end_beyond_limits(w: Vector, whole: Wholes) -> None:
@@ -265,7 +285,7 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
     Reads: Y, WALLS, MODES, OPEN.
     Writes: MODES.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
             whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
 
@@ -405,7 +425,7 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     STRUCK.
     """
     strike_stops(guard, w, whole)
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
     for _ in range(whole[N_SWITCHES]):
         set_own_flags(w, whole)
@@ -427,7 +447,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
         opposite = guard + 1 - 2 * (guard % 2)
         if not w[values + guard] < w[values + opposite]:
             return False
-    elif w[whole[Y] + whole[N_COORDINATES] + guard // 2] == 0.0:
+    elif slip_rate_along(guard // 2, whole[Y], w, whole) == 0.0:
         return False
     if exact:
         h = w[LENGTH]
@@ -445,13 +465,29 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
     i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST and not opens_instead(guard, w, whole):
-        whole[whole[FORCED] + i] = FORWARD if guard % 2 == 0 else BACKWARD
+        force(i, FORWARD if guard % 2 == 0 else BACKWARD, w, whole)
     elif mode in (FORWARD, BACKWARD) and guard % 2 == 0:
         if whole[whole[RIGID] + i]:
-            w[whole[Y] + whole[N_COORDINATES] + i] = 0.0
+            if i < whole[N_COORDINATES]:
+                w[whole[Y] + whole[N_COORDINATES] + i] = 0.0
             whole[whole[MODES] + i] = HELD_FAST
         else:
             whole[whole[MODES] + i] = -mode
+
+
+def force(i: int, side: int, w: Vector, whole: Wholes) -> None:
+    """Force a coordinate to slip, or what slips in the motion of a cut.
+
+    Reads: LOOPS, MODES, FORCED.
+    Writes: FORCED.
+    """
+    if i < whole[N_DIRECTIONS]:
+        whole[whole[FORCED] + i] = side
+        return
+    for d in range(whole[N_DIRECTIONS]):
+        rate = side * crossing(i, d, w, whole)
+        if whole[whole[MODES] + d] == HELD_FAST and rate != 0.0 and whole[whole[FORCED] + d] == 0:
+            whole[whole[FORCED] + d] = FORWARD if rate > 0.0 else BACKWARD
 
 
 def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
@@ -470,7 +506,10 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
         return False
     found = False
     for c in range(whole[N_CONTACTS]):
-        if whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c]:
+        own = whole[whole[SLIPS] + c]
+        if i >= whole[N_DIRECTIONS] and crossing(i, own, w, whole) != 0.0:
+            own = i
+        if own == i and not whole[whole[OPEN] + c]:
             light = w[whole[LOAD] + c] <= REACHED_ZERO * w[whole[REACHED] + lift_guard(c, whole)]
             if light and not whole[whole[REACTS] + c]:
                 whole[whole[OPEN] + c] = 1
