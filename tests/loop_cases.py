@@ -66,7 +66,8 @@ Triangle = rotors(3, ((0, 1), (1, 2), (0, 2)))
 TRIANGLE = Triangle
 SQUARE = rotors(4, ((0, 1), (1, 2), (2, 3), (0, 3)))
 BRACED = rotors(4, ((0, 1), (1, 2), (2, 3), (0, 3), (0, 2)))
-GROUNDED = rotors(3, ((0, -1), (1, -1), (0, 1), (1, 2)))
+Grounded = rotors(3, ((0, -1), (1, -1), (0, 1), (1, 2)))
+GROUNDED = Grounded
 
 
 def rows_of(one):
@@ -153,7 +154,6 @@ def motion(mass, force, ramp, rows, v, kinetic, static, t_end):
     within the levels are found by linear programming.
     """
     t, events = 0.0, []
-    inverse = np.linalg.inv(mass)
     sign = None
     for _ in range(100):
         a = decided(mass, force + ramp * (t + NUDGE), rows, v, kinetic, static)
@@ -218,6 +218,16 @@ def random_case(one, random):
 
 
 __all__ = [
-    "BRACED", "GROUNDED", "SQUARE", "TRIANGLE", "Triangle", "decided", "motion", "random_case",
-    "rotors", "rows_of", "utilisation",
+    "BRACED",
+    "GROUNDED",
+    "SQUARE",
+    "TRIANGLE",
+    "Grounded",
+    "Triangle",
+    "decided",
+    "motion",
+    "random_case",
+    "rotors",
+    "rows_of",
+    "utilisation",
 ]  # fmt: skip

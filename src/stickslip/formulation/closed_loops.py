@@ -13,7 +13,7 @@ from itertools import combinations
 
 import symengine as se
 
-__all__ = ["MOST_TRIALS", "Loops", "loops_of"]
+__all__ = ["NO_LOOPS", "Loops", "loops_of", "vanishes"]
 
 MOST_TRIALS = 1500
 """Most sets of held contacts that are tried for the cuts of one loop."""
@@ -38,6 +38,10 @@ class Loops:
     def numbers(self) -> list[se.Expr]:
         """Return closing slips, cuts and crossings row by row, as kernels read them."""
         return [e for row in (*self.closing, *self.cuts, *self.crossings) for e in row]
+
+
+NO_LOOPS = Loops()
+"""Of contacts whose slips are independent."""
 
 
 def vanishes(e: se.Expr) -> bool:

@@ -83,6 +83,11 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     -------
     Model
         Text of the parts of the equations and the meaning of their numbers.
+
+    Raises
+    ------
+    InputError
+        If contacts close a loop, with slopes.
     """
     own = _own_laws(mechanism, law)
     board = Switchboard()
@@ -107,8 +112,8 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     loops = parts.directions.loops
     if slopes and loops.closing:
         raise InputError(
-            f"{type(mechanism).__name__}: the slips of {', '.join(parts.closing)} follow from those of others,"
-            " with which motions have no derivatives with respect to parameters yet: take"
+            f"{type(mechanism).__name__}: the slips of {', '.join(parts.closing)} follow from those"
+            " of others, with which motions have no derivatives with respect to parameters: take"
             " differences of runs, or give them no law (None)."
         )
     equations = _Equations(symbols, parts, board)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.closed_loops import Loops, loops_of, vanishes
+from stickslip.formulation.closed_loops import NO_LOOPS, Loops, loops_of, vanishes
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 
@@ -34,7 +34,7 @@ class SlipDirections:
     """Coordinates of the equations, a row each over those of the mechanism; empty if the same."""
     backward: tuple[Entries, ...]
     """Coordinates of the mechanism, a row each over those of the equations; empty if the same."""
-    loops: Loops = Loops()
+    loops: Loops = NO_LOOPS
     """Closing slips over the coordinates of the equations, and how loops break open."""
 
     def seen(self, symbols: Sequence[se.Symbol]) -> list[se.Expr]:

@@ -19,8 +19,6 @@ ROUNDED = 1e-15
 def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
     """Return the factor of a coordinate in a direction or a cut.
 
-    Reads: LOOPS.
-
     Parameters
     ----------
     i : int
@@ -46,7 +44,7 @@ def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
 def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return what a vector of the coordinates is along a direction or a cut.
 
-    Reads: `at`, LOOPS.
+    Reads: `at`.
 
     Parameters
     ----------
@@ -76,7 +74,7 @@ def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return how large the parts are of what a vector is along a direction or a cut.
 
-    Reads: `at`, LOOPS.
+    Reads: `at`.
 
     Parameters
     ----------
@@ -106,7 +104,7 @@ def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return the rate along a direction; what is left of a sum by rounding is 0.
 
-    Reads: `at`, LOOPS.
+    Reads: `at`.
 
     Parameters
     ----------
@@ -134,7 +132,7 @@ def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     """Take a force along a direction away from those along the coordinates.
 
-    Reads: `to`, LOOPS.
+    Reads: `to`.
     Writes: `to`.
 
     Parameters
@@ -162,7 +160,7 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 def bind(to: int, w: Vector, whole: Wholes) -> None:
     """Let coordinates follow from others where a closing slip is held.
 
-    Reads: `to`, FOLLOWED.
+    Reads: `to`, drives.
     Writes: `to`.
 
     Parameters

@@ -74,7 +74,7 @@ both directions agree there but for the square of this share.
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held to 0: a solver from outside may have rounded them.
 
-    Reads: MODE, MODES.
+    Reads: `at`, drives, MODE, MODES.
     Writes: `at`.
     """
     n = whole[N_COORDINATES]
@@ -92,7 +92,7 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
     """Turn a state that was handed over to the coordinates of the equations.
 
-    Reads: `at`, TURN, MODE, MODES.
+    Reads: `at`, drives, TURN, MODE, MODES.
     Writes: `at`, VALUES.
     """
     turn_states(at, 0, w, whole)
@@ -142,9 +142,9 @@ def falls_at_once(
 ) -> int:
     """Try a step; make what follows from a guard that falls as it begins, and tell whether one did.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE,
-    VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS,
-    REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
+    SCALE, VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, POLYNOMIAL, ROOM, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS,
     MODE, FLAGS, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
@@ -203,7 +203,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over.
 
-    Reads: TIME, Y, TURN, MODE, MODES.
+    Reads: TIME, drives, Y, TURN, MODE, MODES.
     Writes: Y, VALUES, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -261,9 +261,9 @@ def exchange(
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE, POINT,
-    VALUES, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE, FLAGS, PIECE,
-    STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
+    SCALE, POINT, VALUES, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE,
+    FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
     Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, POLYNOMIAL, ROOM,
     drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
     LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,

@@ -92,7 +92,7 @@ EPSILON_STEP = 2.220446049250313e-16
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
-    Reads: `at`, SCALE, MODE, FLAGS, MODES.
+    Reads: `at`, SCALE, REACHED, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
 
     Parameters
@@ -149,7 +149,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     point = whole[POINT]
@@ -164,7 +164,7 @@ def bisect(
 ) -> float:
     """Return the fraction just past a sign change.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
@@ -189,7 +189,7 @@ def bisect(
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     a = high - GOLDEN * (high - low)
@@ -241,7 +241,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
 
-    Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
@@ -287,7 +287,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
 
     Parameters

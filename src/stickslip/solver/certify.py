@@ -212,7 +212,7 @@ def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
 
 
 def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
-    """Return the largest change of a coordinate, or a sum of some, within a row in which it is held.
+    """Return the largest change of a coordinate, or of a sum, within a row in which it is held.
 
     Of a sum the rounding of its parts is no change.
     """

@@ -102,8 +102,8 @@ class ContactDiagram(BlockDiagram):
         if model.closing:
             raise InputError(
                 f"{type(mechanism).__name__}: the slips of {', '.join(model.closing)} follow from"
-                " those of others, with which block diagrams and fixed steps decide who holds one by"
-                " one: use EventDriven, or give them no law (None)."
+                " those of others, with which block diagrams and fixed steps do not decide who"
+                " holds: use EventDriven, or give them no law (None)."
             )
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole

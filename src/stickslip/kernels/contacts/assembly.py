@@ -349,8 +349,9 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads.
 
-    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES.
-    Writes: ACCELERATION, NEEDED, FRICTION.
+    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    MODES.
+    Writes: drives, ACCELERATION, NEEDED, FRICTION.
 
     Parameters
     ----------
@@ -390,7 +391,7 @@ def bear(w: Vector, whole: Wholes) -> None:
     NEEDED has the forces but those of inertia.
 
     Reads: MASS, ACCELERATION, NEEDED.
-    Writes: BORNE.
+    Writes: drives.
     """
     n = whole[N_COORDINATES]
     for i in range(n):
@@ -429,7 +430,7 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
     loads, accelerations and needed friction.
 
     Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
-    Writes: LEVELS, FRICTION.
+    Writes: drives, NEEDED, LEVELS, FRICTION.
     """
     levels = whole[LEVELS]
     for i in range(2 * whole[N_PAIRS]):
@@ -525,9 +526,9 @@ def react(w: Vector, whole: Wholes) -> None:
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
 
-    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
-    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
+    Reads: FRICTIONLESS, drives, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
+    Writes: PIVOT, drives, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -675,7 +676,7 @@ def refactor(w: Vector, whole: Wholes) -> None:
     """Factorise a constant mass matrix for the modes at hand; find what follows from others.
 
     Reads: MASS, MODES.
-    Writes: CHOLESKY.
+    Writes: drives, CHOLESKY, MODES.
 
     Parameters
     ----------
@@ -693,11 +694,11 @@ def refactor(w: Vector, whole: Wholes) -> None:
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS.
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES.
 
     Parameters
     ----------
@@ -717,10 +718,10 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS.
 
     Parameters

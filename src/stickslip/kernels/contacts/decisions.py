@@ -148,11 +148,11 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
@@ -193,6 +193,13 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     Accelerations go towards those of the modes at hand, as far as nothing turns that is pushed: it
     is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
     has its least at the answer falls with each move, so that none comes again.
+
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
@@ -231,7 +238,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
 def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
     """Return the held coordinate or the cut whose level is exceeded most, or -1.
 
-    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, LOOPS, MODES.
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
     """
     worst, most = -1, 0.0
     levels = whole[BOUNDS] if kinetic else whole[LEVELS]
@@ -251,7 +258,7 @@ def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
 def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
     """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed.
 
-    Reads: NEEDED, LOOPS, MODES.
+    Reads: NEEDED, MODES.
     Writes: MODES.
     """
     side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
@@ -270,11 +277,11 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES, CANDIDATES.
     """
     n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
@@ -309,8 +316,8 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
     """Hold what is pushed and does not move, where contacts close loops; return whether any is.
 
-    Reads: ACCELERATION, LOOPS, MODES, CANDIDATES.
-    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
+    Reads: ACCELERATION, MODES, CANDIDATES.
+    Writes: drives, MODES.
     """
     found = False
     for i in range(whole[N_DIRECTIONS]):
@@ -326,10 +333,10 @@ def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
 def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
     """Let the worst violator of the static levels slip with kinetic friction, then the next.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES.
     """
     modes, candidates = whole[MODES], whole[CANDIDATES]
@@ -369,10 +376,10 @@ def begin_decision(whole: Wholes) -> int:
 def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES, CANDIDATES, KEPT.
     """
     n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
@@ -394,11 +401,11 @@ def decide(w: Vector, whole: Wholes) -> bool:
     A candidate, not 0 in CANDIDATES, is at rest. FORCED has the direction of one whose break-away
     has been reached, and 0 otherwise. Accelerations and all else are those of the answer.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN,
-    CANDIDATES, FORCED.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
+    OPEN, CANDIDATES, FORCED.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, KEPT.
 
     Parameters

@@ -2,7 +2,7 @@
 
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
 the level ahead less the needed friction, and the level back plus it. So have closing slips, and the
-cuts of loops, which take the place of their directions while these are held. Then each contact has its
+cuts of loops, which stand for their directions while these are held. Then each contact has its
 law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
 the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
 the distances from hard stops.
@@ -81,11 +81,11 @@ def first_own_switch(whole: Wholes) -> int:
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write all guards at a state.
 
-    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+    Reads: `at`, PIVOT, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
+    HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------

@@ -54,8 +54,6 @@ BEYOND = 1e-9
 def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
     """Return the rate of a direction in the motion of a cut.
 
-    Reads: LOOPS.
-
     Parameters
     ----------
     cut : int
@@ -82,8 +80,7 @@ def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
 def leave(row: int, d: int, w: Vector, whole: Wholes) -> None:
     """Leave of a row over the coordinates what held ones and the first `d` closing slips do not.
 
-    Reads: `row`, FOLLOWED, MODES.
-    Writes: `row`.
+    Reads: drives, MODES.
     """
     n = whole[N_COORDINATES]
     size = 0.0
@@ -108,8 +105,8 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 
     A cut is watched as a held coordinate is as long as a held direction has a part in it.
 
-    Reads: LOOPS, MODES.
-    Writes: FOLLOWED, MODES, FOLLOWERS.
+    Reads: MODES.
+    Writes: drives, MODES.
 
     Parameters
     ----------
@@ -144,6 +141,15 @@ def find_followers(w: Vector, whole: Wholes) -> None:
                 for j in range(n):
                     w[other + j] -= factor * w[row + j]
                 w[other + best] = 0.0
+    watch_cuts(w, whole)
+
+
+def watch_cuts(w: Vector, whole: Wholes) -> None:
+    """Set the modes of all cuts, for those of the directions.
+
+    Writes: MODES.
+    """
+    directions, modes = whole[N_DIRECTIONS], whole[MODES]
     for cut in range(directions, whole[N_PAIRS]):
         whole[modes + cut] = FREE
         for i in range(directions):
@@ -154,8 +160,8 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
     """Return whether nothing can move along a direction, for others are held.
 
-    Reads: LOOPS, FOLLOWED, MODES.
-    Writes: SHARES.
+    Reads: MODES.
+    Writes: drives.
 
     Parameters
     ----------
@@ -175,17 +181,17 @@ def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
     for j in range(n):
         w[row + j] = factor_of(i, j, w, whole)
     leave(row, whole[N_DIRECTIONS] - n, w, whole)
+    free = False
     for j in range(n):
-        if w[row + j] != 0.0:
-            return False
-    return True
+        free = free or w[row + j] != 0.0
+    return not free
 
 
 def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
     """Hold all that others hold already, or of these what is to be decided.
 
-    Reads: LOOPS, MODES.
-    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
+    Reads: MODES, CANDIDATES.
+    Writes: drives, MODES.
 
     Parameters
     ----------
@@ -211,8 +217,8 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 
     Rows of followers are those of 1.
 
-    Reads: MASS, FOLLOWED.
-    Writes: PROJECTED.
+    Reads: MASS.
+    Writes: drives.
 
     Parameters
     ----------
@@ -250,7 +256,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 def fold(right: int, w: Vector, whole: Wholes) -> None:
     """Add forces on followers to those on what they follow from.
 
-    Reads: `right`, FOLLOWED.
+    Reads: `right`, drives.
     Writes: `right`.
 
     Parameters
@@ -275,7 +281,7 @@ def fold(right: int, w: Vector, whole: Wholes) -> None:
 def mass_along(i: int, w: Vector, whole: Wholes) -> float:
     """Return the inertia of a motion along a coordinate, or that of a cut.
 
-    Reads: LOOPS, MASS.
+    Reads: MASS.
 
     Parameters
     ----------
@@ -303,7 +309,7 @@ def mass_along(i: int, w: Vector, whole: Wholes) -> float:
 def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
     """Write the levels of all cuts, from those of the held directions that have a part in each.
 
-    Reads: `levels`, LOOPS, MODES.
+    Reads: MODES.
     Writes: `levels`.
 
     Parameters
@@ -333,8 +339,8 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     level is reached has that, unless its deflection falls again; directions of a level of 0 have
     nothing.
 
-    Reads: LOOPS, LEVELS, BORNE, MODES.
-    Writes: NEEDED, SHARES.
+    Reads: LEVELS, MODES.
+    Writes: drives, NEEDED.
 
     Parameters
     ----------
@@ -347,43 +353,54 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     for cut in range(directions, whole[N_PAIRS]):
         held = whole[whole[MODES] + cut] == HELD_FAST
         w[needed + cut] = combined(cut, whole[BORNE], w, whole) if held else 0.0
-    growth = whole[SHARES] + n * (n + 1)
-    rates, clamped = growth + n, growth + n + directions
+    rates = whole[SHARES] + n * (n + 2)
+    clamped = rates + directions
     for i in range(directions):
+        w[clamped + i] = 0.0
         if whole[whole[LOOPED] + i]:
             w[needed + i] = 0.0
-        w[clamped + i] = 0.0
     reached = 0.0
     for _ in range(8 * directions):
-        if reached >= 1.0 or not grow(growth, rates, clamped, w, whole):
+        if reached >= 1.0 or not grow(rates, clamped, w, whole):
             return
-        step, which = 1.0 - reached, -1
-        for i in range(directions):
-            weight = stiffness(i, w, whole)
-            if weight == 0.0:
-                continue
-            rate = weight * w[rates + i]
-            if w[clamped + i] == 0.0 and rate != 0.0:
-                level = w[whole[LEVELS] + 2 * i + (0 if rate > 0.0 else 1)]
-                room = (level - w[needed + i] if rate > 0.0 else level + w[needed + i]) / abs(rate)
-                if room < step:
-                    step, which = max(room, 0.0), i
-        released = False
-        for i in range(directions):
-            if w[clamped + i] * w[rates + i] < -NOTHING * abs(w[rates + i]):
-                w[clamped + i] = 0.0
-                released = True
-        if released:
-            continue
-        for i in range(directions):
-            if w[clamped + i] == 0.0:
-                w[needed + i] += step * stiffness(i, w, whole) * w[rates + i]
-        reached += step
-        if which >= 0:
-            forward = w[rates + which] > 0.0
-            w[clamped + which] = 1.0 if forward else -1.0
-            level = w[whole[LEVELS] + 2 * which + (0 if forward else 1)]
-            w[needed + which] = level if forward else -level
+        if not release(rates, clamped, w, whole):
+            reached += load_on(1.0 - reached, rates, clamped, w, whole)
+
+
+def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
+    """Let directions at their levels go whose deflections fall; return whether there are any."""
+    released = False
+    for i in range(whole[N_DIRECTIONS]):
+        if w[clamped + i] * w[rates + i] < 0.0:
+            w[clamped + i] = 0.0
+            released = True
+    return released
+
+
+def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> float:
+    """Load until a level is reached, or all of the rest is on; return the share that was added.
+
+    Reads: NEEDED, LEVELS, MODES.
+    Writes: NEEDED.
+    """
+    needed, step, which = whole[NEEDED], rest, -1
+    for i in range(whole[N_DIRECTIONS]):
+        rate = stiffness(i, w, whole) * w[rates + i]
+        if w[clamped + i] == 0.0 and rate != 0.0:
+            level = w[whole[LEVELS] + 2 * i + (0 if rate > 0.0 else 1)]
+            side = 1.0 if rate > 0.0 else -1.0
+            room = max((level - side * w[needed + i]) / abs(rate), 0.0)
+            if room < step:
+                step, which = room, i
+    for i in range(whole[N_DIRECTIONS]):
+        if w[clamped + i] == 0.0:
+            w[needed + i] += step * stiffness(i, w, whole) * w[rates + i]
+    if which >= 0:
+        forward = w[rates + which] > 0.0
+        w[clamped + which] = 1.0 if forward else -1.0
+        level = w[whole[LEVELS] + 2 * which + (0 if forward else 1)]
+        w[needed + which] = level if forward else -level
+    return step
 
 
 def stiffness(i: int, w: Vector, whole: Wholes) -> float:
@@ -396,39 +413,67 @@ def stiffness(i: int, w: Vector, whole: Wholes) -> float:
     return 0.5 * (w[whole[LEVELS] + 2 * i] + w[whole[LEVELS] + 2 * i + 1])
 
 
-def grow(growth: int, rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
+def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
     """Write how deflections grow with the forces, unless those that are not at levels are too few.
 
-    Reads: `clamped`, LOOPS, LEVELS, BORNE, MODES.
-    Writes: `growth`, `rates`, SHARES.
+    Reads: LEVELS, MODES.
+    Writes: drives.
+    """
+    n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
+    growth, size = rows + n * wide, 0.0
+    put_stiffness(clamped, w, whole)
+    for j in range(n):
+        w[growth + j] = 0.0
+        size = max(size, abs(w[rows + j * wide + n]))
+    eliminate(growth, w, whole)
+    for j in range(n):
+        used = w[growth + j] != 0.0
+        w[growth + j] = w[rows + j * wide + n] if used else 0.0
+        if not used and abs(w[rows + j * wide + n]) > BEYOND * size:
+            return False
+    for i in range(whole[N_DIRECTIONS]):
+        w[rates + i] = combined(i, growth, w, whole)
+    return size > 0.0
+
+
+def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
+    """Write the equations of the deflections: stiffnesses of what is not at its level, forces.
+
+    Reads: LEVELS, MODES.
+    Writes: drives.
     """
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     for j in range(n):
         for k in range(n):
             w[rows + j * wide + k] = 0.0
-        w[rows + j * wide + n] = w[whole[BORNE] + j] if whole[whole[LOOPED] + j] else 0.0
-        w[growth + j] = 0.0
+        w[rows + j * wide + n] = w[whole[BORNE] + j]
     for i in range(whole[N_DIRECTIONS]):
-        weight = stiffness(i, w, whole)
-        if weight == 0.0 or w[clamped + i] != 0.0:
-            continue
+        weight = stiffness(i, w, whole) if w[clamped + i] == 0.0 else 0.0
         for j in range(n):
             own = weight * factor_of(i, j, w, whole)
             if own != 0.0:
                 for k in range(n):
                     w[rows + j * wide + k] += own * factor_of(i, k, w, whole)
-    size, largest = 0.0, 0.0
+
+
+def eliminate(used: int, w: Vector, whole: Wholes) -> None:
+    """Solve the equations of the deflections as far as there are stiffnesses; mark the rows used.
+
+    Reads: drives.
+    Writes: drives.
+    """
+    n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
+    largest = 0.0
     for j in range(n):
-        size = max(size, abs(w[rows + j * wide + n]))
         largest = max(largest, w[rows + j * wide + j])
-    for _ in range(n):  # rows that have been used have 1 at their place in `growth`
+    for _ in range(n):
         best, pivot = -1, NOTHING * largest
         for j in range(n):
-            if w[growth + j] == 0.0 and w[rows + j * wide + j] > pivot:
+            if w[used + j] == 0.0 and w[rows + j * wide + j] > pivot:
                 best, pivot = j, w[rows + j * wide + j]
         if best < 0:
-            break
-        w[growth + best] = 1.0
+            return
+        w[used + best] = 1.0
         for k in range(wide):
             w[rows + best * wide + k] /= pivot
         for j in range(n):
@@ -436,10 +481,3 @@ def grow(growth: int, rates: int, clamped: int, w: Vector, whole: Wholes) -> boo
             if j != best and factor != 0.0:
                 for k in range(wide):
                     w[rows + j * wide + k] -= factor * w[rows + best * wide + k]
-    for j in range(n):
-        if w[growth + j] == 0.0 and abs(w[rows + j * wide + n]) > BEYOND * size:
-            return False
-        w[growth + j] = w[rows + j * wide + n] if w[growth + j] != 0.0 else 0.0
-    for i in range(whole[N_DIRECTIONS]):
-        w[rates + i] = combined(i, growth, w, whole)
-    return size > 0.0

@@ -79,11 +79,12 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
     It begins at TIME.
 
-    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
-    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+    Reads: `at`, TIME, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS,
+    REACTION_ROWS.
 
     Parameters
     ----------
@@ -103,7 +104,7 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the series where accelerations and needed friction at the state are at hand.
 
-    Reads: `at`, TIME, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Reads: `at`, TIME, drives, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
     Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
@@ -148,13 +149,12 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
     """Write one term of the accelerations to DRIFT and one of the needed friction.
 
-    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
+    Reads: drives, MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
     Writes: DRIFT, NEEDED_SERIES.
     """
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
     slopes = whole[SLOPE_VALUES]
-    modes, found = whole[MODES], whole[DRIFT]
     k, count = 0, whole[N_SLOPES]
     for i in range(n):  # the slopes stand row by row
         total = 0.0
@@ -170,6 +170,16 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
         if damping != 0.0:
             i = whole[whole[SLIPS] + c]
             spread(i, damping * combined(i, last + n, w, whole), row, w, whole)
+    leave_needed(row, w, whole)
+
+
+def leave_needed(row: int, w: Vector, whole: Wholes) -> None:
+    """Write a term of the accelerations to DRIFT; leave of forces what friction has to hold.
+
+    Reads: drives, MASS, CHOLESKY, MODES.
+    Writes: DRIFT.
+    """
+    n, modes, found = whole[N_COORDINATES], whole[MODES], whole[DRIFT]
     for i in range(n):
         w[found + i] = w[row + i]
     solve_free(w, whole, found)
@@ -190,7 +200,7 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
-    Reads: TIME, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Reads: TIME, drives, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
     Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
 
     Parameters
@@ -219,7 +229,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
     of the inverse mass matrix.
 
-    Reads: Y, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLOPE_VALUES, MODES.
+    Reads: drives, Y, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLOPE_VALUES,
+    MODES.
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
@@ -249,7 +260,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a slip of a loop that begins balance but for their rounding.
 
-    Reads: LOOPS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, SLIP_FACTORS, FOLLOWED, MODES.
+    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, MODES.
     Writes: VALUES.
     """
     n, row = whole[N_COORDINATES], whole[VALUES]
@@ -310,8 +321,8 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
 
-    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, LENGTH, POLYNOMIAL, drives, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
@@ -425,7 +436,7 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Note where a guard falls, if it does before the best one; return which of them is first.
 
-    Reads: FRACTION, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE, MASS,
+    Reads: FRACTION, POLYNOMIAL, drives, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE, MASS,
     CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
