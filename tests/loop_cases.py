@@ -110,7 +110,7 @@ def boxed(mass, h, rows, levels):
 
 
 def decided(mass, h, rows, v, kinetic, static):
-    """Return the accelerations: those who pass their static levels go on with their kinetic ones."""
+    """Return the accelerations: who passes its static level goes on with its kinetic one."""
     slip = rows @ v
     sign = np.where(np.abs(slip) < 1e-12, 0.0, np.sign(slip))
     waits = sign == 0.0
@@ -130,6 +130,10 @@ def decided(mass, h, rows, v, kinetic, static):
     return a
 
 
+TIGHT = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+"""Options of linear programming."""
+
+
 def utilisation(force, rows, levels):
     """Return the least share of their levels with which held slips balance a force."""
     n = len(rows)
@@ -138,7 +142,7 @@ def utilisation(force, rows, levels):
         [*np.zeros(n), 1.0], A_ub=bounds, b_ub=np.zeros(2 * n),
         A_eq=np.column_stack([rows.T, np.zeros(rows.shape[1])]), b_eq=force,
         bounds=[*[(None, None)] * n, (0.0, None)], method="highs",
-        options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
+        options=TIGHT,
     )  # fmt: skip
     return found.x[-1]
 
@@ -187,7 +191,7 @@ def motion(mass, force, ramp, rows, v, kinetic, static, t_end):
             found = linprog(
                 [-1.0, *np.zeros(len(held))], A_eq=np.column_stack([slope, held.T]), b_eq=rest,
                 bounds=box, method="highs",
-                options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
+                options=TIGHT,
             )  # fmt: skip
             assert found.status == 0, found
             length = min(length, found.x[0])
