@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import symengine as se
 
-from stickslip.errors import InputError
 from stickslip.formulation.code_printer import function
 from stickslip.formulation.contact_parts import (
     ContactParts,
@@ -83,11 +82,6 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     -------
     Model
         Text of the parts of the equations and the meaning of their numbers.
-
-    Raises
-    ------
-    InputError
-        If contacts close a loop, with slopes.
     """
     own = _own_laws(mechanism, law)
     board = Switchboard()
@@ -109,13 +103,6 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         board,
     )
     laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
-    loops = parts.directions.loops
-    if slopes and loops.closing:
-        raise InputError(
-            f"{type(mechanism).__name__}: the slips of {', '.join(parts.closing)} follow from those"
-            " of others, with which motions have no derivatives with respect to parameters: take"
-            " differences of runs, or give them no law (None)."
-        )
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
@@ -174,7 +161,9 @@ def _motion(symbols: Symbols, contacts: int) -> Motion:
 
 def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
     """Return the paths of the parameters on which the change of coordinates depends."""
-    names = {name for row in parts.directions.forward for e in row for name in _names(e)}
+    directions = parts.directions
+    entries = [*(e for row in directions.forward for e in row), *directions.loops.numbers()]
+    names = {name for e in entries for name in _names(e)}
     return tuple(path for path, i in index.items() if f"p{i}" in names)
 
 

@@ -157,7 +157,7 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
             w[to + j] -= w[row + j] * force
 
 
-def bind(to: int, w: Vector, whole: Wholes) -> None:
+def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
     """Let coordinates follow from others where a closing slip is held.
 
     Reads: `to`, drives.
@@ -167,6 +167,8 @@ def bind(to: int, w: Vector, whole: Wholes) -> None:
     ----------
     to : int
         Place in `w` of a rate, or a change, for each coordinate; those of held ones are 0.
+    stride : int
+        Distance of their places.
     w : array (SIZE,)
         Vector of the run.
     whole : array (WHOLES,)
@@ -179,5 +181,5 @@ def bind(to: int, w: Vector, whole: Wholes) -> None:
             total = 0.0
             for j in range(n):
                 if j != follower:
-                    total -= w[row + j] * w[to + j]
-            w[to + follower] = total
+                    total -= w[row + j] * w[to + j * stride]
+            w[to + follower * stride] = total

@@ -86,7 +86,7 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
         if whole[whole[MODES] + i] == HELD_FAST:
             w[at + n + i] = 0.0
     if whole[N_DIRECTIONS] > n:
-        bind(at + n, w, whole)
+        bind(at + n, 1, w, whole)
 
 
 def take_over(at: int, w: Vector, whole: Wholes) -> None:

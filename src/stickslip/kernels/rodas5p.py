@@ -133,8 +133,8 @@ def hold_still(to: int, w: Vector, whole: Wholes) -> None:
             w[to + i] = 0.0
             w[to + n + i] = 0.0
     if whole[N_DIRECTIONS] > n:
-        bind(to, w, whole)
-        bind(to + n, w, whole)
+        bind(to, 1, w, whole)
+        bind(to + n, 1, w, whole)
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:

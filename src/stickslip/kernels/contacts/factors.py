@@ -93,4 +93,4 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
         if whole[modes + i] == HELD_FAST:
             w[right + i] = 0.0
     if whole[N_DIRECTIONS] > n:
-        bind(right, w, whole)
+        bind(right, 1, w, whole)

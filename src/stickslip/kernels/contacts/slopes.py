@@ -20,7 +20,8 @@ from stickslip.kernels.contacts.assembly import (
 )
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
-from stickslip.kernels.directions import factor_of, slip_rate_along, spread
+from stickslip.kernels.contacts.loops import cut_levels
+from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import (
     LAW_MARGIN_SLOPES,
@@ -54,6 +55,7 @@ from stickslip.kernels.state_layout import (
     LEVEL_SLOPES,
     LOAD,
     LOAD_SLOPES,
+    LOOPED,
     MASS,
     MODES,
     MOTION_POINT,
@@ -62,6 +64,7 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
     N_GUARDS,
     N_HELD,
+    N_PAIRS,
     N_REACTIONS,
     N_STATES,
     N_SWITCHES,
@@ -225,6 +228,8 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
             for b in range(whole[whole[BRISTLE_COUNTS] + c]):
                 place = whole[BRISTLE_SLOPES] + whole[whole[BRISTLES] + c] + b
                 w[place] = law_slope(c, 0, 4 + b, k, w, whole) if bends(c, whole) else 0.0
+    if whole[N_DIRECTIONS] > n:
+        cut_levels(whole[LEVEL_SLOPES], w, whole)
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
@@ -251,11 +256,13 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
     for i in range(n):
-        if whole[whole[MODES] + i] != HELD_FAST:
+        if whole[whole[MODES] + i] != HELD_FAST and not whole[whole[LOOPED] + i]:
             w[needed + i] = 0.0
         elif not whole[DIAGONAL]:
             for j in range(n):
                 w[needed + i] -= w[mass + i * n + j] * w[found + j]
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        w[needed + cut] = combined(cut, needed, w, whole)
 
 
 def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
@@ -448,11 +455,12 @@ def guard_slopes_along(
     for j in range(count):
         k = first + j
         along(k, w, whole)
-        for i in range(n):
+        for i in range(whole[N_PAIRS]):
             mode = whole[whole[MODES] + i]
             if mode in (FORWARD, BACKWARD):
-                w[to + 2 * i * count + j] = float(mode) if k == n + i else 0.0
-            elif mode == HELD_FAST:
+                if n <= k < 2 * n:
+                    w[to + 2 * i * count + j] = mode * factor_of(i, k - n, w, whole)
+            elif mode == HELD_FAST and not whole[whole[LOOPED] + i]:
                 needed = w[whole[NEEDED_SLOPES] + i]
                 levels = whole[LEVEL_SLOPES] + 2 * i
                 w[to + 2 * i * count + j] = w[levels] - needed

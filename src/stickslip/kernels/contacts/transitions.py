@@ -236,7 +236,7 @@ def set_rates(w: Vector, whole: Wholes) -> None:
     for i in range(whole[N_COORDINATES]):
         if whole[whole[MODES] + i] == HELD_FAST:
             w[rates + i] = 0.0
-    bind(rates, w, whole)
+    bind(rates, 1, w, whole)
 
 
 def end_beyond_limits(w: Vector, whole: Wholes) -> None:
