@@ -7,7 +7,7 @@ the loop breaks open. The force along a cut is what forces would do in that moti
 While a closing slip is held and its parts are not, one of them follows from the others.
 """
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.state_layout import FOLLOWED, FOLLOWERS, LOOPS, N_COORDINATES, N_DIRECTIONS
 
 __all__ = ["bind", "combined", "factor_of", "size_along", "slip_rate_along", "spread"]
@@ -62,10 +62,19 @@ def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
     float
         The number at its place, or a sum of several.
     """
-    n = whole[N_COORDINATES]
-    if i < n:
+    if i < whole[N_COORDINATES]:
         return w[at + i]
-    row, total = whole[LOOPS] + (i - n) * n, 0.0
+    return summed(i, at, w, whole)
+
+
+@rare
+def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
+    """Return what a vector of the coordinates is along a closing slip or a cut.
+
+    Reads: `at`.
+    """
+    n, total = whole[N_COORDINATES], 0.0
+    row = whole[LOOPS] + (i - n) * n
     for j in range(n):
         total += w[row + j] * w[at + j]
     return total
@@ -92,10 +101,19 @@ def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     float
         A sum of absolute values.
     """
-    n = whole[N_COORDINATES]
-    if i < n:
+    if i < whole[N_COORDINATES]:
         return abs(w[at + i])
-    row, total = whole[LOOPS] + (i - n) * n, 0.0
+    return size_of_sum(i, at, w, whole)
+
+
+@rare
+def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the parts are of what a vector is along a closing slip or a cut.
+
+    Reads: `at`.
+    """
+    n, total = whole[N_COORDINATES], 0.0
+    row = whole[LOOPS] + (i - n) * n
     for j in range(n):
         total += abs(w[row + j] * w[at + j])
     return total
@@ -122,11 +140,17 @@ def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     float
         The rate.
     """
-    rates = at + whole[N_COORDINATES]
-    rate = combined(i, rates, w, whole)
-    if i >= whole[N_COORDINATES] and abs(rate) <= ROUNDED * size_along(i, rates, w, whole):
-        return 0.0
-    return rate
+    n = whole[N_COORDINATES]
+    if i < n:
+        return w[at + n + i]
+    return closing_rate(i, at + n, w, whole)
+
+
+@rare
+def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
+    """Return the rate along a closing slip, 0 where it is rounding."""
+    rate = summed(i, rates, w, whole)
+    return 0.0 if abs(rate) <= ROUNDED * size_of_sum(i, rates, w, whole) else rate
 
 
 def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
@@ -148,15 +172,26 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n = whole[N_COORDINATES]
-    if i < n:
+    if i < whole[N_COORDINATES]:
         w[to + i] -= force
     else:
-        row = whole[LOOPS] + (i - n) * n
-        for j in range(n):
-            w[to + j] -= w[row + j] * force
+        spread_out(i, force, to, w, whole)
 
 
+@rare
+def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
+    """Take a force along a closing slip away from those along the coordinates.
+
+    Reads: `to`.
+    Writes: `to`.
+    """
+    n = whole[N_COORDINATES]
+    row = whole[LOOPS] + (i - n) * n
+    for j in range(n):
+        w[to + j] -= w[row + j] * force
+
+
+@rare
 def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
     """Let coordinates follow from others where a closing slip is held.
 

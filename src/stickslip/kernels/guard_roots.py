@@ -2,7 +2,7 @@
 
 import math
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.directions import factor_of, size_along
 from stickslip.kernels.enums import (
@@ -435,24 +435,26 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
         return 0.0
     n = whole[N_COORDINATES]
     if i >= n:
-        total = 0.0
-        for j in range(n):
-            factor = factor_of(i, j, w, whole)
-            if factor != 0.0:
-                total += abs(factor) * forces_on(j, w, whole)
-        return total
-    return forces_on(i, w, whole)
-
-
-def forces_on(i: int, w: Vector, whole: Wholes) -> float:
-    """Return the sizes of the force on a coordinate and of its inertia forces.
-
-    Reads: FORCE, MASS, ACCELERATION.
-    """
-    n = whole[N_COORDINATES]
+        return size_in_motion(i, w, whole)
     total = abs(w[whole[FORCE] + i])
     for j in range(n):
         total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
+    return total
+
+
+@rare
+def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are of which that along a closing slip or a cut is the rest.
+
+    Reads: FORCE, MASS, ACCELERATION.
+    """
+    n, total = whole[N_COORDINATES], 0.0
+    for j in range(n):
+        factor = abs(factor_of(i, j, w, whole))
+        if factor != 0.0:
+            total += factor * abs(w[whole[FORCE] + j])
+            for k in range(n):
+                total += factor * abs(w[whole[MASS] + j * n + k] * w[whole[ACCELERATION] + k])
     return total
 
 

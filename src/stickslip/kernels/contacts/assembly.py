@@ -9,7 +9,7 @@ along the same coordinate share its mode. What holds them while they stick is on
 they share in proportion to their levels: they reach these together.
 """
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.factors import factorise, solve_free
 from stickslip.kernels.contacts.loops import cut_levels, find_followers, share_in_loops
 from stickslip.kernels.contacts.stops import raise_levels
@@ -366,14 +366,18 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     modes, mass = whole[MODES], whole[MASS]
     for i in range(n):
         w[found + i] = w[force + i]
+    loops = whole[N_DIRECTIONS] > n
     for c in range(whole[N_CONTACTS]):
         own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
         w[friction + c] = own
-        spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
+        if loops:
+            spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
+        else:
+            w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
-    if whole[N_DIRECTIONS] > n:
+    if loops:
         bear(w, whole)
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
@@ -385,6 +389,7 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             w[needed + i] = total
 
 
+@rare
 def bear(w: Vector, whole: Wholes) -> None:
     """Write the forces that held contacts of loops have to bear, along all coordinates.
 

@@ -20,7 +20,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 
 import math
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
 from stickslip.kernels.contacts.loops import (
     close_loops,
@@ -187,6 +187,7 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     return False
 
 
+@rare
 def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) -> bool:
     """Solve the boxed problem for all that wait and are held, where contacts close loops.
 
@@ -255,6 +256,7 @@ def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
     return worst
 
 
+@rare
 def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
     """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed.
 
@@ -313,6 +315,7 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     return solved
 
 
+@rare
 def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
     """Hold what is pushed and does not move, where contacts close loops; return whether any is.
 

@@ -11,7 +11,7 @@ those that minimise the sum of their squares over the levels, within these: as i
 way elastically, at one deflection up to their level, and then no more.
 """
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.directions import combined, factor_of
 from stickslip.kernels.enums import FREE, HELD_FAST
 from stickslip.kernels.state_layout import (
@@ -100,6 +100,7 @@ def leave(row: int, d: int, w: Vector, whole: Wholes) -> None:
             w[row + j] = 0.0
 
 
+@rare
 def find_followers(w: Vector, whole: Wholes) -> None:
     """Choose the coordinates that follow from others, for the modes at hand; set those of cuts.
 
@@ -157,6 +158,7 @@ def watch_cuts(w: Vector, whole: Wholes) -> None:
                 whole[modes + cut] = HELD_FAST
 
 
+@rare
 def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
     """Return whether nothing can move along a direction, for others are held.
 
@@ -187,6 +189,7 @@ def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
     return not free
 
 
+@rare
 def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
     """Hold all that others hold already, or of these what is to be decided.
 
@@ -212,6 +215,7 @@ def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
     find_followers(w, whole)
 
 
+@rare
 def project_mass(w: Vector, whole: Wholes) -> int:
     """Write the mass matrix of the coordinates from which others follow; return its place.
 
@@ -253,6 +257,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
     return to
 
 
+@rare
 def fold(right: int, w: Vector, whole: Wholes) -> None:
     """Add forces on followers to those on what they follow from.
 
@@ -300,12 +305,22 @@ def mass_along(i: int, w: Vector, whole: Wholes) -> float:
     n = whole[N_COORDINATES]
     if i < n:
         return w[whole[MASS] + i * n + i]
-    total = 0.0
+    return mass_of_sum(i, w, whole)
+
+
+@rare
+def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
+    """Return the inertia of the motion of a cut.
+
+    Reads: MASS.
+    """
+    n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
         total += factor_of(i, j, w, whole) * combined(i, whole[MASS] + j * n, w, whole)
     return total
 
 
+@rare
 def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
     """Write the levels of all cuts, from those of the held directions that have a part in each.
 
@@ -332,6 +347,7 @@ def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
                 w[levels + 2 * cut + 1] += abs(rate) * w[levels + 2 * i + 1 - along]
 
 
+@rare
 def share_in_loops(w: Vector, whole: Wholes) -> None:
     """Write the force along each cut, and the needed friction of each held direction of a loop.
 

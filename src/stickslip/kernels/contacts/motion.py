@@ -38,6 +38,7 @@ from stickslip.kernels.state_layout import (
     N_DRIVES,
     N_PAIRS,
     N_STATES,
+    NEEDED_SERIES,
     OPEN,
     POINT,
     REST_IS_FINAL,
@@ -324,9 +325,9 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
     In an exact mode a contact's friction is a constant and its damping: the work of the former is
     that constant times the slip.
 
-    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, drives, Y, DENSE, WALLS,
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, drives, DENSE, WALLS,
     SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, ACCELERATION, FRICTION, LOAD, DAMPING,
-    REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
+    NEEDED_SERIES, REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
     Writes: SUPPLIED, TAKEN, GROSS, PIVOT, drives, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
     ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
     LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, WORKS,
@@ -370,7 +371,8 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     """Add the work of a contact that slips in an exact mode.
 
-    Reads: TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, SLIP_FACTORS, FRICTION, DAMPING, WORKS.
+    Reads: TAKEN, FRACTION, LENGTH, GROSS, DENSE, SLIP_FACTORS, FRICTION, DAMPING, NEEDED_SERIES,
+    WORKS.
     Writes: TAKEN, GROSS, WORKS.
     """
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
@@ -378,19 +380,24 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     share, h = w[FRACTION], w[LENGTH]
     terms = int(w[whole[DENSE]])
     damping = w[whole[DAMPING] + contact]
-    constant = factor * w[whole[FRICTION] + contact]
-    constant -= damping * combined(i, whole[Y] + n, w, whole)
     slip, power = 0.0, 1.0
-    for k in range(1, terms + 1):
-        power *= share
-        slip += combined(i, dense + k * states, w, whole) * power
-    work = constant * slip
+    if i < n:
+        for k in range(1, terms + 1):
+            power *= share
+            slip += w[dense + k * states + i] * power
+        rates, width = dense + n + i, states
+    else:
+        for k in range(1, terms + 1):
+            power *= share
+            slip += combined(i, dense + k * states, w, whole) * power
+        rates, width = whole[NEEDED_SERIES] + i, whole[N_PAIRS]
+    work = (factor * w[whole[FRICTION] + contact] - damping * w[rates]) * slip
     if damping != 0.0:
         for node in range(len(NODES)):
             x = share * NODES[node]
-            rate = combined(i, dense + terms * states + n, w, whole)
+            rate = w[rates + terms * width]
             for k in range(terms - 1, -1, -1):
-                rate = rate * x + combined(i, dense + k * states + n, w, whole)
+                rate = rate * x + w[rates + k * width]
             work += WEIGHTS[node] * share * h * damping * rate * rate
     w[whole[WORKS] + contact] += work
     w[TAKEN] += work

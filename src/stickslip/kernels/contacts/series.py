@@ -7,7 +7,7 @@ of its own: where nothing moves any more it still grows with the drives. Guards 
 
 import math
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
 from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur
 from stickslip.kernels.contacts.factors import solve_free
@@ -21,6 +21,7 @@ from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BORNE,
     BOUNDS,
     DAMPING,
     DENSE,
@@ -105,7 +106,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the series where accelerations and needed friction at the state are at hand.
 
     Reads: `at`, TIME, drives, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Writes: drives, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
@@ -150,11 +151,12 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     """Write one term of the accelerations to DRIFT and one of the needed friction.
 
     Reads: drives, MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
-    Writes: DRIFT, NEEDED_SERIES.
+    Writes: drives, DRIFT, NEEDED_SERIES.
     """
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
     slopes = whole[SLOPE_VALUES]
+    modes, found = whole[MODES], whole[DRIFT]
     k, count = 0, whole[N_SLOPES]
     for i in range(n):  # the slopes stand row by row
         total = 0.0
@@ -165,34 +167,54 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
-    for c in range(whole[N_CONTACTS]):
-        damping = w[whole[DAMPING] + c]
-        if damping != 0.0:
-            i = whole[whole[SLIPS] + c]
-            spread(i, damping * combined(i, last + n, w, whole), row, w, whole)
-    leave_needed(row, w, whole)
-
-
-def leave_needed(row: int, w: Vector, whole: Wholes) -> None:
-    """Write a term of the accelerations to DRIFT; leave of forces what friction has to hold.
-
-    Reads: drives, MASS, CHOLESKY, MODES.
-    Writes: DRIFT.
-    """
-    n, modes, found = whole[N_COORDINATES], whole[MODES], whole[DRIFT]
+    damp(last + n, row, w, whole)
     for i in range(n):
         w[found + i] = w[row + i]
     solve_free(w, whole, found)
+    if whole[N_DIRECTIONS] > n:
+        leave_to_loops(row, w, whole)
     for i in range(n):
-        if whole[modes + i] != HELD_FAST and not whole[whole[LOOPED] + i]:
+        if whole[modes + i] != HELD_FAST:
             w[row + i] = 0.0
         elif not whole[DIAGONAL]:
             total = w[row + i]
             for j in range(n):
                 total -= w[whole[MASS] + i * n + j] * w[found + j]
             w[row + i] = total
+
+
+def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Take the damping of slipping contacts away from a term of the forces.
+
+    Reads: `to`, DAMPING.
+    Writes: `to`.
+    """
+    n = whole[N_COORDINATES]
+    for c in range(whole[N_CONTACTS]):
+        damping = w[whole[DAMPING] + c]
+        if damping != 0.0:
+            i = whole[whole[SLIPS] + c]
+            if i < n:
+                w[to + i] -= damping * w[rates + i]
+            else:
+                spread(i, damping * combined(i, rates, w, whole), to, w, whole)
+
+
+@rare
+def leave_to_loops(row: int, w: Vector, whole: Wholes) -> None:
+    """Write a term of the forces along all cuts; DRIFT has that of the accelerations.
+
+    Reads: DRIFT, MASS.
+    Writes: drives.
+    """
+    n, borne = whole[N_COORDINATES], whole[BORNE]
+    for i in range(n):
+        total = w[row + i]
+        for j in range(n):
+            total -= w[whole[MASS] + i * n + j] * w[whole[DRIFT] + j]
+        w[borne + i] = total
     for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
-        w[row + cut] = combined(cut, row, w, whole)
+        w[row + cut] = combined(cut, borne, w, whole)
 
 
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
@@ -201,7 +223,7 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
     Reads: TIME, drives, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Writes: LENGTH, drives, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
 
     Parameters
     ----------
@@ -257,6 +279,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     return found <= STILLNESS * size
 
 
+@rare
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a slip of a loop that begins balance but for their rounding.
 
@@ -393,18 +416,28 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
 
     Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
-    i = guard // 2
+    n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
+    if i >= n and mode != HELD_FAST:
+        return mode * slip_rate_along(i, whole[Y], w, whole) if is_slip(guard, whole) else math.inf
     if mode == HELD_FAST:
-        if whole[whole[LOOPED] + i]:
+        if whole[N_PAIRS] > n and whole[whole[LOOPED] + i]:
             return math.inf
         level = w[whole[LEVELS] + guard]
         value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
         spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
         return value + spare if value < spare else value
     if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
-        return mode * slip_rate_along(i, whole[Y], w, whole)
+        return mode * w[whole[Y] + n + i]
     return math.inf
+
+
+def is_slip(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is that of the speed of something that slips.
+
+    Reads: MODES.
+    """
+    return whole[whole[MODES] + guard // 2] in (FORWARD, BACKWARD) and guard % 2 == 0
 
 
 def side_sign(guard: int) -> float:
@@ -421,12 +454,12 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
     best, least = NO_GUARD, 1.0
     for guard in range(2 * pairs):
         i = guard // 2
-        if whole[whole[MODES] + i] == HELD_FAST or i >= n:
+        if whole[whole[MODES] + i] == HELD_FAST:
             slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
-            if whole[whole[MODES] + i] != HELD_FAST:
-                slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
-        else:
+        elif i < n:
             slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+        else:
+            slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
         value = value_of(guard, w, whole)
         if value > 0.0 and value < -least * slope:
             best, least = guard, -value / slope
