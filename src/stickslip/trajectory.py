@@ -106,6 +106,9 @@ class Certificate:
     """Instants at which several contacts were decided to hold or to slip together."""
     ambiguous: int = 0
     """Those of them at which the rigid model allows another answer."""
+    indeterminate: tuple[tuple[str, ...], ...] = ()
+    """Contacts that held together with more forces than the rigid model determines: the motion does
+    not depend on how they share them, and that was told by a rule."""
     margins: Mapping[str, float] = field(default_factory=dict)
     """How near the run came to what would have ended it, by the name of the event: the least margin
     over the largest, 0 where it ended so. Empty where nothing of the kind can happen."""

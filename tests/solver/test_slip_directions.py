@@ -14,6 +14,7 @@ from stickslip.maths import sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Guide, MatrixMechanism, Stop
 from stickslip.outputs import Final, Max, Samples
 from stickslip.quantities import Quantity
+from stickslip.trajectory import Status
 
 PLAIN = EventDriven(tier="python")
 
@@ -226,21 +227,31 @@ def closing(coordinates, slips):
     return Loop()
 
 
-def test_slips_that_depend_on_each_other_are_refused_by_name():
+def test_a_contact_beside_a_loop_has_no_part_in_it():
     loop = closing(
         ("a", "b", "c", "d"),
         {
             "one": {"a": 1.0, "b": -1.0},
             "two": {"b": 1.0, "c": -1.0},
-            "beside": {"c": 1.0, "d": -1.0},  # has no part in the loop
+            "beside": {"c": 1.0, "d": -1.0},
             "ground": "d",
-            "three": {"a": 1.0, "c": -1.0},
+            "three": {"a": 2.0, "c": -2.0},  # by a factor
+            "four": {"a": -1.0, "c": 1.0},  # along the same closing slip
         },
     )
-    with pytest.raises(InputError, match=r"'three' follows from those of one, two: .*\(None\)"):
-        simulate(loop, coulomb(0.5), t_end=1.0, solver=PLAIN)
-    laws = dict.fromkeys(("one", "two", "beside", "ground"), coulomb(0.5)) | {"three": None}
-    assert simulate(loop, laws, t_end=1.0, y0={"a_dot": 1.0}, solver=PLAIN).certificate.certified
+    laws = dict.fromkeys(("one", "two", "beside", "ground", "four"), coulomb(0.5))
+    laws |= {"three": coulomb(0.25)}
+    run = simulate(loop, laws, t_end=10.0, y0={"a_dot": 1.0}, solver=PLAIN)
+    # a turns against 0.5 N of "one", and 1 N of "three" and "four" together
+    assert run.at([0.1])["a_dot"][0] == pytest.approx(0.85, rel=1e-14)
+    assert run.at([0.1])["friction:three"][0] == 0.25
+    assert run.at([0.1])["friction:four"][0] == -0.5
+    assert run.status is Status.AT_REST
+    assert run.certificate.certified
+    shared = {name for names in run.certificate.indeterminate for name in names}
+    assert shared == {"one", "two", "three", "four"}
+    without = simulate(loop, laws | {"three": None, "four": None}, t_end=10.0, solver=PLAIN)
+    assert without.certificate.indeterminate == ()
 
 
 @pytest.mark.parametrize(("torque", "holds"), [(2.5, True), (4.1, True), (4.3, False)])

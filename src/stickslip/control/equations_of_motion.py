@@ -222,7 +222,7 @@ class DynamicsOfContacts:
         turn_states(first, 0, w, whole)
         for _ in range(max(whole[at.N_SWITCHES], 1)):
             set_own_flags(w, whole)
-        for i in range(n):
+        for i in range(whole[at.N_DIRECTIONS]):
             whole[whole[at.MODES] + i] = FORWARD
         prepare(t, w, whole)
         put_mass(t, w, whole, first)
@@ -257,6 +257,7 @@ class DynamicsOfContacts:
         import numpy as np
 
         from stickslip.kernels import state_layout as at
+        from stickslip.kernels.directions import factor_of
 
         h, loads = self.at(t, state)
         w, whole = self.equations.w, self.equations.whole
@@ -269,7 +270,9 @@ class DynamicsOfContacts:
         turn = matrix(whole[at.TURN]) if whole[at.IS_TURNED] else np.eye(n)
         slips = np.zeros((n, count))
         for c in range(count):
-            slips[whole[whole[at.SLIPS] + c], c] = w[whole[at.SLIP_FACTORS] + c]
+            for j in range(n):
+                along = factor_of(whole[whole[at.SLIPS] + c], j, w, whole)
+                slips[j, c] = along * w[whole[at.SLIP_FACTORS] + c]
         frictions = [self.at(t, state, contact=c)[1] - loads for c in range(count)]
         commands = [self.at(t, state, drive=d) for d in range(len(self.places))]
         return {

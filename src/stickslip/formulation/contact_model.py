@@ -143,6 +143,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
         contacts=own.contacts,
+        closing=parts.closing,
         alone=len(mechanism.contacts()) == 1,
         law_switch_events=tuple(
             (*laws[kind].switch_events, *[None] * sizes.law_switches)[: sizes.law_switches]
@@ -160,7 +161,9 @@ def _motion(symbols: Symbols, contacts: int) -> Motion:
 
 def _turning(parts: ContactParts, index: Mapping[str, int]) -> tuple[str, ...]:
     """Return the paths of the parameters on which the change of coordinates depends."""
-    names = {name for row in parts.directions.forward for e in row for name in _names(e)}
+    directions = parts.directions
+    entries = [*(e for row in directions.forward for e in row), *directions.loops.numbers()]
+    names = {name for e in entries for name in _names(e)}
     return tuple(path for path, i in index.items() if f"p{i}" in names)
 
 
@@ -300,6 +303,9 @@ def _sizes(
         parameters=parameter_count,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,
+        looped=parts.directions.loops.looped,
+        closing=len(parts.directions.loops.closing),
+        cuts=len(parts.directions.loops.cuts),
         turned=bool(parts.directions.forward),
         kinds=own.kinds,
         shared=own.shared,
@@ -346,6 +352,7 @@ def _text(
     turning = (*parts.directions.forward, *parts.directions.backward)
     some: Mapping[str, Sequence[se.Expr]] = {
         "turning": [e for row in turning for e in row],
+        "loops": parts.directions.loops.numbers(),
         "efforts": equations.efforts,
         "limits": equations.limits,
         "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],

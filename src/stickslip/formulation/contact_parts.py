@@ -61,6 +61,13 @@ class ContactParts:
     walls: tuple[Wall, ...]
     """Hard stops."""
 
+    @property
+    def closing(self) -> tuple[str, ...]:
+        """Names of the contacts whose slips follow from those of others."""
+        n = len(self.coordinates)
+        named = zip(self.contacts, self.directions.slips, strict=True)
+        return tuple(name for name, slip in named if slip >= n)
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -123,7 +130,7 @@ def derive_parts(
     )
     loads = _loads(mechanism, contacts, t, places, rates, drives, board)
     _check_shares(mechanism, contacts, directions, held)
-    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips], drives)
+    guides = guides_of(mechanism, [list(q)[i] for i in directions.slips if i < len(q)], drives)
     arms = [_along(direction_of(one.slip), held) for one in contacts]
     needs = {list(q)[i]: i for i in guides} | {name: len(q) + k for k, name in enumerate(held)}
     reactions = {name: _taken(i, rows, guides, arms, motion) for name, i in needs.items()}
@@ -150,6 +157,7 @@ def derive_parts(
         limits={name: expression(margin) for name, margin in limits.items()},
         walls=derive_walls(mechanism, q),
     )
+    _check_loops(mechanism, parts)
     _check_stops(mechanism, parts)
     return parts
 
@@ -259,6 +267,23 @@ def _check_shares(
                 " one coordinate but act differently on the held ones, so that the loads depend on"
                 " how they share friction while they stick: let them slip at the same height."
             )
+
+
+def _check_loops(mechanism: Mechanism, parts: ContactParts) -> None:
+    """Refuse what loops of contacts are not combined with."""
+    if not parts.directions.loops.closing:
+        return
+    names = ", ".join(parts.closing)
+    what = ""
+    if any(parts.reacts):
+        what = "loads that are reactions, which would depend on how forces are shared: give loads"
+    elif parts.walls:
+        what = "hard stops: let springs stiffen in their place"
+    if what:
+        raise InputError(
+            f"{type(mechanism).__name__}: the slips of {names} follow from those of others. Such"
+            f" loops of contacts are not combined with {what}, or give {names} no law (None)."
+        )
 
 
 def _check_stops(mechanism: Mechanism, parts: ContactParts) -> None:

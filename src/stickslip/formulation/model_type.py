@@ -41,6 +41,8 @@ class Model:
     """Whether there is but one contact, whose equations are parts all the same."""
     turning: tuple[str, ...] = ()
     """Paths of the parameters on which the change of coordinates depends, where slips are sums."""
+    closing: tuple[str, ...] = ()
+    """Names of the contacts whose slips follow from those of others."""
     law_switch_events: tuple[tuple[tuple[str, str] | None, ...], ...] = ()
     """What the switches of each contact's law are called in events."""
 

@@ -1,8 +1,9 @@
 """Coordinates along which contacts slip: a constant change of coordinates where theirs are sums.
 
-Kernels hold a contact by leaving a coordinate out, so that each slip has to be one. A slip that is
-a sum over several moving coordinates takes the place of one of them. Contacts whose slips are
-multiples of each other are along one coordinate.
+Kernels hold a contact by leaving a coordinate out, so that each independent slip has to be one. A
+slip that is a sum over several moving coordinates takes the place of one of them. Contacts whose
+slips are multiples of each other are along one coordinate. A slip that follows from those of others
+closes a loop and has no coordinate of its own.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formulation.closed_loops import NO_LOOPS, Loops, loops_of, vanishes
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 
@@ -25,13 +27,15 @@ class SlipDirections:
     """What contacts slip along, and how the coordinates of the equations follow from others."""
 
     slips: tuple[int, ...]
-    """Index of the coordinate along which each contact slips."""
+    """Index of the coordinate along which each contact slips; closing slips come behind them."""
     factors: tuple[se.Expr, ...]
     """Slip velocity of each over the rate of its coordinate."""
     forward: tuple[Entries, ...]
     """Coordinates of the equations, a row each over those of the mechanism; empty if the same."""
     backward: tuple[Entries, ...]
     """Coordinates of the mechanism, a row each over those of the equations; empty if the same."""
+    loops: Loops = NO_LOOPS
+    """Closing slips over the coordinates of the equations, and how loops break open."""
 
     def seen(self, symbols: Sequence[se.Symbol]) -> list[se.Expr]:
         """Return the mechanism's coordinates, or their rates, by symbols of the equations' ones.
@@ -133,8 +137,8 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
     Raises
     ------
     InputError
-        If a contact slips along no moving coordinate, if slips depend on each other, or if no
-        coordinate can be replaced by a slip.
+        If a contact slips along no moving coordinate, if no coordinate can be replaced by a slip,
+        or if a loop of contacts is too large.
     """
     names, owner = list(mechanism.coordinates), type(mechanism).__name__
     rows = [_row(mechanism, one, names) for one in contacts]
@@ -143,6 +147,7 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
     found: dict[int, tuple[Row, str]] = {}
     echelon: dict[int, Row] = {}
     slips, factors = [0] * len(rows), [se.Integer(1)] * len(rows)
+    closing: list[tuple[Row, str]] = []
     for c in sorted(range(len(rows)), key=lambda c: len(rows[c]) > 1):
         row, name = rows[c], contacts[c].name
         if len(row) == 1:
@@ -157,13 +162,8 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
             continue
         free = _reduced(row, echelon)
         if not free:
-            others = ", ".join(_closing(row, list(found.values())))
-            raise InputError(
-                f"{owner}: the slip of the contact {name!r} follows from those of {others}: while"
-                " all of them hold, forces are not determined, and neither is who slips first."
-                f" Give {name!r} or one of them no law (None), or let its support move by a"
-                " coordinate of its own."
-            )
+            slips[c], factors[c] = _closing(row, name, closing, len(names))
+            continue
         replaced = [i for i in free if names[i] not in kept]
         if not replaced:
             raise InputError(
@@ -174,7 +174,34 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         slips[c] = replaced[-1]
         found[replaced[-1]], echelon[replaced[-1]] = (row, name), free
     changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
-    return SlipDirections(tuple(slips), tuple(factors), *_change(changed, len(names)))
+    forward, backward = _change(changed, len(names))
+    loops = loops_of([_turned(row, backward, len(names)) for row, _ in closing])
+    if loops is None:
+        raise InputError(
+            f"{owner}: the slips of {', '.join(name for _, name in closing)} follow from those of"
+            " others in so many ways that what all of them hold together cannot be worked out:"
+            " give some of them no law (None), or let their supports move by coordinates of their"
+            " own."
+        )
+    return SlipDirections(tuple(slips), tuple(factors), forward, backward, loops)
+
+
+def _closing(row: Row, name: str, closing: list[tuple[Row, str]], n: int) -> tuple[int, se.Expr]:
+    """Return the place of a slip among those that close loops, and its factor there."""
+    for d, (other, _) in enumerate(closing):
+        ratio = _ratio(row, other)
+        if ratio is not None:
+            return n + d, ratio
+    closing.append((row, name))
+    return n + len(closing) - 1, se.Integer(1)
+
+
+def _turned(row: Row, backward: Sequence[Entries], n: int) -> Entries:
+    """Return a row over the coordinates of the mechanism as one over those of the equations."""
+    if not backward:
+        return tuple(row.get(j, se.Integer(0)) for j in range(n))
+    sums = [sum((e * backward[i][j] for i, e in row.items()), se.Integer(0)) for j in range(n)]
+    return tuple(se.Integer(0) if vanishes(e) else se.expand(e) for e in sums)
 
 
 def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
@@ -193,25 +220,13 @@ def _row(mechanism: Mechanism, contact: Contact, names: Sequence[str]) -> Row:
     return {names.index(name): table[name] for name in moving}
 
 
-def _vanishes_for_all_parameters(e: se.Expr) -> bool:
-    """Whether an expression of parameters is 0, whatever these are: tried for two sets of them."""
-    if se.expand(e) == 0:
-        return True
-    symbols = sorted(e.free_symbols, key=str)
-    for seed in (0.7548776662, 0.5698402909):  # irrational, so that nothing cancels by chance
-        numbers = {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
-        if abs(complex(e.subs(numbers))) > 1e-9:
-            return False
-    return True
-
-
 def _ratio(row: Row, other: Row) -> se.Expr | None:
     """Return the factor of a row that is a multiple of another, or None."""
     if row.keys() != other.keys():
         return None
     first = next(iter(row))
     factor = row[first] / other[first]
-    same = all(_vanishes_for_all_parameters(entry - factor * other[j]) for j, entry in row.items())
+    same = all(vanishes(entry - factor * other[j]) for j, entry in row.items())
     return factor if same else None
 
 
@@ -223,21 +238,7 @@ def _reduced(row: Row, echelon: Mapping[int, Row]) -> Row:
         if weight != 0:
             for j, factor in other.items():
                 rest[j] = se.expand(rest.get(j, se.Integer(0)) - weight * factor)
-    return {j: rest[j] for j in sorted(rest) if not _vanishes_for_all_parameters(rest[j])}
-
-
-def _closing(row: Row, found: Sequence[tuple[Row, str]]) -> list[str]:
-    """Return the names of the contacts with whose slips a row closes a loop, and of no others."""
-    needed = list(found)
-    for one in found:
-        fewer = [other for other in needed if other is not one]
-        echelon: dict[int, Row] = {}
-        for other, _ in fewer:
-            free = _reduced(other, echelon)
-            echelon[next(iter(free))] = free
-        if not _reduced(row, echelon):
-            needed = fewer
-    return [name for _, name in needed]
+    return {j: rest[j] for j in sorted(rest) if not vanishes(rest[j])}
 
 
 def _change(changed: Mapping[int, Row], n: int) -> tuple[tuple[Entries, ...], tuple[Entries, ...]]:

@@ -4,15 +4,33 @@ These are the definitions of the plain Python tier; in the compiled one, vectors
 memory, and what is called here by its place in a list is called by its address.
 """
 
-from collections.abc import MutableSequence
-from typing import Any, TypeAlias
+from collections.abc import Callable, MutableSequence
+from typing import Any, TypeAlias, TypeVar
 
-__all__ = ["Vector", "Wholes", "call_contacts", "call_model"]
+__all__ = ["Vector", "Wholes", "call_contacts", "call_model", "rare"]
 
 Vector: TypeAlias = MutableSequence[float]
 """A list of floats in the Python tier, an array in the compiled one."""
 Wholes: TypeAlias = MutableSequence[int]
 """A list of whole numbers, or an array of them."""
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
+"""A function of the kernels."""
+
+
+def rare(function: Kernel) -> Kernel:
+    """Mark what few mechanisms need: compiled code calls it, and is not made longer by its text.
+
+    Parameters
+    ----------
+    function : callable
+        The function.
+
+    Returns
+    -------
+    callable
+        The same.
+    """
+    return function
 
 
 def call_model(

@@ -14,8 +14,8 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_COLUMNS,
     N_CONTACTS,
-    N_COORDINATES,
     N_DRIVES,
+    N_PAIRS,
     N_STATES,
     OPEN,
     POINT,
@@ -105,7 +105,7 @@ def restore_modes(end: int, log: Vector, w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
+    n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
         whole[whole[MODES] + i] = int(log[at + i])

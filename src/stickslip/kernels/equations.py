@@ -31,6 +31,7 @@ __all__ = [
     "LIMITS",
     "LINEAR",
     "LOADS",
+    "LOOPS_OF",
     "MARGINS",
     "MASSES",
     "PART_SLOPES_OF",
@@ -65,6 +66,7 @@ PART_SLOPES_OF = 19
 EFFORTS = 20
 LIMITS = 21
 TURNING = 22
+LOOPS_OF = 23
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -89,6 +91,7 @@ CALLED: tuple[str, ...] = (
     "efforts",
     "limits",
     "turning",
+    "loops",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000

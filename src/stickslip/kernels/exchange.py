@@ -8,6 +8,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import turn_states
 from stickslip.kernels.dense_evaluation import piece_at, restore
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import enter_pieces, load_piece, next_stop
 from stickslip.kernels.driver import begin, change, settle_all, turns_switch
 from stickslip.kernels.enums import END_TIME, HELD_FAST, RUNNING, SMOOTH, STEP_TOO_SMALL, STOP
@@ -23,6 +24,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
     N_STATES,
     PIECE,
@@ -75,7 +77,7 @@ both directions agree there but for the square of this share.
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held to 0: a solver from outside may have rounded them.
 
-    Reads: MODE, MODES.
+    Reads: `at`, drives, MODE, MODES.
     Writes: `at`.
     """
     n = whole[N_COORDINATES]
@@ -86,12 +88,14 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     for i in range(n):
         if whole[whole[MODES] + i] == HELD_FAST:
             w[at + n + i] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        bind(at + n, 1, w, whole)
 
 
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
     """Turn a state that was handed over to the coordinates of the equations.
 
-    Reads: `at`, TURN, MODE, MODES.
+    Reads: `at`, drives, TURN, MODE, MODES.
     Writes: `at`, VALUES.
 
     Parameters
@@ -150,9 +154,9 @@ def falls_at_once(
 ) -> int:
     """Try a step; make what follows from a guard that falls as it begins, and tell whether one did.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE,
-    VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS, STEPS,
-    REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
+    SCALE, VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS,
+    STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
     Writes: STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, POLYNOMIAL, ROOM, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS,
     MODE, FLAGS, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
@@ -211,7 +215,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over.
 
-    Reads: TIME, Y, TURN, MODE, MODES.
+    Reads: TIME, drives, Y, TURN, MODE, MODES.
     Writes: Y, VALUES, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -225,7 +229,7 @@ def retune(w: Vector, whole: Wholes) -> None:
 def rates_along(point: int, w: Vector, whole: Wholes) -> None:
     """Write how the rates of a state change along a direction, in the modes at hand.
 
-    Reads: TIME, DRIFT, TURN, MODE, FLAGS, MODES.
+    Reads: TIME, drives, DRIFT, TURN, MODE, FLAGS, MODES.
     Writes: VALUES, STAGES, MATRIX, DRIFT, ANSWER, CHANGED.
     """
     n, matrix = whole[N_STATES], whole[MATRIX]
@@ -242,7 +246,7 @@ def rates_along(point: int, w: Vector, whole: Wholes) -> None:
 def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
     """Write what is asked about a state: rates, their changes, guards, or what is recorded.
 
-    Reads: TIME, SCALE, DRIFT, REACHED, TURN, MODE, FLAGS, MODES.
+    Reads: TIME, drives, SCALE, DRIFT, REACHED, TURN, MODE, FLAGS, MODES.
     Writes: VALUES, STAGES, MATRIX, DRIFT, SAMPLED, ANSWER, CHANGED.
     """
     if question == RATES_AT:
@@ -289,9 +293,9 @@ def exchange(
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE, POINT,
-    VALUES, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE, FLAGS,
-    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
+    SCALE, POINT, VALUES, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN,
+    MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
     Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, POLYNOMIAL, ROOM,
     drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
     LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,

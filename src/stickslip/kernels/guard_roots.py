@@ -2,8 +2,9 @@
 
 import math
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import factor_of, size_along
 from stickslip.kernels.enums import (
     BACKWARD,
     BREAK_BACKWARD,
@@ -30,7 +31,9 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
+    N_PAIRS,
     POINT,
     REACHED,
     RIGID,
@@ -92,7 +95,7 @@ CLOCK = 4.440892098500626e-16
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
-    Reads: `at`, SCALE, MODE, FLAGS, MODES.
+    Reads: `at`, SCALE, REACHED, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
 
     Parameters
@@ -112,10 +115,9 @@ def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     if not whole[HAS_BRISTLES]:
         return
     if whole[N_CONTACTS] > 0:
-        n = whole[N_COORDINATES]
-        for i in range(n):
+        for i in range(whole[N_DIRECTIONS]):
             if reverses(2 * i, whole):
-                w[to + 2 * i] += QUIET * w[whole[SCALE] + n + i]
+                w[to + 2 * i] += QUIET * guard_size(2 * i, w, whole)
     elif whole[MODE] != 0:
         w[to + STOP] += QUIET * w[whole[SCALE] + whole[SLIP]]
 
@@ -141,7 +143,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
         return False
     if whole[N_CONTACTS] == 0:
         return guard == STOP
-    if guard < 0 or guard >= 2 * whole[N_COORDINATES] or guard % 2 == 1:
+    if guard < 0 or guard >= 2 * whole[N_DIRECTIONS] or guard % 2 == 1:
         return False
     i = guard // 2
     return whole[whole[MODES] + i] in (FORWARD, BACKWARD) and not whole[whole[RIGID] + i]
@@ -150,7 +152,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     point = whole[POINT]
@@ -165,7 +167,7 @@ def bisect(
 ) -> float:
     """Return the fraction just past a sign change.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
@@ -190,7 +192,7 @@ def bisect(
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     a = high - GOLDEN * (high - low)
@@ -242,7 +244,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
 
-    Reads: SCALE, DENSE, SAMPLED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
@@ -288,7 +290,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
     Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
 
     Parameters
@@ -345,7 +347,7 @@ def is_held(whole: Wholes) -> bool:
     if whole[N_CONTACTS] == 0:
         return abs(whole[MODE]) != 1
     held = False
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         held = held or whole[whole[MODES] + i] == HELD_FAST
     return held
 
@@ -358,7 +360,7 @@ def opposite(guard: int, whole: Wholes) -> int:
     Reads: MODES.
     """
     if whole[N_CONTACTS] > 0:
-        pair = guard < 2 * whole[N_COORDINATES] and not is_speed(guard, whole)
+        pair = guard < 2 * whole[N_PAIRS] and not is_speed(guard, whole)
         return guard + 1 - 2 * (guard % 2) if pair else guard
     if guard in (BREAK_FORWARD, BREAK_BACKWARD):
         return BREAK_FORWARD + BREAK_BACKWARD - guard
@@ -382,7 +384,7 @@ def is_speed(guard: int, whole: Wholes) -> bool:
     bool
         Whether it is.
     """
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES]:
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS]:
         return False
     return whole[whole[MODES] + guard // 2] != HELD_FAST
 
@@ -407,7 +409,7 @@ def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
         Size, in the unit that the guard has in the mode at hand.
     """
     if is_speed(guard, whole):
-        return w[whole[SCALE] + whole[N_COORDINATES] + guard // 2]
+        return size_along(guard // 2, whole[SCALE] + whole[N_COORDINATES], w, whole)
     return w[whole[REACHED] + guard]
 
 
@@ -421,7 +423,7 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     Parameters
     ----------
     i : int
-        Index of the coordinate.
+        Index of the coordinate, direction or cut.
     w : array (SIZE,)
         Vector of the run; everything is worked out at a state.
     whole : array (WHOLES,)
@@ -435,9 +437,27 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
     if whole[DIAGONAL]:
         return 0.0
     n = whole[N_COORDINATES]
+    if i >= n:
+        return size_in_motion(i, w, whole)
     total = abs(w[whole[FORCE] + i])
     for j in range(n):
         total += abs(w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j])
+    return total
+
+
+@rare
+def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how large the forces are of which that along a closing slip or a cut is the rest.
+
+    Reads: FORCE, MASS, ACCELERATION.
+    """
+    n, total = whole[N_COORDINATES], 0.0
+    for j in range(n):
+        factor = abs(factor_of(i, j, w, whole))
+        if factor != 0.0:
+            total += factor * abs(w[whole[FORCE] + j])
+            for k in range(n):
+                total += factor * abs(w[whole[MASS] + j * n + k] * w[whole[ACCELERATION] + k])
     return total
 
 
@@ -446,7 +466,7 @@ def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
 
     Reads: FORCE, MASS, ACCELERATION, MODES.
     """
-    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_COORDINATES] or is_speed(guard, whole):
+    if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
         return 0.0
     return size_of_forces(guard // 2, w, whole)
 

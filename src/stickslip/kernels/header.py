@@ -206,7 +206,13 @@ class ContactSizes(Sizes):
     """Of a model whose equations are parts, at which any number of contacts rub."""
 
     slips: tuple[int, ...]
-    """Index of the coordinate along which each contact slips."""
+    """Index of the direction along which each contact slips: a coordinate, or a closing slip."""
+    looped: frozenset[int]
+    """Indices of the coordinates that have a part in a loop of contacts."""
+    closing: int
+    """Slips that close loops."""
+    cuts: int
+    """Motions that break loops open."""
     turned: bool
     """Whether the coordinates are not those of the mechanism."""
     kinds: tuple[int, ...]
@@ -254,6 +260,21 @@ class ContactSizes(Sizes):
     with respect to them, numbers of drives and parameters."""
 
     @property
+    def directions(self) -> int:
+        """Coordinates, then slips that follow from them."""
+        return self.coordinates + self.closing
+
+    @property
+    def pairs(self) -> int:
+        """Directions, then cuts: each has two guards."""
+        return self.directions + self.cuts
+
+    @property
+    def _loop_numbers(self) -> int:
+        """Closing slips and cuts by coordinates, and what of the former is in the latter."""
+        return (self.closing + self.cuts) * self.coordinates + self.cuts * self.closing
+
+    @property
     def contacts(self) -> int:
         """Contacts."""
         return len(self.slips)
@@ -261,8 +282,8 @@ class ContactSizes(Sizes):
     @property
     @override
     def guards(self) -> int:
-        """Two of each coordinate, switches and opening of each contact, switches, limits, stops."""
-        own = 2 * self.coordinates + self.contacts * (self.law_switches + 1)
+        """Two of each pair, switches and opening of each contact, switches, limits, stops."""
+        own = 2 * self.pairs + self.contacts * (self.law_switches + 1)
         return own + self.switches + self.limits + len(self.walls)
 
     @property
@@ -293,6 +314,7 @@ class ContactSizes(Sizes):
         }
         some = {
             "turning": 2 * self.coordinates**2 * self.turned,
+            "loops": self._loop_numbers,
             "efforts": self.channels,
             "limits": self.own_limits,
             "walls": WALL_NUMBERS * len(self.walls),
@@ -343,6 +365,7 @@ class ContactSizes(Sizes):
         diagonal = self.constant_mass and all(
             row == column for row, column in self.mass if row < self.coordinates
         )
+        diagonal = diagonal and self.closing == 0
         first_wall = self.guards - len(self.walls)
         return {
             at.N_LIMITS: self.limits,
@@ -356,8 +379,10 @@ class ContactSizes(Sizes):
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
             + (1 if self.exact else at.TERMS + 1) * self.states
-            + self.coordinates
+            + self.pairs
             + 2 * self.contacts,
+            at.N_DIRECTIONS: self.directions,
+            at.N_PAIRS: self.pairs,
             at.N_CONTACTS: self.contacts,
             at.N_HELD: self.held,
             at.N_REACTIONS: sum(self.reacts),
@@ -379,10 +404,13 @@ class ContactSizes(Sizes):
     def _rooms(self) -> dict[int, int]:
         n, c, reacting = self.coordinates, self.contacts, sum(self.reacts)
         laws = sum(map(self._law_room, self.numbers))
-        rows = n + self.held
+        rows, pairs = n + self.held, self.pairs
+        widest = max(self.states, pairs)
         return {
             at.LAW_ROWS: laws,  # the table of this name has their places
             **super()._rooms(),
+            at.POINT: widest,
+            at.DRIFT: widest,
             at.SLIP_FACTORS: c,
             at.HELD_SLIPS: c * self.held,
             at.HELD_NORMALS: c * self.held,
@@ -390,8 +418,8 @@ class ContactSizes(Sizes):
             at.MASS: rows * n,
             at.CHOLESKY: n * n,
             at.ACCELERATION: n,
-            at.NEEDED: n,
-            at.LEVELS: 2 * n,
+            at.NEEDED: pairs,
+            at.LEVELS: 2 * pairs,
             at.FRICTION: c,
             at.LOAD: c,
             at.FRICTION_CONSTANT: c,
@@ -406,10 +434,10 @@ class ContactSizes(Sizes):
             + self.switches
             + self.law_switches
             + 4 * self._most_bristles,
-            at.NEEDED_SERIES: (at.SERIES + 2) * n,
+            at.NEEDED_SERIES: (at.SERIES + 2) * pairs,
             at.SLOPE_VALUES: len(self.slopes) + len(self.time_slopes) + 1,
-            at.ROOTS: 2 * n,
-            at.BOUNDS: 2 * n,
+            at.ROOTS: 2 * pairs,
+            at.BOUNDS: 2 * pairs,
             at.REACTION_ROWS: (reacting + 2) * (self.held + reacting + 2),
             at.WORKS: c,
             at.BOX: 2 * self.drives,
@@ -418,6 +446,18 @@ class ContactSizes(Sizes):
             at.MOTION_POINT: self.states + n + c,
             at.TURN: 2 * n * n * self.turned,
             **(self._slope_rooms() if self.part_slopes else {}),
+            **(self._loop_rooms() if self.closing else {}),
+        }
+
+    def _loop_rooms(self) -> dict[int, int]:
+        n = self.coordinates
+        return {
+            at.LOOPS: self._loop_numbers,
+            at.FOLLOWED: self.closing * n,
+            at.PROJECTED: n * n,
+            at.BORNE: n,
+            at.SHARES: n * (n + 2) + 2 * self.directions,
+            at.REACHED_SO_FAR: n,
         }
 
     @property
@@ -432,22 +472,22 @@ class ContactSizes(Sizes):
             at.LAW_SLOPES: 3 * c * self._law_slopes,
             at.PART_COLUMN: self._part_rows,
             at.ACCELERATION_SLOPES: n,
-            at.NEEDED_SLOPES: n,
+            at.NEEDED_SLOPES: self.pairs,
             at.LOAD_SLOPES: c,
             at.FRICTION_SLOPES: c,
-            at.LEVEL_SLOPES: 2 * n,
+            at.LEVEL_SLOPES: 2 * self.pairs,
             at.BRISTLE_SLOPES: self.bristles,
         }
 
     @override
     def _tables(self) -> Iterator[tuple[int | None, tuple[int, ...]]]:
-        n, c = self.coordinates, self.contacts
+        n, c = self.directions, self.contacts
         places = self.law_places()
         first, bristles = 0, []
         for count in self.bristles_of:
             bristles.append(first if count else -1)
             first += count
-        rigid = [0] * n
+        rigid = [0] * n + [1] * self.cuts
         for slip, holds in zip(self.slips, self.holds, strict=True):
             rigid[slip] |= int(holds)
         yield None, tuple(number for wall in self.walls for number in wall)
@@ -466,7 +506,10 @@ class ContactSizes(Sizes):
         yield at.DIRECTIONAL, tuple(map(int, self.directional))
         yield at.HOLDS, tuple(map(int, self.holds))
         yield at.RIGID, tuple(rigid)
-        yield at.MODES, (0,) * n
+        closing = range(self.coordinates, n)
+        yield at.LOOPED, tuple(int(i in self.looped or i in closing) for i in range(self.pairs))
+        yield at.FOLLOWERS, (-1,) * self.closing
+        yield at.MODES, (0,) * self.pairs
         yield at.LAW_FLAGS, (0,) * c
         yield at.OPEN, (0,) * c
         yield at.CANDIDATES, (0,) * n

@@ -4,6 +4,7 @@ import math
 
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dense_output import NESTED_SHORT
+from stickslip.kernels.directions import bind
 from stickslip.kernels.enums import HELD_FAST
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.lu import lu_factor, lu_solve
@@ -24,6 +25,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_STATES,
     PIVOTS,
     POINT,
@@ -57,7 +59,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
-    Reads: Y, SCALE, MODE, FLAGS, MODES.
+    Reads: drives, Y, SCALE, MODE, FLAGS, MODES.
     Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
 
     Parameters
@@ -118,7 +120,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
 def hold_still(to: int, w: Vector, whole: Wholes) -> None:
     """Keep what is held where it is, whatever pivots round to.
 
-    Reads: MODE, MODES.
+    Reads: `to`, drives, MODE, MODES.
     Writes: `to`.
     """
     n = whole[N_COORDINATES]
@@ -130,6 +132,9 @@ def hold_still(to: int, w: Vector, whole: Wholes) -> None:
         if held:
             w[to + i] = 0.0
             w[to + n + i] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        bind(to, 1, w, whole)
+        bind(to + n, 1, w, whole)
 
 
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:

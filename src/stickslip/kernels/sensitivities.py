@@ -19,6 +19,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import turn_columns
 from stickslip.kernels.dense_evaluation import restore, restore_modes
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
 from stickslip.kernels.guard_roots import NO_GUARD
@@ -41,13 +42,16 @@ from stickslip.kernels.state_layout import (
     EVENT_COLUMNS,
     FIRST_WALL,
     FLAGS,
+    LOOPED,
     MATRIX,
     MODE,
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_DRIVES,
     N_GUARDS,
+    N_PAIRS,
     N_STATES,
     N_WALLS,
     POINT,
@@ -400,7 +404,7 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: DENSE, MODE, FLAGS, MODES, columns 0, directions.
+    Reads: drives, DENSE, MODE, FLAGS, MODES, columns 0, directions.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, MODES,
     LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
     """
@@ -486,18 +490,20 @@ def own_moments(
     Reads: Y, Y1, MODE, FLAGS, MODES, columns 0, directions.
     Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
     """
-    n, values = whole[N_COORDINATES], whole[VALUES]
+    values = whole[VALUES]
     kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
-    after = (following + 1) * whole[ROW_COLUMNS] - n - 2 * whole[N_CONTACTS]
+    after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
     moments(first, t, w, whole, own, q, m)
     for c in range(m):
         w[kept + c] = w[moment + c]
     guards(t, w, whole, whole[Y], values)
-    for other in range(2 * n):
-        mode = whole[whole[MODES] + other // 2]
-        if other == first or mode == int(log[after + other // 2]):
+    for other in range(2 * whole[N_PAIRS]):
+        mode, is_cut = whole[whole[MODES] + other // 2], other >= 2 * whole[N_DIRECTIONS]
+        if other == first or (mode == int(log[after + other // 2]) and not is_cut):
             continue
-        stops = mode != HELD_FAST and other % 2 == 0
+        if mode == HELD_FAST and whole[whole[LOOPED] + other // 2]:
+            continue  # its cuts tell
+        stops = mode != HELD_FAST and other % 2 == 0 and not is_cut
         level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
         breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
         if stops or breaks:
@@ -524,7 +530,7 @@ def pass_contacts(
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump.
 
-    Reads: Y, MODE, FLAGS, MODES, columns 0, directions.
+    Reads: drives, Y, MODE, FLAGS, MODES, columns 0, directions.
     Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN,
     columns 0, columns 3, columns 4, directions, guard slopes.
     """
@@ -552,7 +558,7 @@ def pass_contacts(
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away the rates of what is held.
 
-    Reads: MODES.
+    Reads: drives, MODES, columns 0.
     Writes: columns 0.
     """
     n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
@@ -560,6 +566,9 @@ def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
         if whole[whole[MODES] + i] == HELD_FAST:
             for c in range(m):
                 w[now + (n + i) * m + c] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        for c in range(m):
+            bind(now + n * m + c, m, w, whole)
 
 
 def at_stop(w: Vector, whole: Wholes) -> bool:

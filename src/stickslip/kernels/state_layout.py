@@ -26,6 +26,7 @@ __all__ = [
     "ANSWER",
     "BEFORE",
     "BOOKS",
+    "BORNE",
     "BOUNDS",
     "BOX",
     "BRISTLES",
@@ -56,6 +57,8 @@ __all__ = [
     "FIRST_LIMIT",
     "FIRST_WALL",
     "FLAGS",
+    "FOLLOWED",
+    "FOLLOWERS",
     "FORCE",
     "FORCED",
     "FRACTION",
@@ -90,6 +93,8 @@ __all__ = [
     "LIVELIEST",
     "LOAD",
     "LOAD_SLOPES",
+    "LOOPED",
+    "LOOPS",
     "LOST",
     "LOWEST",
     "MASS",
@@ -108,11 +113,13 @@ __all__ = [
     "N_COLUMNS",
     "N_CONTACTS",
     "N_COORDINATES",
+    "N_DIRECTIONS",
     "N_DRIVES",
     "N_GUARDS",
     "N_HELD",
     "N_LIMITS",
     "N_MASSES",
+    "N_PAIRS",
     "N_REACTIONS",
     "N_SLOPES",
     "N_STATES",
@@ -131,7 +138,9 @@ __all__ = [
     "PIVOTS",
     "POINT",
     "POLYNOMIAL",
+    "PROJECTED",
     "REACHED",
+    "REACHED_SO_FAR",
     "REACTION_ROWS",
     "REACTS",
     "REJECTED",
@@ -149,6 +158,7 @@ __all__ = [
     "SCALE",
     "SERIES",
     "SEVERAL",
+    "SHARES",
     "SIZE",
     "SLIP",
     "SLIPS",
@@ -423,7 +433,26 @@ TURN = 132
 HOLDS = 133
 """Place in `whole` of whether each contact's law may hold it, 1 or 0."""
 
-HEADER = 134
+# Loops of contacts. Directions are the coordinates, then the slips that follow from them and close
+# loops; pairs of guards are those of the directions and of the cuts, the motions that break a loop
+# open. Whether guards of a pair are left to the cuts, 1 or 0; the coordinate that follows from
+# others while a closing slip is held, or -1.
+N_DIRECTIONS = 134
+N_PAIRS = 135
+LOOPED = 136
+FOLLOWERS = 137
+
+# Places in `w`: closing slips and cuts by coordinates, and what of closing slips is in each cut;
+# what followers follow from; the mass matrix where they do; forces that held contacts of loops have
+# to bear; room to share them, and for accelerations.
+LOOPS = 138
+FOLLOWED = 139
+PROJECTED = 140
+BORNE = 141
+SHARES = 142
+REACHED_SO_FAR = 143
+
+HEADER = 144
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -61,7 +61,7 @@ BOUNCE = 1e-3
 def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
-    Reads: TIME, Y, SCALE, MODE, FLAGS, STEPPER, MODES.
+    Reads: TIME, drives, Y, SCALE, MODE, FLAGS, STEPPER, MODES.
     Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
     """
     y = whole[Y]
@@ -103,7 +103,7 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, RHYTHM, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
+    Reads: `slot`, TIME, RHYTHM, drives, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
     Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -231,8 +231,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, FORCE, MASS,
-    ACCELERATION, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, drives, Y, SCALE, REACHED, LOWEST,
+    FORCE, MASS, ACCELERATION, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
     CHANGED.

@@ -17,8 +17,8 @@ from stickslip.kernels.state_layout import (
     MODE,
     MODES,
     N_CONTACTS,
-    N_COORDINATES,
     N_GUARDS,
+    N_PAIRS,
     N_STATES,
     OPEN,
     PIECE,
@@ -123,7 +123,7 @@ def note_modes(end: int, log: Vector, whole: Wholes) -> None:
 
     Reads: MODES, LAW_FLAGS, OPEN.
     """
-    n, contacts = whole[N_COORDINATES], whole[N_CONTACTS]
+    n, contacts = whole[N_PAIRS], whole[N_CONTACTS]
     at = end - n - 2 * contacts
     for i in range(n):
         log[at + i] = whole[whole[MODES] + i]

@@ -15,14 +15,19 @@ from stickslip.kernels.state_layout import (
     DECISIONS,
     FIRST_LIMIT,
     GROSS,
+    HOLDS,
+    LOOPS,
     LOST,
     LOWEST,
     N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
     REACHED,
     REJECTED,
     RESIDUAL,
     ROW_DENSE,
     SLIP,
+    SLIPS,
     STATUS,
     STEPS,
     SUPPLIED,
@@ -42,6 +47,8 @@ ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
 CLOSE = 0.1
 """Share of its largest margin at which a run is said to come near to a limit."""
+ROUNDED = 2e-15
+"""Share of the largest places by which a sum of them may change by rounding, within a row."""
 RESIDUAL_LIMIT = 1e-6
 """Events are located to rounding of the time; a steep guard at a late time leaves this much."""
 
@@ -121,6 +128,7 @@ def certify(
         work=_works(playback, w),
         decisions=whole[DECISIONS] if playback.model.contacts else 0,
         ambiguous=whole[AMBIGUOUS] if playback.model.contacts else 0,
+        indeterminate=_indeterminate(playback, w) if playback.model.contacts else (),
         guard_violation=violation,
         event_residual=residual,
         stick_drift=drift,
@@ -204,15 +212,83 @@ def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
 
 
 def _contact_drift(playback: Playback, w: Sequence[float]) -> float:
-    """Return the largest change of a coordinate within a row in which it is held."""
-    rows, n = playback.rows, playback.runner.header[N_COORDINATES]
-    count, y = len(playback.model.contacts), playback.runner.header[Y]
+    """Return the largest change of a coordinate, or of a sum, within a row in which it is held.
+
+    Of a sum the rounding of its parts is no change.
+    """
+    header = playback.runner.header
+    rows, n, y = playback.rows, header[N_COORDINATES], header[Y]
     end = np.array([float(x) for x in w[y : y + n]])
     places = np.vstack([rows[:, ROW_DENSE + 1 : ROW_DENSE + 1 + n], end])
-    width = rows.shape[1]
-    modes = rows[:, width - n - 2 * count : width - 2 * count]
-    moved = np.abs(np.diff(places, axis=0))[modes == enums.HELD_FAST]
-    return float(moved.max(initial=0.0))
+    modes = _modes(playback)
+    moved = np.abs(np.diff(places, axis=0))[modes[:, :n] == enums.HELD_FAST]
+    closing = _closing_slips(playback, w)
+    if not closing.size:
+        return float(moved.max(initial=0.0))
+    sums = np.diff(places @ closing.T, axis=0)
+    allowed = ROUNDED * np.abs(places).max(axis=0) @ np.abs(closing).T
+    beyond = np.maximum(np.abs(sums) - allowed, 0.0)
+    beyond = beyond[modes[:, n : n + len(closing)] == enums.HELD_FAST]
+    return float(max(moved.max(initial=0.0), beyond.max(initial=0.0)))
+
+
+def _modes(playback: Playback) -> NDArray[np.float64]:
+    """Return the modes of all directions and cuts in each row."""
+    count, pairs = len(playback.model.contacts), playback.runner.header[N_PAIRS]
+    last = playback.rows.shape[1] - 2 * count
+    return playback.rows[:, last - pairs : last]
+
+
+def _closing_slips(playback: Playback, w: Sequence[float]) -> NDArray[np.float64]:
+    """Return the factors (m, n) of the coordinates in the slips that close loops."""
+    header = playback.runner.header
+    n, first = header[N_COORDINATES], header[LOOPS]
+    m = header[N_DIRECTIONS] - n
+    return np.array([float(x) for x in w[first : first + m * n]]).reshape(m, n)
+
+
+def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of contacts that held together though fewer of them would have done.
+
+    Those are contacts along one direction, and those of a loop.
+    """
+    header, names = playback.runner.header, playback.model.contacts
+    slips = header[header[SLIPS] : header[SLIPS] + len(names)]
+    holds = header[header[HOLDS] : header[HOLDS] + len(names)]
+    n = header[N_COORDINATES]
+    if len(set(slips)) == len(slips) and not playback.model.closing:
+        return ()
+    every = np.vstack([np.eye(n), _closing_slips(playback, w)])
+    width, count = playback.rows.shape[1], len(names)
+    states = np.hstack([_modes(playback)[:, : len(every)], playback.rows[:, width - count :]])
+    found: dict[tuple[str, ...], None] = {}
+    for state in np.unique(states, axis=0):
+        held = [
+            c
+            for c in range(count)
+            if holds[c] and not state[len(every) + c] and state[slips[c]] == enums.HELD_FAST
+        ]
+        for loop in _dependent(every[[slips[c] for c in held]]):
+            found[tuple(names[held[k]] for k in loop)] = None
+    return tuple(found)
+
+
+def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
+    """Return the sets of rows in which each follows from others, those apart from each other."""
+    if len(rows) == 0 or np.linalg.matrix_rank(rows) == len(rows):
+        return []
+    _, sizes, right = np.linalg.svd(rows.T)
+    rank = int((sizes > sizes[0] * len(rows) * 1e-14).sum())
+    # weights with which rows add up to nothing; a row without one follows from no others
+    shared = np.abs(right[rank:].T @ right[rank:]) > 1e-9
+    sets: list[list[int]] = []
+    for k in range(len(rows)):
+        if shared[k, k]:
+            own = {k, *np.flatnonzero(shared[k]).tolist()}
+            apart = [one for one in sets if not own & set(one)]
+            joined = own.union(*(one for one in sets if own & set(one)))
+            sets = [*apart, sorted(joined)]
+    return sets
 
 
 def _stick_drift(playback: Playback, w: Sequence[float]) -> float:

@@ -7,6 +7,7 @@ from typing import Any, Self, final
 
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.contacts.assembly import prepare, refresh
@@ -91,8 +92,19 @@ class ContactDiagram(BlockDiagram):
         -------
         type of the class
             The diagram.
+
+        Raises
+        ------
+        InputError
+            If contacts close a loop.
         """
         model = formulate(mechanism, law)
+        if model.closing:
+            raise InputError(
+                f"{type(mechanism).__name__}: the slips of {', '.join(model.closing)} follow from"
+                " those of others, with which block diagrams and fixed steps do not decide who"
+                " holds: use EventDriven, or give them no law (None)."
+            )
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole
         first, n = whole[SLIPS], whole[N_COORDINATES]

@@ -20,7 +20,7 @@ from stickslip.kernels.state_layout import (
     MODE,
     MODES,
     N_CONTACTS,
-    N_COORDINATES,
+    N_DIRECTIONS,
     PIECE,
     SCALE,
     STEPS,
@@ -86,7 +86,7 @@ class _Rates:
             self.whole[MODE] = self.whole[MODE] or FORWARD
             return
         modes = self.whole[MODES]
-        for i in range(modes, modes + self.whole[N_COORDINATES]):
+        for i in range(modes, modes + self.whole[N_DIRECTIONS]):
             if self.whole[i] == HELD_FAST:
                 self.whole[i] = FORWARD
 

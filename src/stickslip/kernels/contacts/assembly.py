@@ -9,15 +9,18 @@ along the same coordinate share its mode. What holds them while they stick is on
 they share in proportion to their levels: they reach these together.
 """
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.factors import factorise, solve_free
+from stickslip.kernels.contacts.loops import cut_levels, find_followers, share_in_loops
 from stickslip.kernels.contacts.stops import raise_levels
+from stickslip.kernels.directions import slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
 from stickslip.kernels.equations import (
     FORCES,
     GEOMETRY,
     LAW,
     LOADS,
+    LOOPS_OF,
     MASSES,
     TURNING,
     WALLS_OF,
@@ -26,6 +29,7 @@ from stickslip.kernels.equations import (
 from stickslip.kernels.guard_roots import size_of_forces
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BORNE,
     BRISTLE_COUNTS,
     BRISTLE_RATES,
     BRISTLES,
@@ -54,6 +58,8 @@ from stickslip.kernels.state_layout import (
     LEVEL_FACTOR,
     LEVELS,
     LOAD,
+    LOOPED,
+    LOOPS,
     MASS,
     MASS_COLUMNS,
     MASS_ROWS,
@@ -61,8 +67,10 @@ from stickslip.kernels.state_layout import (
     MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_HELD,
     N_MASSES,
+    N_PAIRS,
     N_REACTIONS,
     N_STATES,
     N_WALLS,
@@ -122,6 +130,8 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
     evaluate(GEOMETRY, 0, whole[FLAGS], t, w, whole[Y], whole[SLIP_FACTORS])
     if whole[IS_TURNED]:
         evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        evaluate(LOOPS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[LOOPS])
     if whole[N_WALLS] > 0:
         evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])
@@ -187,7 +197,7 @@ def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     factor = w[whole[SLIP_FACTORS] + contact]
     mode = whole[whole[MODES] + coordinate]
     if mode in (HELD_FAST, FREE):
-        return 1 if factor * w[at + whole[N_COORDINATES] + coordinate] >= 0.0 else -1
+        return 1 if factor * slip_rate_along(coordinate, at, w, whole) >= 0.0 else -1
     return 1 if mode * factor > 0.0 else -1
 
 
@@ -249,7 +259,7 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     if whole[whole[MODES] + coordinate] == HELD_FAST:
         w[row] = 0.0
     else:
-        speed = w[whole[SLIP_FACTORS] + contact] * w[at + whole[N_COORDINATES] + coordinate]
+        speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
         w[row] = side * speed
     bristle = whole[whole[BRISTLES] + contact]
     if bristle >= 0:
@@ -339,8 +349,9 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads.
 
-    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, MODES.
-    Writes: ACCELERATION, NEEDED, FRICTION.
+    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    MODES.
+    Writes: drives, ACCELERATION, NEEDED, FRICTION.
 
     Parameters
     ----------
@@ -355,13 +366,19 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     modes, mass = whole[MODES], whole[MASS]
     for i in range(n):
         w[found + i] = w[force + i]
+    loops = whole[N_DIRECTIONS] > n
     for c in range(whole[N_CONTACTS]):
         own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
         w[friction + c] = own
-        w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
+        if loops:
+            spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
+        else:
+            w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
+    if loops:
+        bear(w, whole)
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
             w[needed + i] = 0.0
@@ -370,6 +387,23 @@ def accelerate(w: Vector, whole: Wholes) -> None:
             for j in range(n):
                 total -= w[mass + i * n + j] * w[found + j]
             w[needed + i] = total
+
+
+@rare
+def bear(w: Vector, whole: Wholes) -> None:
+    """Write the forces that held contacts of loops have to bear, along all coordinates.
+
+    NEEDED has the forces but those of inertia.
+
+    Reads: MASS, ACCELERATION, NEEDED.
+    Writes: drives.
+    """
+    n = whole[N_COORDINATES]
+    for i in range(n):
+        total = w[whole[NEEDED] + i]
+        for j in range(n):
+            total -= w[whole[MASS] + i * n + j] * w[whole[ACCELERATION] + j]
+        w[whole[BORNE] + i] = total if whole[whole[LOOPED] + i] else 0.0
 
 
 def blur(i: int, w: Vector, whole: Wholes) -> float:
@@ -401,10 +435,10 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
     loads, accelerations and needed friction.
 
     Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
-    Writes: LEVELS, FRICTION.
+    Writes: drives, NEEDED, LEVELS, FRICTION.
     """
-    n, levels = whole[N_COORDINATES], whole[LEVELS]
-    for i in range(2 * n):
+    levels = whole[LEVELS]
+    for i in range(2 * whole[N_PAIRS]):
         w[levels + i] = 0.0
     for c in range(whole[N_CONTACTS]):
         factor, load = w[whole[SLIP_FACTORS] + c], w[whole[LOAD] + c]
@@ -412,6 +446,9 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
             place = 2 * c + (k if factor > 0.0 else 1 - k)
             level = w[whole[LEVEL_CONSTANT] + place] + w[whole[LEVEL_FACTOR] + place] * load
             w[levels + 2 * whole[whole[SLIPS] + c] + k] += abs(factor) * level
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        cut_levels(levels, w, whole)
+        share_in_loops(w, whole)
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
         if whole[whole[MODES] + i] == HELD_FAST and whole[whole[HOLDS] + c]:
@@ -494,9 +531,9 @@ def react(w: Vector, whole: Wholes) -> None:
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
 
-    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
-    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
+    Reads: FRICTIONLESS, drives, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
+    Writes: PIVOT, drives, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -641,10 +678,10 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 
 
 def refactor(w: Vector, whole: Wholes) -> None:
-    """Factorise a constant mass matrix for the modes at hand.
+    """Factorise a constant mass matrix for the modes at hand; find what follows from others.
 
     Reads: MASS, MODES.
-    Writes: CHOLESKY.
+    Writes: drives, CHOLESKY, MODES.
 
     Parameters
     ----------
@@ -653,6 +690,8 @@ def refactor(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        find_followers(w, whole)
     if whole[CONSTANT_MASS] and not whole[DIAGONAL]:
         factorise(w, whole)
 
@@ -660,11 +699,11 @@ def refactor(w: Vector, whole: Wholes) -> None:
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS.
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MODES.
 
     Parameters
     ----------
@@ -684,10 +723,10 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS.
 
     Parameters

@@ -9,13 +9,28 @@
 3. If then somebody would move against its own friction, the same problem with kinetic levels for
    all decides, which has exactly one solution too.
 
+Where contacts close loops, forces of held ones are not unique, but accelerations are: they make
+the least of a convex function, in which each contact has its level times its slip acceleration. It
+is descended: from all held, the cut that is exceeded most slips, as far as nobody turns, who is
+held then, until no cut is exceeded.
+
 With static levels above the kinetic ones the rigid body's answer is not always unique. Decisions
 in which to let the worst violator slip at once, and then the next, gives another one are counted.
 """
 
-from stickslip.kernels.backend import Vector, Wholes
+import math
+
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
+from stickslip.kernels.contacts.loops import (
+    close_loops,
+    crossing,
+    cut_levels,
+    is_bound,
+    mass_along,
+)
 from stickslip.kernels.contacts.stops import finite, raise_levels
+from stickslip.kernels.directions import combined
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST, PUSHED
 from stickslip.kernels.guard_roots import CLOCK
 from stickslip.kernels.state_layout import (
@@ -32,14 +47,18 @@ from stickslip.kernels.state_layout import (
     LENGTH,
     LEVELS,
     LOAD,
+    LOOPED,
     MASS,
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
     N_REACTIONS,
     NEEDED,
     OPEN,
     PIVOTINGS,
+    REACHED_SO_FAR,
     SLIP_FACTORS,
     SLIPS,
     TIME,
@@ -73,11 +92,11 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
         back = 0 if needed >= 0.0 else 1
         levels = whole[BOUNDS] if kinetic else whole[LEVELS]
         # rounding of the forces of others is no push where the level is 0, say
-        own = tolerance * w[whole[MASS] + i * whole[N_COORDINATES] + i]
+        own = tolerance * mass_along(i, w, whole)
         own = max(own, blur(i, w, whole))
         return abs(needed) > w[levels + 2 * i + back] * (1.0 + WITHIN) + own
     sign = 1.0 if mode > 0 else -1.0
-    return sign * w[whole[ACCELERATION] + i] < -tolerance
+    return sign * combined(i, whole[ACCELERATION], w, whole) < -tolerance
 
 
 def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
@@ -87,7 +106,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
     Writes: LAW_ROWS, LAW_VALUES, BOUNDS, MODES.
     """
     bounds, values = whole[BOUNDS], whole[LAW_VALUES]
-    for i in range(2 * whole[N_COORDINATES]):
+    for i in range(2 * whole[N_DIRECTIONS]):
         w[bounds + i] = 0.0
     for c in range(whole[N_CONTACTS]):
         i = whole[whole[SLIPS] + c]
@@ -102,6 +121,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
             level = w[values] + w[values + 1] * w[whole[LOAD] + c]
             w[bounds + 2 * i + k] += abs(factor) * max(level, 0.0)  # bent bristles may push along
         whole[whole[MODES] + i] = mode
+    cut_levels(bounds, w, whole)
     raise_levels(bounds, w, whole, whole[Y])
 
 
@@ -116,6 +136,9 @@ def scale_of(w: Vector, whole: Wholes) -> float:
         if whole[whole[CANDIDATES] + i] == WAITING:
             level = max(finite(w[whole[LEVELS] + 2 * i]), finite(w[whole[LEVELS] + 2 * i + 1]))
             scale = max(scale, level / w[whole[MASS] + i * n + i])
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        level = max(w[whole[LEVELS] + 2 * cut], w[whole[LEVELS] + 2 * cut + 1])
+        scale = max(scale, level / mass_along(cut, w, whole))
     return scale
 
 
@@ -127,14 +150,16 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    if whole[N_DIRECTIONS] > n:
+        return descend(kinetic, fresh, scale, w, whole)
     fewest, patience = n + 1, PATIENCE
     for trial in range(20 + 20 * n):
         whole[PIVOTINGS] += 1
@@ -164,30 +189,118 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     return False
 
 
+@rare
+def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) -> bool:
+    """Solve the boxed problem for all that wait and are held, where contacts close loops.
+
+    Accelerations go towards those of the modes at hand, as far as nothing turns that is pushed: it
+    is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
+    has its least at the answer falls with each move, so that none comes again.
+
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
+    """
+    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
+    begun = False
+    for trial in range(40 + 40 * whole[N_PAIRS]):
+        whole[PIVOTINGS] += 1
+        if trial > 0 or not fresh:
+            refresh(w[TIME], w, whole, whole[Y])
+        share, turned = 1.0, -1
+        for i in range(whole[N_DIRECTIONS]):
+            mode = whole[modes + i]
+            if begun and whole[candidates + i] == WAITING and mode != HELD_FAST:
+                sign = 1.0 if mode > 0 else -1.0
+                before = sign * combined(i, now, w, whole)
+                after = sign * combined(i, target, w, whole)
+                if after < -TOLERATED * scale and max(before, 0.0) < share * (before - after):
+                    share, turned = max(before, 0.0) / (before - after), i
+        for j in range(n):
+            w[now + j] += share * (w[target + j] - w[now + j]) if begun else 0.0
+            if share == 1.0:
+                w[now + j] = w[target + j]
+        begun = True
+        if turned >= 0:
+            whole[modes + turned] = HELD_FAST
+            close_loops(True, w, whole)
+            continue
+        if kinetic:
+            kinetic_levels(w[TIME], w, whole)
+        worst = worst_cut(kinetic, scale, w, whole)
+        if worst < 0:
+            return True
+        let_go(worst, FORWARD if kinetic else PUSHED, w, whole)
+    return False
+
+
+def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
+    """Return the held coordinate or the cut whose level is exceeded most, or -1.
+
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    """
+    worst, most = -1, 0.0
+    levels = whole[BOUNDS] if kinetic else whole[LEVELS]
+    for i in range(whole[N_PAIRS]):
+        held = whole[whole[MODES] + i] == HELD_FAST and not whole[whole[LOOPED] + i]
+        if not held or not violates(i, kinetic, TOLERATED * scale, w, whole):
+            continue
+        needed = w[whole[NEEDED] + i]
+        level = w[levels + 2 * i + (0 if needed >= 0.0 else 1)]
+        # as accelerations, so that motions are compared whatever they are a multiple of
+        beyond = (abs(needed) - level) / math.sqrt(mass_along(i, w, whole))
+        if beyond > most:
+            worst, most = i, beyond
+    return worst
+
+
+@rare
+def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
+    """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed.
+
+    Reads: NEEDED, MODES.
+    Writes: MODES.
+    """
+    side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
+    if i < whole[N_DIRECTIONS]:
+        whole[whole[MODES] + i] = pushed if side > 0.0 else -pushed
+        return
+    for d in range(whole[N_DIRECTIONS]):
+        rate = side * crossing(i, d, w, whole)
+        if whole[whole[MODES] + d] == HELD_FAST and rate != 0.0:
+            whole[whole[MODES] + d] = pushed if rate > 0.0 else -pushed
+
+
 def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     """Let those slip that static levels do not hold, one problem after the other.
 
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES, CANDIDATES.
     """
-    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
     solved, fresh, more = True, True, 1
     while more > 0:
         solved = boxed(False, fresh, scale, w, whole) and solved
         more = 0
         fresh = True
+        if n > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
+            fresh = False
         for i in range(n):
             mode = whole[modes + i]
             if whole[candidates + i] == WAITING and abs(mode) == PUSHED:
                 fresh = False
-                if abs(w[whole[ACCELERATION] + i]) > STILL * scale:
+                if abs(combined(i, whole[ACCELERATION], w, whole)) > STILL * scale:
                     whole[modes + i] = FORWARD if mode > 0 else BACKWARD
                     whole[candidates + i] = BROKEN
                     more += 1
@@ -197,34 +310,56 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
         refresh(w[TIME], w, whole, whole[Y])
     for i in range(n):
         if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
-            against = whole[modes + i] * w[whole[ACCELERATION] + i] < -AGAINST * scale
-            solved = solved and not against
+            along = whole[modes + i] * combined(i, whole[ACCELERATION], w, whole)
+            solved = solved and not along < -AGAINST * scale
+            if n > whole[N_COORDINATES]:  # what cannot move does not slip
+                solved = solved and not is_bound(i, w, whole)
     return solved
+
+
+@rare
+def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
+    """Hold what is pushed and does not move, where contacts close loops; return whether any is.
+
+    Reads: ACCELERATION, MODES, CANDIDATES.
+    Writes: drives, MODES.
+    """
+    found = False
+    for i in range(whole[N_DIRECTIONS]):
+        pushed = whole[whole[CANDIDATES] + i] == WAITING and whole[whole[MODES] + i] != HELD_FAST
+        if pushed and abs(combined(i, whole[ACCELERATION], w, whole)) <= STILL * scale:
+            whole[whole[MODES] + i] = HELD_FAST
+            found = True
+    if found:
+        close_loops(True, w, whole)
+    return found
 
 
 def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
     """Let the worst violator of the static levels slip with kinetic friction, then the next.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES.
     """
-    n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
+    modes, candidates = whole[MODES], whole[CANDIDATES]
     worst = 0
     while worst >= 0:
         refresh(t, w, whole, whole[Y])
         worst, excess = -1, WITHIN
-        for i in range(n):
-            if whole[candidates + i] == WAITING and whole[modes + i] == HELD_FAST:
+        for i in range(whole[N_PAIRS]):
+            waits = i >= whole[N_DIRECTIONS] or whole[candidates + i] == WAITING
+            waits = waits and not whole[whole[LOOPED] + i]
+            if waits and whole[modes + i] == HELD_FAST:
                 needed = w[whole[NEEDED] + i]
                 level = w[whole[LEVELS] + 2 * i + (0 if needed >= 0.0 else 1)]
                 beyond = abs(needed) / level - 1.0 if level > 0.0 else abs(needed)
                 if beyond > excess:
                     worst, excess = i, beyond
         if worst >= 0:
-            whole[modes + worst] = FORWARD if w[whole[NEEDED] + worst] > 0.0 else BACKWARD
+            let_go(worst, FORWARD, w, whole)
 
 
 def begin_decision(whole: Wholes) -> int:
@@ -234,7 +369,7 @@ def begin_decision(whole: Wholes) -> int:
     Writes: MODES, CANDIDATES.
     """
     waiting = 0
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         if whole[whole[CANDIDATES] + i] != 0:
             forced = whole[whole[FORCED] + i]
             whole[whole[MODES] + i] = forced
@@ -246,13 +381,13 @@ def begin_decision(whole: Wholes) -> int:
 def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES, CANDIDATES, KEPT.
     """
-    n, modes, kept = whole[N_COORDINATES], whole[MODES], whole[KEPT]
+    n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
     for i in range(n):
         whole[kept + i] = whole[modes + i]
     begin_decision(whole)
@@ -273,12 +408,13 @@ def decide(w: Vector, whole: Wholes) -> bool:
     loads are those that little later. Accelerations and all else are left as those of the answer at
     the time itself.
 
-    Reads: TIME, LENGTH, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
-    OPEN, CANDIDATES, FORCED.
-    Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, KEPT.
+    Reads: TIME, LENGTH, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES, FORCED.
+    Writes: TIME, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
+    CANDIDATES, KEPT.
 
     Parameters
     ----------
@@ -306,13 +442,15 @@ def decide(w: Vector, whole: Wholes) -> bool:
     whole[DECISIONS] += 1
     solved = break_away(scale, w, whole)
     if not solved:
-        for i in range(whole[N_COORDINATES]):
+        for i in range(whole[N_DIRECTIONS]):
             if whole[whole[CANDIDATES] + i] != 0:
                 whole[whole[CANDIDATES] + i] = WAITING
                 whole[whole[MODES] + i] = HELD_FAST
         solved = boxed(True, False, scale, w, whole)
+        if whole[N_DIRECTIONS] > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
+            refresh(t, w, whole, whole[Y])
     moved = 0
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
             moved += 1
     coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself

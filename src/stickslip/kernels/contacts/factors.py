@@ -3,8 +3,17 @@
 import math
 
 from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.contacts.loops import fold, project_mass
+from stickslip.kernels.directions import bind
 from stickslip.kernels.enums import HELD_FAST
-from stickslip.kernels.state_layout import CHOLESKY, DIAGONAL, MASS, MODES, N_COORDINATES
+from stickslip.kernels.state_layout import (
+    CHOLESKY,
+    DIAGONAL,
+    MASS,
+    MODES,
+    N_COORDINATES,
+    N_DIRECTIONS,
+)
 
 __all__ = ["factorise", "solve_free"]
 
@@ -15,7 +24,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
     A principal part of a positive definite matrix is one itself: there is always an answer.
 
     Reads: MASS, MODES.
-    Writes: CHOLESKY.
+    Writes: drives, CHOLESKY.
 
     Parameters
     ----------
@@ -28,6 +37,8 @@ def factorise(w: Vector, whole: Wholes) -> None:
     modes = whole[MODES]
     mass = whole[MASS]
     factors = whole[CHOLESKY]
+    if whole[N_DIRECTIONS] > n:
+        mass = project_mass(w, whole)
     for i in range(n):
         free_row = whole[modes + i] != HELD_FAST
         for j in range(i):
@@ -45,7 +56,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
 def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     """Solve for the free coordinates in place; 0 at held ones.
 
-    Reads: `right`, MASS, CHOLESKY, MODES.
+    Reads: `right`, drives, MASS, CHOLESKY, MODES.
     Writes: `right`.
 
     Parameters
@@ -66,6 +77,8 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
             w[right + i] = 0.0 if held else w[right + i] / w[mass + i * n + i]
         return
     factors = whole[CHOLESKY]
+    if whole[N_DIRECTIONS] > n:
+        fold(right, w, whole)
     for i in range(n):
         total = 0.0 if whole[modes + i] == HELD_FAST else w[right + i]
         for k in range(i):
@@ -79,3 +92,5 @@ def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     for i in range(n):
         if whole[modes + i] == HELD_FAST:
             w[right + i] = 0.0
+    if whole[N_DIRECTIONS] > n:
+        bind(right, 1, w, whole)

@@ -1,7 +1,8 @@
 """Guards of mechanisms with several contacts, and what of them changes in one instant.
 
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
-the level ahead less the needed friction, and the level back plus it. Then each contact has its
+the level ahead less the needed friction, and the level back plus it. So have closing slips, and the
+cuts of loops, which stand for their directions while these are held. Then each contact has its
 law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
 the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
 the distances from hard stops.
@@ -19,6 +20,7 @@ from stickslip.kernels.contacts.assembly import (
     side_of,
 )
 from stickslip.kernels.contacts.stops import stop_guards
+from stickslip.kernels.directions import slip_rate_along
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import UNWATCHED
@@ -37,11 +39,12 @@ from stickslip.kernels.state_layout import (
     LAW_VALUES,
     LEVELS,
     LOAD,
+    LOOPED,
     MODES,
     MOTION_POINT,
     N_CONTACTS,
-    N_COORDINATES,
     N_LIMITS,
+    N_PAIRS,
     N_REACTIONS,
     N_SWITCHES,
     NEEDED,
@@ -69,8 +72,8 @@ LEAST_PIVOT = 1e-6
 
 
 def first_contact_guard(whole: Wholes) -> int:
-    """Return the index of the first guard of the contacts, behind those of the coordinates."""
-    return 2 * whole[N_COORDINATES]
+    """Return the index of the first guard of the contacts, behind those of directions and cuts."""
+    return 2 * whole[N_PAIRS]
 
 
 def first_own_switch(whole: Wholes) -> int:
@@ -81,11 +84,11 @@ def first_own_switch(whole: Wholes) -> int:
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write all guards at a state.
 
-    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+    Reads: `at`, PIVOT, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
+    HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -100,15 +103,15 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
     to : int
         Place of the results (N_GUARDS,).
     """
-    n, modes = whole[N_COORDINATES], whole[MODES]
+    n, modes = whole[N_PAIRS], whole[MODES]
     assemble(t, w, whole, at)
     for i in range(n):
         mode = whole[modes + i]
         w[to + 2 * i] = UNWATCHED
         w[to + 2 * i + 1] = UNWATCHED
         if mode in (FORWARD, BACKWARD):
-            w[to + 2 * i] = mode * w[at + n + i]
-        elif mode == HELD_FAST:
+            w[to + 2 * i] = mode * slip_rate_along(i, at, w, whole)
+        elif mode == HELD_FAST and not whole[whole[LOOPED] + i]:
             needed, levels = w[whole[NEEDED] + i], whole[LEVELS] + 2 * i
             spare = blur(i, w, whole)
             if w[levels] < math.inf:
@@ -219,7 +222,7 @@ def law_margins(
     coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
     row = whole[whole[LAW_ROWS] + contact]
-    speed = w[whole[SLIP_FACTORS] + contact] * w[at + whole[N_COORDINATES] + coordinate]
+    speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
     w[row] = side * speed
     kind = whole[whole[KINDS] + contact]
     values = whole[LAW_VALUES]

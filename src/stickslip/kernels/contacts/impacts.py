@@ -61,12 +61,13 @@ def strike_stops(guard: int, w: Vector, whole: Wholes) -> None:
 
     STRUCK tells then which coordinates have reached a stop: 2.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS, BOOKS, MODES,
-    LAW_FLAGS, OPEN.
-    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, MODES, KEPT, STRUCK.
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, drives, Y, SCALE, REACHED, WALLS,
+    SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS,
+    BOOKS, MODES, LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, MODES,
+    KEPT, STRUCK.
 
     Parameters
     ----------
@@ -110,10 +111,10 @@ def restitution_of(wall: int, w: Vector, whole: Wholes) -> float:
 
     Everything is worked out for the modes at hand, before and after.
 
-    Reads: TIME, FRICTIONLESS, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, ACCELERATION, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRICTIONLESS, drives, Y, SCALE, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, ACCELERATION, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES.
     """
     y, modes = whole[Y], whole[MODES]
@@ -143,8 +144,8 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
     that would else move into it. Factors and accelerations are those of the impacts afterwards: a
     decision has to follow.
 
-    Reads: TIME, Y, WALLS, MASS, CHOLESKY, BOUNDS, FLAGS, MODES, STRUCK.
-    Writes: MASS, CHOLESKY, ACCELERATION, LAW_VALUES, BOUNDS, MODES, KEPT, STRUCK.
+    Reads: TIME, drives, Y, WALLS, MASS, CHOLESKY, BOUNDS, FLAGS, MODES, STRUCK.
+    Writes: drives, MASS, CHOLESKY, ACCELERATION, LAW_VALUES, BOUNDS, MODES, KEPT, STRUCK.
     """
     n, y, change, struck = whole[N_COORDINATES], whole[Y], whole[BOUNDS], whole[STRUCK]
     if not whole[CONSTANT_MASS]:
@@ -174,8 +175,8 @@ def share_impulses(w: Vector, whole: Wholes) -> None:
 def follow(w: Vector, whole: Wholes) -> None:
     """Write the changes of the rates that no stop gives: momentum along them stays.
 
-    Reads: MASS, CHOLESKY, BOUNDS, STRUCK.
-    Writes: CHOLESKY, ACCELERATION, BOUNDS, MODES.
+    Reads: drives, MASS, CHOLESKY, BOUNDS, STRUCK.
+    Writes: drives, CHOLESKY, ACCELERATION, BOUNDS, MODES.
     """
     n, change, found = whole[N_COORDINATES], whole[BOUNDS], whole[ACCELERATION]
     for i in range(n):

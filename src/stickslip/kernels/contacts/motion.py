@@ -6,6 +6,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.contacts.assembly import assemble, put_motion
 from stickslip.kernels.contacts.stops import finite, stopped_side
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import combined, slip_rate_along
 from stickslip.kernels.enums import BACKWARD, EXACT, FORWARD, FREE, HELD_FAST, UNLOADED
 from stickslip.kernels.equations import EFFORTS, POWER, REST, evaluate
 from stickslip.kernels.gauss_legendre import FEW_NODES, FEW_WEIGHTS, NODES, WEIGHTS
@@ -27,6 +28,7 @@ from stickslip.kernels.state_layout import (
     LEVELS,
     LIVELIEST,
     LOAD,
+    LOOPED,
     MASS,
     MODES,
     MOTION_POINT,
@@ -34,7 +36,9 @@ from stickslip.kernels.state_layout import (
     N_CONTACTS,
     N_COORDINATES,
     N_DRIVES,
+    N_PAIRS,
     N_STATES,
+    NEEDED_SERIES,
     OPEN,
     POINT,
     REST_IS_FINAL,
@@ -75,11 +79,11 @@ SHORT_SERIES = 6
 def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the time derivatives of the states.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS.
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -106,11 +110,11 @@ def contact_rates(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def contact_columns(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write friction, then load, then mode of each contact, then efforts of guided coordinates.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -175,11 +179,11 @@ def mode_of(
 def contact_power(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the power supplied and that taken by friction.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, MOTION_POINT, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT.
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, MOTION_POINT, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT.
 
     Parameters
     ----------
@@ -218,17 +222,17 @@ def slip_rate(contact: int, w: Vector, whole: Wholes, at: int) -> float:
 
     Reads: `at`, SLIP_FACTORS.
     """
-    rate = at + whole[N_COORDINATES] + whole[whole[SLIPS] + contact]
-    return w[whole[SLIP_FACTORS] + contact] * w[rate]
+    i = whole[whole[SLIPS] + contact]
+    return w[whole[SLIP_FACTORS] + contact] * slip_rate_along(i, at, w, whole)
 
 
 def largest_pull(t: float, w: Vector, whole: Wholes) -> float:
     """Return the largest acceleration that forces and friction at a time give the present state.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS.
     """
     n = whole[N_COORDINATES]
@@ -247,11 +251,11 @@ def first_contact_sizes(t_end: float, w: Vector, whole: Wholes) -> None:
     Where there are none yet, the forces at the end of the run count, as the drives go on now. Where
     something moves, forces may be those that stop it at once: what it moves with counts then.
 
-    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: LIVELIEST, PIVOT, SCALE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS.
+    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: LIVELIEST, PIVOT, drives, SCALE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS.
 
     Parameters
     ----------
@@ -321,10 +325,10 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
     In an exact mode a contact's friction is a constant and its damping: the work of the former is
     that constant times the slip.
 
-    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, Y, DENSE, WALLS,
+    Reads: TIME, SUPPLIED, TAKEN, FRACTION, LENGTH, GROSS, FRICTIONLESS, drives, DENSE, WALLS,
     SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, ACCELERATION, FRICTION, LOAD, DAMPING,
-    REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
-    Writes: SUPPLIED, TAKEN, GROSS, PIVOT, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    NEEDED_SERIES, REACTION_ROWS, WORKS, MOTION_POINT, FLAGS, STEPPER, MODES, LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, TAKEN, GROSS, PIVOT, drives, POINT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
     ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
     LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, WORKS,
     MOTION_POINT.
@@ -367,7 +371,8 @@ def book_contacts(w: Vector, whole: Wholes) -> None:
 def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     """Add the work of a contact that slips in an exact mode.
 
-    Reads: TAKEN, FRACTION, LENGTH, GROSS, Y, DENSE, SLIP_FACTORS, FRICTION, DAMPING, WORKS.
+    Reads: TAKEN, FRACTION, LENGTH, GROSS, DENSE, SLIP_FACTORS, FRICTION, DAMPING, NEEDED_SERIES,
+    WORKS.
     Writes: TAKEN, GROSS, WORKS.
     """
     i, factor = whole[whole[SLIPS] + contact], w[whole[SLIP_FACTORS] + contact]
@@ -375,18 +380,24 @@ def book_slip(contact: int, w: Vector, whole: Wholes) -> None:
     share, h = w[FRACTION], w[LENGTH]
     terms = int(w[whole[DENSE]])
     damping = w[whole[DAMPING] + contact]
-    constant = factor * w[whole[FRICTION] + contact] - damping * w[whole[Y] + n + i]
     slip, power = 0.0, 1.0
-    for k in range(1, terms + 1):
-        power *= share
-        slip += w[dense + k * states + i] * power
-    work = constant * slip
+    if i < n:
+        for k in range(1, terms + 1):
+            power *= share
+            slip += w[dense + k * states + i] * power
+        rates, width = dense + n + i, states
+    else:
+        for k in range(1, terms + 1):
+            power *= share
+            slip += combined(i, dense + k * states, w, whole) * power
+        rates, width = whole[NEEDED_SERIES] + i, whole[N_PAIRS]
+    work = (factor * w[whole[FRICTION] + contact] - damping * w[rates]) * slip
     if damping != 0.0:
         for node in range(len(NODES)):
             x = share * NODES[node]
-            rate = w[dense + terms * states + n + i]
+            rate = w[rates + terms * width]
             for k in range(terms - 1, -1, -1):
-                rate = rate * x + w[dense + k * states + n + i]
+                rate = rate * x + w[rates + k * width]
             work += WEIGHTS[node] * share * h * damping * rate * rate
     w[whole[WORKS] + contact] += work
     w[TAKEN] += work
@@ -430,8 +441,9 @@ def contacts_rest(w: Vector, whole: Wholes) -> bool:
             if not abs(bound) < math.inf:
                 return False
         evaluate(REST, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
-        for i in range(n):
-            side = 0 if w[values + i] >= 0.0 else 1
-            if abs(w[values + i]) > w[whole[LEVELS] + 2 * i + side]:
+        for i in range(whole[N_PAIRS]):
+            force = combined(i, values, w, whole)
+            level = w[whole[LEVELS] + 2 * i + (0 if force >= 0.0 else 1)]
+            if abs(force) > level and not whole[whole[LOOPED] + i]:
                 return False
     return True

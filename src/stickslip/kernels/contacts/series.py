@@ -7,12 +7,13 @@ of its own: where nothing moves any more it still grows with the drives. Guards 
 
 import math
 
-from stickslip.kernels.backend import Vector, Wholes
+from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.bernstein import FALLS_AT_ONCE, NEVER_FALLS, first_fall
 from stickslip.kernels.contacts.assembly import WITHIN, assemble, blur
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.dense_output import interpolate
+from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import FORCE_SLOPES, evaluate
 from stickslip.kernels.error_scale import VANISHED, series_tail
@@ -20,6 +21,7 @@ from stickslip.kernels.guard_roots import NO_GUARD, size_of_forces
 from stickslip.kernels.hard_stops import wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    BORNE,
     BOUNDS,
     DAMPING,
     DENSE,
@@ -32,10 +34,13 @@ from stickslip.kernels.state_layout import (
     FRICTION,
     LENGTH,
     LEVELS,
+    LOOPED,
     MASS,
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
+    N_PAIRS,
     N_SLOPES,
     N_STATES,
     N_TIME_SLOPES,
@@ -75,11 +80,12 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
     It begins at TIME.
 
-    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
-    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS.
+    Reads: `at`, TIME, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS,
+    REACTION_ROWS.
 
     Parameters
     ----------
@@ -99,8 +105,8 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the series where accelerations and needed friction at the state are at hand.
 
-    Reads: `at`, TIME, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Reads: `at`, TIME, drives, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Writes: drives, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
@@ -111,6 +117,7 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         w[last + n + i] = w[at + n + i]
         w[last + states + i] = h * w[at + n + i]
         w[last + states + n + i] = h * w[whole[ACCELERATION] + i]
+    for i in range(whole[N_PAIRS]):
         w[whole[NEEDED_SERIES] + i] = w[whole[NEEDED] + i]
     for i in range(states):
         w[largest + i] = max(abs(w[last + i]), abs(w[last + states + i]))
@@ -134,16 +141,20 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
         last += states
     w[whole[DENSE]] = terms - small
     w[whole[BOUNDS]] = terms  # of the needed friction, which may go on where nothing moves
+    for i in range(n, whole[N_DIRECTIONS]):
+        for k in range(terms - small + 1):
+            rate = combined(i, whole[DENSE] + 1 + k * states + n, w, whole)
+            w[whole[NEEDED_SERIES] + k * whole[N_PAIRS] + i] = rate
 
 
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
     """Write one term of the accelerations to DRIFT and one of the needed friction.
 
-    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
-    Writes: DRIFT, NEEDED_SERIES.
+    Reads: drives, MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
+    Writes: drives, DRIFT, NEEDED_SERIES.
     """
     n = whole[N_COORDINATES]
-    row = whole[NEEDED_SERIES] + terms * n
+    row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
     slopes = whole[SLOPE_VALUES]
     modes, found = whole[MODES], whole[DRIFT]
     k, count = 0, whole[N_SLOPES]
@@ -156,14 +167,12 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
     if terms == 1:
         for k in range(whole[N_TIME_SLOPES]):
             w[row + whole[whole[TIME_ROWS] + k]] += h * w[slopes + whole[N_SLOPES] + k]
-    for c in range(whole[N_CONTACTS]):
-        damping = w[whole[DAMPING] + c]
-        if damping != 0.0:
-            i = whole[whole[SLIPS] + c]
-            w[row + i] -= damping * w[last + n + i]
+    damp(last + n, row, w, whole)
     for i in range(n):
         w[found + i] = w[row + i]
     solve_free(w, whole, found)
+    if whole[N_DIRECTIONS] > n:
+        leave_to_loops(row, w, whole)
     for i in range(n):
         if whole[modes + i] != HELD_FAST:
             w[row + i] = 0.0
@@ -174,13 +183,47 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
             w[row + i] = total
 
 
+def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
+    """Take the damping of slipping contacts away from a term of the forces.
+
+    Reads: `to`, DAMPING.
+    Writes: `to`.
+    """
+    n = whole[N_COORDINATES]
+    for c in range(whole[N_CONTACTS]):
+        damping = w[whole[DAMPING] + c]
+        if damping != 0.0:
+            i = whole[whole[SLIPS] + c]
+            if i < n:
+                w[to + i] -= damping * w[rates + i]
+            else:
+                spread(i, damping * combined(i, rates, w, whole), to, w, whole)
+
+
+@rare
+def leave_to_loops(row: int, w: Vector, whole: Wholes) -> None:
+    """Write a term of the forces along all cuts; DRIFT has that of the accelerations.
+
+    Reads: DRIFT, MASS.
+    Writes: drives.
+    """
+    n, borne = whole[N_COORDINATES], whole[BORNE]
+    for i in range(n):
+        total = w[row + i]
+        for j in range(n):
+            total -= w[whole[MASS] + i * n + j] * w[whole[DRIFT] + j]
+        w[borne + i] = total
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        w[row + cut] = combined(cut, borne, w, whole)
+
+
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
-    Reads: TIME, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Reads: TIME, drives, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
+    Writes: LENGTH, drives, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
 
     Parameters
     ----------
@@ -209,11 +252,13 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     of the inverse mass matrix. A time is rounded too: what the acceleration grows by meanwhile is
     its next term in the series.
 
-    Reads: TIME, LENGTH, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
-    SLOPE_VALUES, MODES.
+    Reads: TIME, LENGTH, drives, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    FRICTION, SLOPE_VALUES, MODES.
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
+    if whole[whole[LOOPED] + i]:
+        return is_looped_balanced(i, w, whole)
     size = abs(w[whole[FORCE] + i])
     for k in range(whole[N_SLOPES]):
         if whole[whole[SLOPE_ROWS] + k] == i:
@@ -234,6 +279,26 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for j in range(n):
         size += abs(w[row + j]) * size_of_forces(j, w, whole)
     return found <= STILLNESS * size
+
+
+@rare
+def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
+    """Whether forces on a slip of a loop that begins balance but for their rounding.
+
+    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, MODES.
+    Writes: VALUES.
+    """
+    n, row = whole[N_COORDINATES], whole[VALUES]
+    for j in range(n):
+        w[row + j] = factor_of(i, j, w, whole)
+    solve_free(w, whole, row)
+    size = 0.0
+    for j in range(n):
+        size += abs(w[row + j]) * size_of_forces(j, w, whole)
+    for c in range(whole[N_CONTACTS]):
+        force = w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c]
+        size += abs(force * combined(whole[whole[SLIPS] + c], row, w, whole))
+    return abs(combined(i, whole[ACCELERATION], w, whole)) <= STILLNESS * size
 
 
 def search(
@@ -281,8 +346,8 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
 
-    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, LENGTH, POLYNOMIAL, drives, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
@@ -297,21 +362,21 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     int
         Index of the guard, or `NO_GUARD`.
     """
-    n, states = whole[N_COORDINATES], whole[N_STATES]
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     terms, count = int(w[whole[DENSE]]), int(w[whole[BOUNDS]]) - 1
     moved, grown = whole[POINT], whole[DRIFT]
     sum_terms(whole[DENSE] + 1 + states + n, states, terms, moved, n, w)
-    sum_terms(whole[NEEDED_SERIES] + n, n, count, grown, n, w)
+    sum_terms(whole[NEEDED_SERIES] + pairs, pairs, count, grown, pairs, w)
     best = NO_GUARD
     w[FRACTION] = 1.0
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         w[whole[ROOTS] + guard] = NEVER_FALLS
     h = w[LENGTH]
     slack = max(LEAST_SLACK, 2.0 * TOGETHER * max(abs(w[TIME]), h) / h)
     early = nearest_guard(w, whole)  # what falls early leaves little of the step to the others
     if early != NO_GUARD:
         best = look_at(early, best, slack, w, whole)
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         if w[FRACTION] == 0.0:
             return best
         if guard != early:
@@ -355,7 +420,11 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
     """
     n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
+    if i >= n and mode != HELD_FAST:
+        return mode * slip_rate_along(i, whole[Y], w, whole) if is_slip(guard, whole) else math.inf
     if mode == HELD_FAST:
+        if whole[N_PAIRS] > n and whole[whole[LOOPED] + i]:
+            return math.inf
         level = w[whole[LEVELS] + guard]
         value = level + side_sign(guard) * w[whole[NEEDED_SERIES] + i]
         spare = WITHIN * level + blur(i, w, whole) if level < math.inf else 0.0
@@ -363,6 +432,14 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
     if mode in (FORWARD, BACKWARD) and guard % 2 == 0:
         return mode * w[whole[Y] + n + i]
     return math.inf
+
+
+def is_slip(guard: int, whole: Wholes) -> bool:
+    """Whether a guard is that of the speed of something that slips.
+
+    Reads: MODES.
+    """
+    return whole[whole[MODES] + guard // 2] in (FORWARD, BACKWARD) and guard % 2 == 0
 
 
 def side_sign(guard: int) -> float:
@@ -375,14 +452,16 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 
     Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
     """
-    n, states = whole[N_COORDINATES], whole[N_STATES]
+    n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     best, least = NO_GUARD, 1.0
-    for guard in range(2 * n):
+    for guard in range(2 * pairs):
         i = guard // 2
         if whole[whole[MODES] + i] == HELD_FAST:
-            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + n + i]
-        else:
+            slope = side_sign(guard) * w[whole[NEEDED_SERIES] + pairs + i]
+        elif i < n:
             slope = whole[whole[MODES] + i] * w[whole[DENSE] + 1 + states + n + i]
+        else:
+            slope = whole[whole[MODES] + i] * w[whole[NEEDED_SERIES] + pairs + i]
         value = value_of(guard, w, whole)
         if value > 0.0 and value < -least * slope:
             best, least = guard, -value / slope
@@ -392,24 +471,30 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Note where a guard falls, if it does before the best one; return which of them is first.
 
-    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, drives, Y, POINT, DRIFT, DENSE, REACHED,
+    SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES,
+    SLOPE_VALUES, BOUNDS, MODES.
     Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2
+    pairs = whole[N_PAIRS]
     mode, value = whole[whole[MODES] + i], value_of(guard, w, whole)
     if value == math.inf:
         return best
     w[POLYNOMIAL + 1] = 1.0
     if mode == HELD_FAST:
         w[whole[REACHED] + guard] = max(w[whole[REACHED] + guard], abs(value))
-        row, count = whole[NEEDED_SERIES] + n + i, int(w[whole[BOUNDS]]) - 1
-        x = search(value, w[whole[DRIFT] + i], slack, row, n, side_sign(guard), count, w)
+        row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[BOUNDS]]) - 1
+        x = search(value, w[whole[DRIFT] + i], slack, row, pairs, side_sign(guard), count, w)
     else:
         if value == 0.0 and is_balanced(i, w, whole):
             w[POLYNOMIAL + 1] = 0.0
-        row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
-        x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+        if i < n:
+            row, count = whole[DENSE] + 1 + states + n + i, int(w[whole[DENSE]])
+            x = search(value, w[whole[POINT] + i], slack, row, states, mode, count, w)
+        else:
+            row, count = whole[NEEDED_SERIES] + pairs + i, int(w[whole[DENSE]])
+            x = search(value, math.inf, slack, row, pairs, mode, count, w)
     return note_root(guard, x, best, w, whole)
 
 

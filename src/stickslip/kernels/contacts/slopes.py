@@ -20,6 +20,8 @@ from stickslip.kernels.contacts.assembly import (
 )
 from stickslip.kernels.contacts.factors import solve_free
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.contacts.loops import cut_levels
+from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
 from stickslip.kernels.equations import (
     LAW_MARGIN_SLOPES,
@@ -53,13 +55,16 @@ from stickslip.kernels.state_layout import (
     LEVEL_SLOPES,
     LOAD,
     LOAD_SLOPES,
+    LOOPED,
     MASS,
     MODES,
     MOTION_POINT,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_GUARDS,
     N_HELD,
+    N_PAIRS,
     N_REACTIONS,
     N_STATES,
     N_SWITCHES,
@@ -82,10 +87,10 @@ __all__ = ["guard_slopes_along", "rate_slopes_along"]
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write what the slopes along all variables are made of.
 
-    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES.
     """
     assemble(t, w, whole, at)
@@ -170,10 +175,10 @@ def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
     """
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
-    rate = w[whole[MOTION_POINT] + n + i]
+    rate = slip_rate_along(i, whole[MOTION_POINT], w, whole)
     slope = factor_slope(contact, w, whole) * rate
-    if k == n + i:
-        slope += w[whole[SLIP_FACTORS] + contact]
+    if n <= k < 2 * n:
+        slope += factor_of(i, k - n, w, whole) * w[whole[SLIP_FACTORS] + contact]
     return side_of(contact, w, whole, whole[MOTION_POINT]) * slope
 
 
@@ -198,7 +203,7 @@ def is_rigid(contact: int, whole: Wholes) -> bool:
 def along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes along a variable of accelerations, forces, levels and rates of bristles.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    Reads: drives, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, MOTION_POINT,
     PART_SLOPES, LAW_SLOPES, MODES, OPEN.
     Writes: REACTION_ROWS, PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES,
@@ -215,7 +220,7 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
     if whole[N_REACTIONS] > 0:
         react_along(k, w, whole)
     respond(k, w, whole)
-    for i in range(2 * n):
+    for i in range(2 * whole[N_DIRECTIONS]):
         w[whole[LEVEL_SLOPES] + i] = 0.0
     for c in range(contacts):
         if not whole[whole[OPEN] + c]:
@@ -223,12 +228,14 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
             for b in range(whole[whole[BRISTLE_COUNTS] + c]):
                 place = whole[BRISTLE_SLOPES] + whole[whole[BRISTLES] + c] + b
                 w[place] = law_slope(c, 0, 4 + b, k, w, whole) if bends(c, whole) else 0.0
+    if whole[N_DIRECTIONS] > n:
+        cut_levels(whole[LEVEL_SLOPES], w, whole)
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of friction, accelerations and needed friction for given ones of loads.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    Reads: drives, LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
     MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, MODES, OPEN.
     Writes: ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES.
     """
@@ -242,17 +249,20 @@ def respond(k: int, w: Vector, whole: Wholes) -> None:
             slope = friction_slope(c, k, w, whole)
             i = whole[whole[SLIPS] + c]
             own = sliding_friction(c, w, whole)
-            w[found + i] -= w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
+            grows = w[whole[SLIP_FACTORS] + c] * slope + factor_slope(c, w, whole) * own
+            spread(i, grows, found, w, whole)
         w[whole[FRICTION_SLOPES] + c] = slope
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)
     for i in range(n):
-        if whole[whole[MODES] + i] != HELD_FAST:
+        if whole[whole[MODES] + i] != HELD_FAST and not whole[whole[LOOPED] + i]:
             w[needed + i] = 0.0
         elif not whole[DIAGONAL]:
             for j in range(n):
                 w[needed + i] -= w[mass + i * n + j] * w[found + j]
+    for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
+        w[needed + cut] = combined(cut, needed, w, whole)
 
 
 def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
@@ -353,7 +363,7 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of the loads that are reactions.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    Reads: drives, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
     LOAD_SLOPES, MODES, OPEN.
     Writes: REACTION_ROWS, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES.
@@ -371,11 +381,11 @@ def rate_slopes_along(
 ) -> None:
     """Write the slopes of the time derivatives of all states along some variables.
 
-    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    Reads: `at`, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
     ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
 
     Parameters
@@ -413,11 +423,11 @@ def guard_slopes_along(
 ) -> None:
     """Write the slopes of all guards along some variables.
 
-    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    Reads: `at`, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
+    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
     ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
 
     Parameters
@@ -445,11 +455,12 @@ def guard_slopes_along(
     for j in range(count):
         k = first + j
         along(k, w, whole)
-        for i in range(n):
+        for i in range(whole[N_PAIRS]):
             mode = whole[whole[MODES] + i]
             if mode in (FORWARD, BACKWARD):
-                w[to + 2 * i * count + j] = float(mode) if k == n + i else 0.0
-            elif mode == HELD_FAST:
+                if n <= k < 2 * n:
+                    w[to + 2 * i * count + j] = mode * factor_of(i, k - n, w, whole)
+            elif mode == HELD_FAST and not whole[whole[LOOPED] + i]:
                 needed = w[whole[NEEDED_SLOPES] + i]
                 levels = whole[LEVEL_SLOPES] + 2 * i
                 w[to + 2 * i * count + j] = w[levels] - needed

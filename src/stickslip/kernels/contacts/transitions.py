@@ -11,10 +11,12 @@ from stickslip.kernels.contacts.guards import (
     law_flags,
 )
 from stickslip.kernels.contacts.impacts import STRIKES, strike_stops
+from stickslip.kernels.contacts.loops import close_loops, crossing
 from stickslip.kernels.contacts.motion import mode_of
 from stickslip.kernels.contacts.series import TOGETHER
 from stickslip.kernels.contacts.stops import margin_of, stopped_side
 from stickslip.kernels.coordinates import turn_states
+from stickslip.kernels.directions import bind, combined, slip_rate_along
 from stickslip.kernels.enums import (
     BACKWARD,
     EXACT,
@@ -51,6 +53,7 @@ from stickslip.kernels.state_layout import (
     MODES,
     N_CONTACTS,
     N_COORDINATES,
+    N_DIRECTIONS,
     N_LIMITS,
     N_REACTIONS,
     N_SWITCHES,
@@ -82,13 +85,13 @@ REACHED_ZERO = 1e-13
 def begin_contacts(w: Vector, whole: Wholes) -> None:
     """Set modes, flags and openings for the state at which a run begins.
 
-    Reads: TIME, LENGTH, PIVOT, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY,
-    BOUNDS, TURN, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS.
-    Writes: TIME, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
-    CHANGES, TURN, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
+    Reads: TIME, LENGTH, PIVOT, drives, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS,
+    CHOLESKY, BOUNDS, TURN, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CANDIDATES.
+    Writes: TIME, PIVOT, FRICTIONLESS, drives, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT,
+    FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS,
+    REACTION_ROWS, CHANGES, TURN, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
 
     Parameters
     ----------
@@ -97,7 +100,7 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n = whole[N_COORDINATES]
+    n = whole[N_DIRECTIONS]
     if whole[IS_TURNED]:
         prepare(w[TIME], w, whole)
         turn_states(whole[Y], 0, w, whole)
@@ -117,8 +120,9 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     none_forced(whole)
     settle_modes(w, whole)
     for i in range(n):
-        rests = w[whole[Y] + n + i] == 0.0 and whole[whole[MODES] + i] == FORWARD
-        if rests and not whole[whole[RIGID] + i] and w[whole[ACCELERATION] + i] < 0.0:
+        rests = slip_rate_along(i, whole[Y], w, whole) == 0.0 and whole[whole[MODES] + i] == FORWARD
+        falls = combined(i, whole[ACCELERATION], w, whole) < 0.0
+        if rests and not whole[whole[RIGID] + i] and falls:
             whole[whole[MODES] + i] = BACKWARD  # as bristles begin to bend
             refresh(w[TIME], w, whole, whole[Y])
     for i in range(n):
@@ -149,7 +153,7 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
     Reads: Y, WALLS, OPEN.
     """
-    rate = w[whole[Y] + whole[N_COORDINATES] + i]
+    rate = slip_rate_along(i, whole[Y], w, whole)
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
         return HELD_FAST
     if not rubs(i, whole):
@@ -179,7 +183,7 @@ def remember(whole: Wholes) -> None:
     Reads: MODES, OPEN.
     Writes: BEFORE, CLOSED.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
         whole[whole[CLOSED] + c] = 1 - whole[whole[OPEN] + c]
@@ -190,22 +194,25 @@ def none_forced(whole: Wholes) -> None:
 
     Writes: FORCED.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[FORCED] + i] = 0
 
 
 def settle_modes(w: Vector, whole: Wholes) -> None:
     """Decide all coordinates that are held, or stopped; set what follows from the answer.
 
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
-    HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS,
-    AMBIGUOUS, MODES, LAW_FLAGS, OPEN, FORCED, BEFORE.
-    Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS,
-    CANDIDATES, KEPT.
+    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, drives, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS,
+    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE.
+    Writes: TIME, PIVOT, drives, Y, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, CANDIDATES, KEPT.
     """
-    for i in range(whole[N_COORDINATES]):
+    if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
+        close_loops(False, w, whole)
+        set_rates(w, whole)
+    for i in range(whole[N_DIRECTIONS]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     solved = decide(w, whole)
@@ -220,16 +227,30 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
         refresh(w[TIME], w, whole, whole[Y])
 
 
+def set_rates(w: Vector, whole: Wholes) -> None:
+    """Set the rates of what is held, and of what follows from others, to what they are exactly.
+
+    Reads: drives, Y, MODES.
+    Writes: Y.
+    """
+    rates = whole[Y] + whole[N_COORDINATES]
+    for i in range(whole[N_COORDINATES]):
+        if whole[whole[MODES] + i] == HELD_FAST:
+            w[rates + i] = 0.0
+    bind(rates, 1, w, whole)
+
+
 def end_beyond_limits(w: Vector, whole: Wholes) -> None:
     """End a run whose modes begin beyond one of the mechanism's own limits.
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
 
-    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, CHANGED.
+    Reads: TIME, PIVOT, FRICTIONLESS, drives, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
+    HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS,
+    OPEN.
+    Writes: PIVOT, drives, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, CHANGED.
     """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
@@ -266,7 +287,7 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
     Reads: Y, WALLS, MODES, OPEN.
     Writes: MODES.
     """
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         if whole[whole[MODES] + i] == FREE or not rubs(i, whole):
             whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
 
@@ -274,13 +295,14 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
 def settle_contacts(w: Vector, whole: Wholes) -> None:
     """Decide anew after a jump of forces or loads, and write down what changes.
 
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
-    HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, STATUS, DECISIONS, PIVOTINGS,
-    AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
-    Writes: TIME, PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
+    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, drives, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, STATUS, DECISIONS,
+    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, STRUCK.
+    Writes: TIME, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
+    CLOSED, KEPT.
 
     Parameters
     ----------
@@ -301,11 +323,11 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
 
-    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
-    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
-    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, MODE, FLAGS, STATUS, STEPS, STEPPER, BOOKS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, STRUCK.
-    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, drives, Y, SCALE,
+    VALUES, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    NEEDED, LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, MODE, FLAGS, STATUS, STEPS, STEPPER, BOOKS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, STRUCK.
+    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
     ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
     LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
     CHANGES, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
@@ -363,10 +385,10 @@ def turn_at_once(guard: int, w: Vector, whole: Wholes) -> None:
     The force that drives it there is gone before the clock can tell, and where its level is 0 too,
     nothing holds it.
 
-    Reads: TIME, FRACTION, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
-    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    Reads: TIME, FRACTION, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE.
+    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MODES.
     """
     if guard >= first_contact_guard(whole) or w[FRACTION] > 0.0:
@@ -397,16 +419,16 @@ def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
 def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     """Make the impacts of an instant; what has another rate then slips, or is to be decided.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS, BOOKS, MODES,
-    LAW_FLAGS, OPEN.
-    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FLAGS, MODES, KEPT,
-    STRUCK.
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, drives, Y, SCALE, REACHED, WALLS,
+    SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS,
+    BOOKS, MODES, LAW_FLAGS, OPEN.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FLAGS,
+    MODES, KEPT, STRUCK.
     """
     strike_stops(guard, w, whole)
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
     for _ in range(whole[N_SWITCHES]):
         set_own_flags(w, whole)
@@ -428,7 +450,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
         opposite = guard + 1 - 2 * (guard % 2)
         if not w[values + guard] < w[values + opposite]:
             return False
-    elif w[whole[Y] + whole[N_COORDINATES] + guard // 2] == 0.0:
+    elif slip_rate_along(guard // 2, whole[Y], w, whole) == 0.0:
         return False
     if exact:
         h = w[LENGTH]
@@ -440,19 +462,35 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
     """Stop a coordinate that slips, or let one go that is held.
 
-    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, MODES, OPEN.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, MODES, OPEN, FORCED.
     Writes: Y, MODES, OPEN, FORCED.
     """
     i = guard // 2
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST and not opens_instead(guard, w, whole):
-        whole[whole[FORCED] + i] = FORWARD if guard % 2 == 0 else BACKWARD
+        force(i, FORWARD if guard % 2 == 0 else BACKWARD, w, whole)
     elif mode in (FORWARD, BACKWARD) and guard % 2 == 0:
         if whole[whole[RIGID] + i]:
-            w[whole[Y] + whole[N_COORDINATES] + i] = 0.0
+            if i < whole[N_COORDINATES]:
+                w[whole[Y] + whole[N_COORDINATES] + i] = 0.0
             whole[whole[MODES] + i] = HELD_FAST
         else:
             whole[whole[MODES] + i] = -mode
+
+
+def force(i: int, side: int, w: Vector, whole: Wholes) -> None:
+    """Force a coordinate to slip, or what slips in the motion of a cut.
+
+    Reads: MODES, FORCED.
+    Writes: FORCED.
+    """
+    if i < whole[N_DIRECTIONS]:
+        whole[whole[FORCED] + i] = side
+        return
+    for d in range(whole[N_DIRECTIONS]):
+        rate = side * crossing(i, d, w, whole)
+        if whole[whole[MODES] + d] == HELD_FAST and rate != 0.0 and whole[whole[FORCED] + d] == 0:
+            whole[whole[FORCED] + d] = FORWARD if rate > 0.0 else BACKWARD
 
 
 def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
@@ -471,7 +509,10 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
         return False
     found = False
     for c in range(whole[N_CONTACTS]):
-        if whole[whole[SLIPS] + c] == i and not whole[whole[OPEN] + c]:
+        own = whole[whole[SLIPS] + c]
+        if i >= whole[N_DIRECTIONS] and crossing(i, own, w, whole) != 0.0:
+            own = i
+        if own == i and not whole[whole[OPEN] + c]:
             light = w[whole[LOAD] + c] <= REACHED_ZERO * w[whole[REACHED] + lift_guard(c, whole)]
             if light and not whole[whole[REACTS] + c]:
                 whole[whole[OPEN] + c] = 1

@@ -113,7 +113,7 @@ def _reached() -> list[FunctionType]:
     waiting = [getattr(entries, name) for name in entries.__all__]
     while waiting:
         function = waiting.pop()
-        if function not in found and function not in CALLED:
+        if function not in found and function not in CALLED and function is not backend.rare:
             found[function] = None
             waiting += _callees(function)
     return list(found)

@@ -85,6 +85,10 @@ KEPT = "pow"
 LARGEST = 2**63
 
 
+RARE = "rare"
+"""Decorator of functions that are not to be part of those that call them."""
+
+
 @dataclass(frozen=True)
 class Value:
     """Something in LLVM's language."""
@@ -269,6 +273,13 @@ def _passed(values: Iterable[Value]) -> str:
     )
 
 
+def _others(node: ast.FunctionDef) -> list[ast.expr]:
+    """Return the decorators of a function beside `backend.rare`."""
+    return [
+        one for one in node.decorator_list if not (isinstance(one, ast.Name) and one.id == RARE)
+    ]
+
+
 @final
 class _Body:
     """The translation of one function.
@@ -279,7 +290,7 @@ class _Body:
     def __init__(self, function: Function, tables: dict[str, str]) -> None:
         node, taken = function.node, function.signature.parameters
         given = node.args
-        more = given.posonlyargs, given.kwonlyargs, given.defaults, node.decorator_list
+        more = given.posonlyargs, given.kwonlyargs, given.defaults, _others(node)
         self.function = function
         if [a.arg for a in given.args] != [name for name, _ in taken]:
             raise self._refused(node, f"must take ({', '.join(name for name, _ in taken)})")
@@ -311,7 +322,7 @@ class _Body:
             self._line("ret void")
         head = (
             f"define internal {signature.result} @{signature.symbol}({_parameters(signature)})"
-            " nounwind {"
+            f" nounwind{' cold noinline' if node.decorator_list else ''} {{"
         )
         return "\n".join([head, f"{ENTRY}:", *self._places, *self._lines, "}"])
 
