@@ -20,6 +20,7 @@ from stickslip.kernels.state_layout import (
     MODE,
     MODES,
     N_CONTACTS,
+    N_COORDINATES,
     N_DIRECTIONS,
     PIECE,
     SCALE,

@@ -433,7 +433,7 @@ def decide(w: Vector, whole: Wholes) -> bool:
     if waiting == 0:
         refresh(now, w, whole, whole[Y])
         return True
-    for i in range(whole[N_COORDINATES]):
+    for i in range(whole[N_DIRECTIONS]):
         if whole[whole[CANDIDATES] + i] == BROKEN:
             w[TIME] = now + CLOCK * max(now, w[LENGTH])
     t = w[TIME]
