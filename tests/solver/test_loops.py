@@ -24,7 +24,7 @@ from tests.loop_cases import (
 
 from stickslip import EventDriven, FixedStep, LuGre, Stribeck, ensemble, simulate
 from stickslip.control import dynamics_at
-from stickslip.drives import Drive, Sampled
+from stickslip.drives import Drive, PiecewiseLinear, Sampled
 from stickslip.errors import InputError
 from stickslip.maths import sin
 from stickslip.mechanisms import BoundedMechanism, Contact, Stop
@@ -413,6 +413,19 @@ class Turned(Triangle):
 
     def forces(self, t, q, q_dot, drives):
         return {"x0": drives["torque"]}
+
+
+@pytest.mark.parametrize("width", [1e-9, 1e-11, 1e-13])
+def test_a_torque_that_rises_between_two_ticks_of_the_clock_lets_go_once(width):
+    random = np.random.default_rng(1)
+    for start, torque in zip(random.uniform(50, 100, 4), random.uniform(4.3, 9.0, 4), strict=True):
+        step = PiecewiseLinear(
+            times=(0.0, start, start + width, 200.0), values=(0.0, 0.0, torque, torque)
+        )
+        one = Turned(J0=1.0, J1=2.0, J2=3.0, torque=step)
+        run = simulate(one, LEVELS, t_end=start + 1.0, solver=PLAIN)
+        assert [(e.contact, e.to_mode) for e in run.events] == [("c0", 1), ("c2", 1)]
+        assert run["v0"][-1] == pytest.approx(torque - 3.5, rel=1e-8)  # but for the ramp
 
 
 def test_equations_of_motion_for_control_have_the_slips_of_loops():

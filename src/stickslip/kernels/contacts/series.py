@@ -249,11 +249,10 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a coordinate that begins to slip balance but for their rounding.
 
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
-    of the inverse mass matrix. A time is rounded too: what the acceleration grows by meanwhile is
-    its next term in the series.
+    of the inverse mass matrix. The time is rounded, too.
 
     Reads: TIME, LENGTH, drives, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    FRICTION, SLOPE_VALUES, MODES.
+    FRICTION, NEEDED_SERIES, SLOPE_VALUES, MODES.
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
@@ -267,8 +266,7 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for c in range(whole[N_CONTACTS]):
         if whole[whole[SLIPS] + c] == i:
             size += abs(w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c])
-    h, growth = w[LENGTH], abs(w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i])
-    found = abs(w[whole[ACCELERATION] + i]) - STILLNESS * 2.0 * growth / h * max(1.0, w[TIME] / h)
+    found = abs(w[whole[ACCELERATION] + i]) - change_in_a_tick(i, w, whole)
     if whole[DIAGONAL]:
         return found * w[whole[MASS] + i * n + i] <= STILLNESS * size
     row = whole[VALUES]
@@ -285,7 +283,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a slip of a loop that begins balance but for their rounding.
 
-    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION, MODES.
+    Reads: TIME, LENGTH, drives, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
+    NEEDED_SERIES, MODES.
     Writes: VALUES.
     """
     n, row = whole[N_COORDINATES], whole[VALUES]
@@ -298,7 +297,23 @@ def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     for c in range(whole[N_CONTACTS]):
         force = w[whole[SLIP_FACTORS] + c] * w[whole[FRICTION] + c]
         size += abs(force * combined(whole[whole[SLIPS] + c], row, w, whole))
-    return abs(combined(i, whole[ACCELERATION], w, whole)) <= STILLNESS * size
+    found = abs(combined(i, whole[ACCELERATION], w, whole)) - change_in_a_tick(i, w, whole)
+    return found <= STILLNESS * size
+
+
+def change_in_a_tick(i: int, w: Vector, whole: Wholes) -> float:
+    """Return how much the acceleration of a slip changes within the rounding of the time.
+
+    It is the second term of the series of its speed that tells.
+
+    Reads: TIME, LENGTH, DENSE, NEEDED_SERIES.
+    """
+    h, n = w[LENGTH], whole[N_COORDINATES]
+    if i < n:
+        growth = w[whole[DENSE] + 1 + 2 * whole[N_STATES] + n + i]
+    else:
+        growth = w[whole[NEEDED_SERIES] + 2 * whole[N_PAIRS] + i]
+    return STILLNESS * 2.0 * abs(growth) / h * max(1.0, w[TIME] / h)
 
 
 def search(
