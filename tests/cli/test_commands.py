@@ -379,7 +379,7 @@ def test_a_travel_of_micrometres_is_not_printed_as_zero(run, rig):
     slow = rig(stiffness=0.0, compression=0.0, v=6.2642e-3, travel=8e-6, uncertainty=1e-7)
     code, out, _ = run("select", slow, "--laws", "coulomb")
     assert code == 0
-    assert "8 µm" in out
+    assert "8.00 µm" in out
 
 
 def test_a_rig_with_values_for_several_laws_says_which_one_is_run(run):

@@ -192,8 +192,8 @@ def test_bristles_of_a_pivot_are_in_radians():
     )
     said = bristle_remark(law, None, {"travel": 1e-3}, Pendulum(mass=1.0, length=0.5))
     assert "travel of 1 mrad depends on" in said
-    assert "= 100 1/rad and" in said
-    assert said.endswith("s/rad.")
+    assert "= 100 N m/rad and" in said  # as on the page: its load is 1
+    assert said.endswith("= 0.5 N m s/rad.")
 
 
 def test_levels_that_are_forces_need_the_load_at_which_they_were_fitted(walk):

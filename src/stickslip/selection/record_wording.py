@@ -344,9 +344,9 @@ def _lede(
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         apart = _told_apart(usual, best)
-        error = told(usual.score) if apart else scale.error(usual.score)
+        shown = told(usual.score) if apart else scale.error(usual.score)
         text += (
-            f" Coulomb + viscous friction, the usual choice: {error} on the same blocks"
+            f" Coulomb + viscous friction, the usual choice: {shown} on the same blocks"
             f"{'' if apart else ', which is not significantly different'}."
         )
     elif without is not None and math.isfinite(without.score):

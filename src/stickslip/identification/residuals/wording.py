@@ -158,9 +158,9 @@ def _sized(
     value: float, ends: tuple[float, float], unit: str, measurement: Measurement
 ) -> tuple[str, str]:
     """Return a number and its interval, both to the same digit and in one unit."""
+    low, high = ends
     if unit == "share":
-        low, high = map(percent, ends)
-        return percent(value), f"{low} to {high}"
+        return percent(value), f"{percent(low)} to {percent(high)}"
     force = measurement.unit("force")
     units = {
         "force": force,
@@ -168,8 +168,8 @@ def _sized(
         "mass": turned("kg", measurement.turning),
     }
     scale = scale_of([value], units.get(unit, unit))
-    low, high = (scale.factor * end for end in ends)
-    return with_unit(within(scale.factor * value, low, high), scale.unit), scale.interval(*ends)
+    shown = within(scale.factor * value, scale.factor * low, scale.factor * high)
+    return with_unit(shown, scale.unit), scale.interval(low, high)
 
 
 def _half_sample(delay: float, measurement: Measurement) -> str:

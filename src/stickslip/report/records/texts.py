@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from stickslip.formatting import fixed, significant
+from stickslip.formatting import rounded
 from stickslip.identification import Estimate
 from stickslip.selection import RecordCandidate, RecordVerdict
 
@@ -72,9 +72,6 @@ def to_digits(value: float, estimate: Estimate) -> str:
     Returns
     -------
     str
-        The number; three digits of it where the estimate has a power of ten or no bound.
+        The number, ending where the estimate does; three digits of it where that has no bound.
     """
-    shown = estimate.parts[0]
-    if "×" in shown or not estimate.bounded:
-        return significant(value, 3)
-    return fixed(value, len(shown.partition(".")[2]))
+    return rounded(value, estimate.half_width if estimate.bounded else math.inf)

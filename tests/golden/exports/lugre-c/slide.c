@@ -7,7 +7,7 @@
  * Parameters in SI units:
  *   mu_k = 20.0 [N] (kinetic coefficient)
  *   mu_s = 28.0 [N] (static coefficient)
- *   v_s = 0.03 [m/s] (stribeck velocity)
+ *   v_s = 0.03 [m/s] (Stribeck velocity)
  *   sigma_0 = 100000.0 [N/m] (bristle stiffness)
  *   sigma_1 = 300.0 [N s/m] (bristle damping)
  *   sigma_2 = 0.0 [N s/m] (viscous coefficient)
@@ -21,7 +21,7 @@ double slide_friction(double velocity, double z, double load)
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_0 = 100000.0; /* [N/m] bristle stiffness */
     const double sigma_1 = 300.0; /* [N s/m] bristle damping */
     const double sigma_2 = 0.0; /* [N s/m] viscous coefficient */
@@ -59,7 +59,7 @@ double slide_rates(double velocity, double z, double load)
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_0 = 100000.0; /* [N/m] bristle stiffness */
     double z_rate, c1, c2;
     if (isnan(velocity) || isnan(z) || isnan(load)) {
@@ -89,7 +89,7 @@ double slide_steady(double velocity, double load)
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_2 = 0.0; /* [N s/m] viscous coefficient */
     double normal, force, c1, c2;
     if (isnan(velocity) || isnan(load)) {
@@ -139,7 +139,7 @@ static double slide_settle(double velocity, double z, double load, double period
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_0 = 100000.0; /* [N/m] bristle stiffness */
     double rate, drop, z_end, c1, c2, c3, c4;
     (void)load;

@@ -7,7 +7,7 @@
  * Parameters in SI units:
  *   mu_k = 20.0 [N] (kinetic coefficient)
  *   mu_s = 28.0 [N] (static coefficient)
- *   v_s = 0.03 [m/s] (stribeck velocity)
+ *   v_s = 0.03 [m/s] (Stribeck velocity)
  *   sigma_0 = 100000.0 [N/m] (bristle stiffness)
  *   sigma_1 = 300.0 [N s/m] (bristle damping)
  *   sigma_2 = 0.0 [N s/m] (viscous coefficient)

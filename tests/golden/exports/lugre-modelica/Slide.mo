@@ -8,7 +8,7 @@ package Slide "Friction law of the package stickslip"
   // Parameters in SI units:
   //   mu_k = 20.0 [N] (kinetic coefficient)
   //   mu_s = 28.0 [N] (static coefficient)
-  //   v_s = 0.03 [m/s] (stribeck velocity)
+  //   v_s = 0.03 [m/s] (Stribeck velocity)
   //   sigma_0 = 100000.0 [N/m] (bristle stiffness)
   //   sigma_1 = 300.0 [N s/m] (bristle damping)
   //   sigma_2 = 0.0 [N s/m] (viscous coefficient)
@@ -22,7 +22,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_0(unit="N/m") = 100000.0 "bristle stiffness";
         constant Real sigma_1(unit="N.s/m") = 300.0 "bristle damping";
         constant Real sigma_2(unit="N.s/m") = 0.0 "viscous coefficient";
@@ -65,7 +65,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_0(unit="N/m") = 100000.0 "bristle stiffness";
         Real c1;
         Real c2;
@@ -96,7 +96,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_2(unit="N.s/m") = 0.0 "viscous coefficient";
         Real normal;
         Real c1;

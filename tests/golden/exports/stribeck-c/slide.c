@@ -6,7 +6,7 @@
  * Parameters in SI units:
  *   mu_k = 20.0 [N] (kinetic coefficient)
  *   mu_s = 28.0 [N] (static coefficient)
- *   v_s = 0.03 [m/s] (stribeck velocity)
+ *   v_s = 0.03 [m/s] (Stribeck velocity)
  *   sigma_2 = 40.0 [N s/m] (viscous coefficient)
  * Levels are forces in N, because no normal force was known: the load is 1.
  */
@@ -18,7 +18,7 @@ double slide_friction(double velocity, double load)
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_2 = 40.0; /* [N s/m] viscous coefficient */
     double normal, force, c1, c2;
     if (isnan(velocity) || isnan(load)) {
@@ -68,7 +68,7 @@ static double slide_slip(double speed, double direction, double load)
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_2 = 40.0; /* [N s/m] viscous coefficient */
     double normal, force, c1;
     (void)direction;
@@ -90,7 +90,7 @@ static double slide_slide(double speed, double applied, double load, double mass
 {
     const double mu_k = 20.0; /* [N] kinetic coefficient */
     const double mu_s = 28.0; /* [N] static coefficient */
-    const double v_s = 0.03; /* [m/s] stribeck velocity */
+    const double v_s = 0.03; /* [m/s] Stribeck velocity */
     const double sigma_2 = 40.0; /* [N s/m] viscous coefficient */
     double normal, force, force_v, pivot, first_v, speed_mid, second_v, speed_end, c1, c2, c3, c4;
     normal = load;

@@ -6,7 +6,7 @@
  * Parameters in SI units:
  *   mu_k = 20.0 [N] (kinetic coefficient)
  *   mu_s = 28.0 [N] (static coefficient)
- *   v_s = 0.03 [m/s] (stribeck velocity)
+ *   v_s = 0.03 [m/s] (Stribeck velocity)
  *   sigma_2 = 40.0 [N s/m] (viscous coefficient)
  * Levels are forces in N, because no normal force was known: the load is 1.
  * Functions have no memory and no side effects. Where an argument is not a number, or one that

@@ -6,7 +6,7 @@ function [velocity, displacement, friction, sticks] = slide_block(applied, load,
 % Parameters in SI units:
 %   mu_k = 20.0 [N] (kinetic coefficient)
 %   mu_s = 28.0 [N] (static coefficient)
-%   v_s = 0.03 [m/s] (stribeck velocity)
+%   v_s = 0.03 [m/s] (Stribeck velocity)
 %   sigma_2 = 40.0 [N s/m] (viscous coefficient)
 % Levels are forces in N, because no normal force was known: the load is 1.
 %SLIDE_BLOCK  Body with friction, one period at a call.
@@ -30,7 +30,7 @@ function force = slide_friction(velocity, load)
 %#codegen
     mu_k = 20.0; % [N] kinetic coefficient
     mu_s = 28.0; % [N] static coefficient
-    v_s = 0.03; % [m/s] stribeck velocity
+    v_s = 0.03; % [m/s] Stribeck velocity
     sigma_2 = 40.0; % [N s/m] viscous coefficient
     if isnan(velocity) || isnan(load)
         force = NaN;
@@ -86,7 +86,7 @@ function force = slide_slip(speed, direction, load)
 %#codegen
     mu_k = 20.0; % [N] kinetic coefficient
     mu_s = 28.0; % [N] static coefficient
-    v_s = 0.03; % [m/s] stribeck velocity
+    v_s = 0.03; % [m/s] Stribeck velocity
     sigma_2 = 40.0; % [N s/m] viscous coefficient
     normal = load;
     if normal < 0.0
@@ -112,7 +112,7 @@ function speed_end = slide_slide(speed, applied, load, mass, period, direction)
 %#codegen
     mu_k = 20.0; % [N] kinetic coefficient
     mu_s = 28.0; % [N] static coefficient
-    v_s = 0.03; % [m/s] stribeck velocity
+    v_s = 0.03; % [m/s] Stribeck velocity
     sigma_2 = 40.0; % [N s/m] viscous coefficient
     normal = load;
     if normal < 0.0

@@ -6,7 +6,7 @@ function force = slide_compensation(velocity, load, width, factor)
 % Parameters in SI units:
 %   mu_k = 20.0 [N] (kinetic coefficient)
 %   mu_s = 28.0 [N] (static coefficient)
-%   v_s = 0.03 [m/s] (stribeck velocity)
+%   v_s = 0.03 [m/s] (Stribeck velocity)
 %   sigma_2 = 40.0 [N s/m] (viscous coefficient)
 % Levels are forces in N, because no normal force was known: the load is 1.
 %SLIDE_COMPENSATION  Force that compensates friction, faded to 0 below a speed.

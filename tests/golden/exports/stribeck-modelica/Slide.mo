@@ -7,7 +7,7 @@ package Slide "Friction law of the package stickslip"
   // Parameters in SI units:
   //   mu_k = 20.0 [N] (kinetic coefficient)
   //   mu_s = 28.0 [N] (static coefficient)
-  //   v_s = 0.03 [m/s] (stribeck velocity)
+  //   v_s = 0.03 [m/s] (Stribeck velocity)
   //   sigma_2 = 40.0 [N s/m] (viscous coefficient)
   // Levels are forces in N, because no normal force was known: the load is 1.
 
@@ -18,7 +18,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_2(unit="N.s/m") = 40.0 "viscous coefficient";
         Real normal;
         Real c1;
@@ -70,7 +70,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_2(unit="N.s/m") = 40.0 "viscous coefficient";
         Real normal;
         Real c1;
@@ -98,7 +98,7 @@ package Slide "Friction law of the package stickslip"
     protected
         constant Real mu_k(unit="N") = 20.0 "kinetic coefficient";
         constant Real mu_s(unit="N") = 28.0 "static coefficient";
-        constant Real v_s(unit="m/s") = 0.03 "stribeck velocity";
+        constant Real v_s(unit="m/s") = 0.03 "Stribeck velocity";
         constant Real sigma_2(unit="N.s/m") = 40.0 "viscous coefficient";
         Real normal;
         Real force;
