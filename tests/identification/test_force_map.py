@@ -552,6 +552,21 @@ def test_bristles_are_refused_where_friction_has_no_time(law):
         stickslip.fit(Axis(inertia=1.0), law, table)
 
 
+def test_velocities_within_their_noise_have_no_direction():
+    t = np.arange(0.0, 12.0, 0.01)
+    v = 0.1 * np.sin(1.3 * t)
+    random = np.random.default_rng(2)
+    friction = 2.0 * np.sign(v) + 14.0 * v + random.normal(0.0, 0.04, len(t))
+    noisy = v + random.normal(0.0, 0.002, len(t))
+    record = Measurement(time=t, velocity=noisy, friction=friction)
+    plain, rich = (stickslip.fit(AXIS, law, record) for law in (CoulombViscous, Stribeck))
+    # the noise of friction, and 14 N s/m times that of the velocity; wrong signs would cost 4 N
+    assert plain.rms < 1.1 * math.hypot(0.04, 14.0 * 0.002)
+    assert plain.estimates[0].value == pytest.approx(2.0, rel=0.01)
+    # a static level that nothing tells gains nothing at rest
+    assert rich.rms > 0.99 * plain.rms
+
+
 def test_one_row_that_leaves_most_of_the_residual_is_named():
     v = np.linspace(-1.0, 1.0, 40)
     friction = 2.0 * np.sign(v) + v + np.random.default_rng(1).normal(0.0, 0.02, 40)

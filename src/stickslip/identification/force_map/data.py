@@ -91,6 +91,10 @@ class MotionSegment:
     """Force that was applied (n,) [N], filtered as friction is; None where nothing needs it."""
     resolution: float = 0.0
     """Displacement [m] that the sensor may not resolve."""
+    slack: float = 0.0
+    """Force [N] by which noise of a friction sensor exceeds what holds a body at rest."""
+    slowness: float = 0.0
+    """Speed [m/s] that samples at rest may have without memory of it: it was not resolved."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
     zeros: Array | None = None
@@ -374,7 +378,7 @@ def _series(
     for rows in np.split(np.arange(len(time)), cuts):
         if len(rows) < LEAST:
             continue
-        position, velocity = _motion(record, time, rows)
+        position, velocity, slowness = _motion(record, time, rows)
         picked = slice(None, None, every)
         t = time[rows][picked]
         span = float(t[-1] - t[0])
@@ -392,14 +396,17 @@ def _series(
             segment=first + share,
             resting=velocity[picked] == 0.0,
             held=friction[rows][picked],
+            slack=BEYOND * noise_of(friction[rows]),
+            slowness=slowness,
         )
         first += count
 
 
-def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array, float]:
     """Return position and velocity of a stretch, each measured or from the other one.
 
-    Velocities are 0 where none is resolved (`_resolved`).
+    Velocities are 0 where none is resolved (`_resolved`). The third value is the speed [m/s] that
+    they may have there.
 
     Positions are not filtered, but held while nothing moves: bristles see displacement, which noise
     changes least, and on measured loops every filter that was tried made the prediction worse.
@@ -407,41 +414,48 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     known, t = record.quantities(), time[rows]
     if "velocity" in known:
         velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
+        doubt = noise_of(velocity)
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
-        return np.concatenate([[0.0], np.cumsum(steps)]), velocity
+        position = np.concatenate([[0.0], np.cumsum(steps)])
+        slow = np.abs(velocity) <= BEYOND * doubt
+        return position, np.where(slow, 0.0, velocity), BEYOND * doubt
     position = np.asarray(record.values("position"), dtype=float)[rows]
-    reach, doubt = reach_of(position), math.inf
-    if "velocity" not in known:
+    derived = "velocity" not in known
+    if derived:
         velocity, doubt = _velocity(t, position)
-    velocity = _resolved(t, position, velocity, reach, doubt)
+    slowness = max(SLOW * float(np.percentile(np.abs(velocity), 98.0)), BEYOND * doubt)
+    unsure = slowness if derived else BEYOND * doubt
+    velocity = _resolved(t, position, velocity, slowness, unsure)
     # where nothing moves, the noise of positions would let bristles relax
     moving = np.append(True, (velocity[1:] != 0.0) | (velocity[:-1] != 0.0))
     last = np.maximum.accumulate(np.where(moving, np.arange(len(t)), 0))
-    return position[last], velocity
+    return position[last], velocity, slowness
 
 
-def _resolved(time: Array, position: Array, velocity: Array, reach: float, doubt: float) -> Array:
+def _resolved(
+    time: Array, position: Array, velocity: Array, slowness: float, unsure: float
+) -> Array:
     """Return velocities (n,) [m/s] that are 0 where the sensor does not resolve any.
 
     At rest positions stay within their reach, for so long that what they may have gone meanwhile is
-    slow beside the largest speed. Slow velocities that were derived from positions, with a standard
-    deviation `doubt` [m/s], have the direction of the displacements before and after them; at
-    reversals, where these differ, it is not known.
+    slow beside the largest speed, and velocities are below `slowness` [m/s]. Velocities whose
+    direction is not sure, below `unsure` [m/s], have that of the displacements before and after
+    them; at reversals, where these differ, it is not known.
     """
+    reach = reach_of(position)
     moved, ways = _displacements(position, 2.0 * reach)
     number = np.searchsorted(moved, np.arange(len(time)), side="right")
     first, last = np.append(0, moved), np.append(moved, len(time)) - 1
     fast = float(np.percentile(np.abs(velocity), 98.0))
     span = np.where(last - first >= PAUSE, time[last] - time[first], 0.0)
-    resting = (CREEPING * fast * span > 2.0 * reach)[number]
-    derived = math.isfinite(doubt)
-    slow = np.abs(velocity) <= max(SLOW * fast, BEYOND * doubt if derived else 0.0)
-    if derived and len(moved):
+    resting = (CREEPING * fast * span > 2.0 * reach)[number] & (np.abs(velocity) <= slowness)
+    if len(moved):
+        slow = np.abs(velocity) <= unsure
         before, after = np.append(ways[0], ways)[number], np.append(ways, ways[-1])[number]
         velocity = np.where(slow, before * np.abs(velocity), velocity)
-        resting |= before != after
-    return np.where(resting & slow, 0.0, velocity)
+        resting |= slow & (before != after)
+    return np.where(resting, 0.0, velocity)
 
 
 def reach_of(position: Array) -> float:

@@ -376,7 +376,11 @@ def _by_weight(own: PerturbedLaws, one: MotionSegment, states: Array, resting: A
 
 def _without_memory(law: Any, one: MotionSegment) -> Array:
     """Return the friction of a law that knows no history, or in steady slip (n, copies)."""
-    v, n = one.path.velocity[:, None], one.path.load[:, None]
+    return _in_slip(law, one.path.velocity[:, None], one.path.load[:, None])
+
+
+def _in_slip(law: Any, v: Array | float, n: Array) -> Array:
+    """Return friction in steady slip at velocities, under loads (n, 1)."""
     return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
 
 
@@ -384,9 +388,9 @@ def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: 
     """Return friction (n, copies) with what holds the body at rest: what other forces ask for.
 
     Rest is motion that the sensor does not resolve. Friction is then what balances the other
-    forces, as far as displacements within the resolution make it so: within the cone for a
-    set-valued law, within a narrow range for soft bristles. The stiffer bristles are, the nearer
-    they come to the cone.
+    forces, as far as displacements within the resolution make it so: within the cone, or what slow
+    slip has, for a set-valued law; within a narrow range for soft bristles. The stiffer bristles
+    are, the nearer they come to the cone.
     """
     if one.held is None or one.resting is None or not one.resting.any():
         return force
@@ -399,6 +403,10 @@ def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: 
         )
     else:
         low, high = (side * towards(law, side).break_away(n) for side in (-1, 1))
+        if one.slowness > 0.0:
+            back, ahead = (_in_slip(law, side * one.slowness, n) for side in (-1, 1))
+            low, high = np.minimum(low, back), np.maximum(high, ahead)
+        low, high = low - one.slack, high + one.slack
     force = force.copy()
     force[rows] = np.clip(one.held[rows, None] - offset, low, high)
     return force
