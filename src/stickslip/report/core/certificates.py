@@ -70,7 +70,7 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
 def _balance(*energies: float) -> list[str]:
     """Return energies in one unit and with the decimals of the largest, which has four digits."""
     scale = scale_of(energies, "J")
-    largest = scale.factor * max(map(abs, energies))
+    largest = scale.factor * max((abs(one) for one in energies if math.isfinite(one)), default=0.0)
     decimals = max(3 - math.floor(math.log10(largest)), 0) if largest else 0
     return [
         with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
