@@ -5,6 +5,7 @@ import dataclasses
 import math
 import re
 
+import numpy as np
 import pytest
 from tests.support import quick, sketched, wide_only
 
@@ -137,6 +138,13 @@ def test_an_axis_that_is_held_does_not_move_in_any_cycle():
     assert "The axis does not move" in said
     assert "does not move in any cycle" in said
     assert "advances" not in said
+
+
+def test_a_swing_from_rest_to_rest_is_a_motion():
+    swing = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1, attached=True)
+    subject = about(swing, Coulomb(kinetic_coefficient=0.4, static_coefficient=0.9), 1.0)
+    assert not np.any(subject.run["v"][[0, -1]])
+    assert subject.moves
 
 
 def test_rounding_of_the_ways_to_and_fro_is_no_travel():

@@ -125,8 +125,10 @@ class Scale(NamedTuple):
         --------
         >>> Scale(1e3, "mm").interval(0.0982, 0.1017), Scale(1e3, "mm").interval(0.02, 0.02)
         ('98.2 to 101.7 mm', '20 mm')
+        >>> Scale(1.0, "N").interval(2.0, math.inf)
+        'at least 2.00 N'
         """
-        if high - low <= 10.0**-MOST_DIGITS * max(abs(low), abs(high)):
+        if high - low <= 10.0**-MOST_DIGITS * max(abs(low), abs(high)) < math.inf:
             return self.quantity(low, MOST_DIGITS)
         return with_unit(interval(self.factor * low, self.factor * high), self.unit)
 

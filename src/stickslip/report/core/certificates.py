@@ -2,7 +2,7 @@
 
 import math
 
-from stickslip.formatting import fixed, quantity, residue, scale_of, with_unit
+from stickslip.formatting import fixed, quantity, residue, scale_of, significant, with_unit
 from stickslip.report.core.blocks import KeyValue
 from stickslip.trajectory import Trajectory
 
@@ -70,8 +70,10 @@ def evidence(run: Trajectory, *, located: bool = True) -> tuple[KeyValue, ...]:
 def _balance(*energies: float) -> list[str]:
     """Return energies in one unit and with the decimals of the largest, which has four digits."""
     scale = scale_of(energies, "J")
-    largest = scale.factor * max(map(abs, energies))
-    decimals = max(3 - math.floor(math.log10(largest)), 0) if largest else 0
+    largest = scale.factor * max((abs(one) for one in energies if math.isfinite(one)), default=0.0)
+    if not largest >= 1e-3:
+        return [with_unit(significant(scale.factor * one, 4), scale.unit) for one in energies]
+    decimals = max(3 - math.floor(math.log10(largest)), 0)
     return [
         with_unit(fixed(scale.factor * one, decimals) if one else "0", scale.unit)
         for one in energies

@@ -93,7 +93,8 @@ class RunReport:
     @property
     def moves(self) -> bool:
         """Whether the body moves at all."""
-        return bool(np.any(self.run[self.rate] != 0.0))
+        # an exact step may lead from rest to rest
+        return bool(np.any(self.run[self.rate] != 0.0) or np.ptp(self.run[self.slip]) > 0.0)
 
     @property
     def mean_velocity(self) -> float:

@@ -190,7 +190,8 @@ class Proposal:
         told = {
             name: [row.predicted[name] for row in self.settings] for name in (self.best, self.rival)
         }
-        scale = scale_of([min(map(abs, chain(*told.values())))], "m")
+        sizes = [abs(travel) for travel in chain(*told.values())]
+        scale = scale_of([max(min(sizes), 1e-3 * max(sizes))], "m")
         one, other = (joined([scale.quantity(x) for x in travels]) for travels in told.values())
         return (
             f"Set {symbol} to {joined([row.text for row in self.settings])}, three runs each."
