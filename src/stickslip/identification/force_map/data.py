@@ -351,10 +351,11 @@ def _table(number: int, record: Measurement, load: Array, first: int) -> MotionS
     path = Path(
         time=rows.astype(float), velocity=velocity, load=load, travel=np.zeros(len(rows) - 1)
     )
+    friction = np.asarray(record.values("friction"), dtype=float)
     return MotionSegment(
         record=number,
         path=path,
-        friction=(friction := np.asarray(record.values("friction"), dtype=float)),
+        friction=friction,
         segment=first + rows % min(SHARES, len(rows) // 2),
         timed=False,
         resting=velocity == 0.0,
@@ -463,7 +464,20 @@ def _resolved(
 
 
 def reach_of(position: Array, noise: float) -> float:
-    """Return the displacement to either side [m] that positions (n,) with noise do not resolve."""
+    """Return the displacement to either side that positions with noise do not resolve.
+
+    Parameters
+    ----------
+    position : array (n,)
+        Positions [m].
+    noise : float
+        Standard deviation of their noise [m].
+
+    Returns
+    -------
+    float
+        Displacement [m].
+    """
     return max(BEYOND * noise, FINEST * float(np.ptp(position)))
 
 
