@@ -303,7 +303,7 @@ def test_an_error_of_the_model_hides_neither_doubts_nor_laws_not_distinguished()
     best = with_errors(found, None, doubt="the interval of $mu_k$ includes 0")
     rivals = [dataclasses.replace(c, simpler={}) for c in found.candidates]
     said = words_with(found, best, rivals)
-    assert said.verdict.endswith("predicts best, but the model does not hold: it is late.")
+    assert said.verdict.endswith("is chosen, but the model does not hold: it is late.")
     assert "parameters are identified: the interval of $mu_k$ includes 0." in said.lede
     assert "his record does not distinguish it from" in said.lede
 

@@ -211,7 +211,7 @@ def repeated(records: Sequence[Measurement]) -> Iterator[Finding]:
             continue
         own, other = (records[k].name or f"trial {k + 1}" for k in (i, first))
         yield Finding(
-            kind="trials",
+            kind="repeated trial",
             severity="warning",
             sentence=(
                 f"{own!r} has the samples of {other!r}: counted twice, they make intervals too"

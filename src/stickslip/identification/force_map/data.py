@@ -58,6 +58,8 @@ FINEST = 1e-5
 filter before the record."""
 SLOW = 0.01
 """Share of the largest speed below which a body may be at rest, if positions do not change."""
+SLOWEST = 0.1
+"""Share of the largest speed that a law may take as unresolved at most."""
 CREEPING = 1e-3
 """Share of the largest speed that a displacement within what is resolved may have at rest."""
 SHARES = 8
@@ -349,10 +351,11 @@ def _table(number: int, record: Measurement, load: Array, first: int) -> MotionS
     path = Path(
         time=rows.astype(float), velocity=velocity, load=load, travel=np.zeros(len(rows) - 1)
     )
+    friction = np.asarray(record.values("friction"), dtype=float)
     return MotionSegment(
         record=number,
         path=path,
-        friction=(friction := np.asarray(record.values("friction"), dtype=float)),
+        friction=friction,
         segment=first + rows % min(SHARES, len(rows) // 2),
         timed=False,
         resting=velocity == 0.0,
@@ -414,18 +417,20 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     known, t = record.quantities(), time[rows]
     if "velocity" in known:
         velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
-        doubt = noise_of(velocity)
+        doubt = _noise(velocity)
+        fast = float(np.percentile(np.abs(velocity), 98.0))
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
         position = np.concatenate([[0.0], np.cumsum(steps)])
-        slow = np.abs(velocity) <= BEYOND * doubt
-        return position, np.where(slow, 0.0, velocity), BEYOND * doubt
+        unsure = min(BEYOND * doubt, SLOWEST * fast)
+        return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
     position = np.asarray(record.values("position"), dtype=float)[rows]
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position)
-    slowness = max(SLOW * float(np.percentile(np.abs(velocity), 98.0)), BEYOND * doubt)
-    unsure = slowness if derived else BEYOND * doubt
+        fast = float(np.percentile(np.abs(velocity), 98.0))
+    slowness = min(max(SLOW * fast, BEYOND * doubt), SLOWEST * fast)
+    unsure = slowness if derived else min(BEYOND * doubt, slowness)
     velocity = _resolved(t, position, velocity, slowness, unsure)
     # where nothing moves, the noise of positions would let bristles relax
     moving = np.append(True, (velocity[1:] != 0.0) | (velocity[:-1] != 0.0))
@@ -443,7 +448,7 @@ def _resolved(
     direction is not sure, below `unsure` [m/s], have that of the displacements before and after
     them; at reversals, where these differ, it is not known.
     """
-    reach = reach_of(position)
+    reach = reach_of(position, _noise(position, step_of(position)))
     moved, ways = _displacements(position, 2.0 * reach)
     number = np.searchsorted(moved, np.arange(len(time)), side="right")
     first, last = np.append(0, moved), np.append(moved, len(time)) - 1
@@ -458,9 +463,32 @@ def _resolved(
     return np.where(resting, 0.0, velocity)
 
 
-def reach_of(position: Array) -> float:
-    """Return the displacement to either side [m] that positions (n,) may not resolve."""
-    return max(BEYOND * noise_of(position, step_of(position)), FINEST * float(np.ptp(position)))
+def reach_of(position: Array, noise: float) -> float:
+    """Return the displacement to either side that positions with noise do not resolve.
+
+    Parameters
+    ----------
+    position : array (n,)
+        Positions [m].
+    noise : float
+        Standard deviation of their noise [m].
+
+    Returns
+    -------
+    float
+        Displacement [m].
+    """
+    return max(BEYOND * noise, FINEST * float(np.ptp(position)))
+
+
+def _noise(values: Array, step: float = 0.0) -> float:
+    """Return the standard deviation of noise, which few samples in a period do not raise.
+
+    Sixth differences show less of a motion than third ones; of noise they show as much.
+    """
+    sixth = np.diff(values, 6)
+    spread = float(np.median(np.abs(sixth))) / 0.6745 / math.sqrt(924.0)
+    return max(min(noise_of(values), spread), step / math.sqrt(12.0))
 
 
 def _displacements(position: Array, least: float) -> tuple[NDArray[np.intp], Array]:
@@ -513,9 +541,9 @@ def _velocity(time: Array, position: Array) -> tuple[Array, float]:
     steps = round((time[-1] - time[0]) / float(np.median(np.diff(time))))
     even = np.linspace(time[0], time[-1], steps + 1)
     x, dt = np.interp(even, time, position), float(even[1] - even[0])
-    noise, half, most = noise_of(position, step_of(position)), 0, max(steps // 2, 1)
+    noise, half, most = _noise(x, step_of(position)), 0, max(steps // 2, 1)
     while half < most:
-        half += 1
+        half = min(max(half + 1, int(1.2 * half)), most)
         v = (x[2 * half :] - x[: -2 * half]) / (2 * half * dt)  # in which noise shows least
         doubt = noise * math.sqrt(3.0 / (half * (half + 1) * (2 * half + 1))) / dt
         frequency = float(np.std(v)) / max(float(np.std(x)), 1e-300)

@@ -392,7 +392,7 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     resting = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = reach_of(raw)
+        reach = reach_of(raw, _noise(raw))
         steps = np.diff(_followed(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")

@@ -134,9 +134,11 @@ def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     for way in (share * s.stroke for share in WAYS):
         yield Effect("after reversals", partial(_after_reversals, _level, way), way)
         yield Effect("after reversals", partial(_after_reversals, _acceleration, way), way)
-    # of finer waves, the filter leaves nothing at the usual speed; most of a record may be rest
-    moving = np.abs(s.velocity[s.velocity != 0.0])
-    usual = float(np.percentile(moving, 75.0)) if len(moving) else math.inf
+    # of finer waves, the filter leaves nothing at the usual speed
+    speeds = np.abs(s.velocity)
+    usual = float(np.percentile(speeds, 75.0))
+    if usual == 0.0:  # most of the record is rest
+        usual = float(np.max(speeds)) or math.inf
     finest = max(int(min(passed * s.stroke / usual, WAVES)), 1)
     for length in (2.0 * s.stroke / k for k in range(1, 2 * finest + 1)):
         yield Effect("position force", partial(_waves, _one, length), length)
