@@ -74,7 +74,7 @@ both directions agree there but for the square of this share.
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held to 0: a solver from outside may have rounded them.
 
-    Reads: `at`, drives, MODE, MODES.
+    Reads: `at`, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: `at`.
     """
     n = whole[N_COORDINATES]
@@ -92,7 +92,7 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
     """Turn a state that was handed over to the coordinates of the equations.
 
-    Reads: `at`, drives, TURN, MODE, MODES.
+    Reads: `at`, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: `at`, VALUES.
     """
     turn_states(at, 0, w, whole)
@@ -102,7 +102,7 @@ def take_over(at: int, w: Vector, whole: Wholes) -> None:
 def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the event indicators: the guards, above 0 a little longer than these.
 
-    Reads: `at`, SCALE, REACHED, MODE, FLAGS, MODES.
+    Reads: `at`, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
     """
     guard_values(t, w, whole, at, to)
@@ -142,9 +142,9 @@ def falls_at_once(
 ) -> int:
     """Try a step; make what follows from a guard that falls as it begins, and tell whether one did.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
-    SCALE, VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS,
-    STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE,
+    VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, LOOPS, FOLLOWED, MODE, FLAGS,
+    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
     Writes: STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, POLYNOMIAL, ROOM, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS,
     MODE, FLAGS, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
@@ -166,7 +166,7 @@ def falls_at_once(
 def note_state(w: Vector, whole: Wholes) -> None:
     """Note how large states and guards are at the present state.
 
-    Reads: TIME, Y, SCALE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, MODE, FLAGS, MODES.
+    Reads: TIME, Y, SCALE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, LOOPS, MODE, FLAGS, MODES.
     Writes: SCALE, SAMPLED, REACHED, LOWEST, ANSWER, CHANGED.
     """
     n, guards_of, sampled = whole[N_STATES], whole[N_GUARDS], whole[SAMPLED]
@@ -203,7 +203,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over.
 
-    Reads: TIME, drives, Y, TURN, MODE, MODES.
+    Reads: TIME, Y, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: Y, VALUES, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -217,7 +217,7 @@ def retune(w: Vector, whole: Wholes) -> None:
 def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
     """Write what is asked about a state: rates, guards, or what is recorded.
 
-    Reads: TIME, SCALE, REACHED, TURN, MODE, FLAGS, MODES.
+    Reads: TIME, SCALE, REACHED, TURN, LOOPS, MODE, FLAGS, MODES.
     Writes: VALUES, STAGES, SAMPLED, ANSWER, CHANGED.
     """
     if question == RATES_AT:
@@ -261,9 +261,9 @@ def exchange(
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
-    SCALE, POINT, VALUES, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, MODE,
-    FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE, POINT,
+    VALUES, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, LOOPS, FOLLOWED, MODE,
+    FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, POLYNOMIAL, ROOM,
     drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
     LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,

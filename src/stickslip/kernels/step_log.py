@@ -133,7 +133,7 @@ def note_modes(end: int, log: Vector, whole: Wholes) -> None:
 def audit(guard: int, w: Vector, whole: Wholes) -> None:
     """Note how far guards are violated at the end of a step, relative to their largest size yet.
 
-    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, MODE, FLAGS, MODES.
+    Reads: TIME, VIOLATION, RESIDUAL, Y, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: VIOLATION, RESIDUAL, VALUES, ANSWER, CHANGED.
     """
     values = whole[VALUES]
@@ -153,8 +153,8 @@ def audit(guard: int, w: Vector, whole: Wholes) -> None:
 def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     """Move time and state to the end of the step.
 
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS,
-    MODES.
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, LOOPS, MODE,
+    FLAGS, MODES.
     Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, VALUES, ANSWER, CHANGED.
 
     Parameters
