@@ -42,12 +42,16 @@ TABLES = (
     "CLOSED",
     "KEPT",
     "STRUCK",
+    "FOLLOWERS",
 )
 """Tables in `whole` that change in a run of several contacts; the others are sizes and places."""
 ROWS = "LAW_ROWS"
 """Numbers of the laws of several contacts; a table of this name has their places."""
 
-PLACES = {"at", "to", "slot", "a", "b", "pivots", "matrix", "columns", "right", "levels"}
+PLACES = {
+    "at", "to", "slot", "a", "b", "pivots", "matrix", "columns", "right", "levels",
+    "rates", "clamped", "used",
+}  # fmt: skip
 """Names of parameters that are places; others are numbers that are added to one."""
 MADE_BEFORE = {
     # new state, dense output, Jacobian and df/dt are those of the step that was accepted
@@ -87,6 +91,7 @@ def layout() -> dict[str, list[str]]:
     own = names[names.index("SLIP_FACTORS") : names.index("WORKS") + 1]
     own += ["BOX", "CHANGES", "TURN"]
     own += names[names.index("MOTION_POINT") : names.index("BRISTLE_SLOPES") + 1]
+    own += names[names.index("LOOPS") : names.index("REACHED_SO_FAR") + 1]
     wholes = names[names.index("MODE") : names.index("WHOLES")]
     return {"w": [*first, DRIVES, *places, ROWS, *own], "whole": [*wholes, *TABLES]}
 

@@ -20,6 +20,7 @@ import symengine as se
 
 from stickslip.errors import CompilationError
 from stickslip.formulation.code_printer import function
+from stickslip.kernels.backend import rare
 from stickslip.kernels.state_layout import NUMBERS
 from stickslip.solver.compile.equations_code import EquationsCode
 from stickslip.solver.compile.object_code import _compiled, _linked
@@ -308,6 +309,7 @@ WORDS = (3, 5, 8)
 LIMIT = 7
 def swapped(i, j):
     return j, i + 1
+@rare
 def halved(start):
     if start > 1.0:
         return 0.5 * start
@@ -378,7 +380,7 @@ def translate(bodies):
     """Return functions f0, f1, ... of (i, j, x, y, w), compiled together and in plain Python."""
     heads = [f"def f{k}(i, j, x, y, w):\n    {body}\n" for k, body in enumerate(bodies)]
     program = HELPERS + "".join(heads)
-    module = {"math": math}
+    module = {"math": math, "rare": rare}
     exec(program, module)
     signatures = {
         name: Signature(name, tuple(taken.items()), results)

@@ -19,6 +19,8 @@ ROUNDED = 1e-15
 def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
     """Return the factor of a coordinate in a direction or a cut.
 
+    Reads: LOOPS.
+
     Parameters
     ----------
     i : int
@@ -44,7 +46,7 @@ def factor_of(i: int, j: int, w: Vector, whole: Wholes) -> float:
 def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return what a vector of the coordinates is along a direction or a cut.
 
-    Reads: `at`.
+    Reads: `at`, LOOPS.
 
     Parameters
     ----------
@@ -71,7 +73,7 @@ def combined(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return what a vector of the coordinates is along a closing slip or a cut.
 
-    Reads: `at`.
+    Reads: `at`, LOOPS.
     """
     n, total = whole[N_COORDINATES], 0.0
     row = whole[LOOPS] + (i - n) * n
@@ -83,7 +85,7 @@ def summed(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return how large the parts are of what a vector is along a direction or a cut.
 
-    Reads: `at`.
+    Reads: `at`, LOOPS.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def size_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return how large the parts are of what a vector is along a closing slip or a cut.
 
-    Reads: `at`.
+    Reads: `at`, LOOPS.
     """
     n, total = whole[N_COORDINATES], 0.0
     row = whole[LOOPS] + (i - n) * n
@@ -122,7 +124,7 @@ def size_of_sum(i: int, at: int, w: Vector, whole: Wholes) -> float:
 def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
     """Return the rate along a direction; what is left of a sum by rounding is 0.
 
-    Reads: `at`.
+    Reads: `at`, LOOPS.
 
     Parameters
     ----------
@@ -148,7 +150,10 @@ def slip_rate_along(i: int, at: int, w: Vector, whole: Wholes) -> float:
 
 @rare
 def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
-    """Return the rate along a closing slip, 0 where it is rounding."""
+    """Return the rate along a closing slip, 0 where it is rounding.
+
+    Reads: `rates`, LOOPS.
+    """
     rate = summed(i, rates, w, whole)
     return 0.0 if abs(rate) <= ROUNDED * size_of_sum(i, rates, w, whole) else rate
 
@@ -156,7 +161,7 @@ def closing_rate(i: int, rates: int, w: Vector, whole: Wholes) -> float:
 def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     """Take a force along a direction away from those along the coordinates.
 
-    Reads: `to`.
+    Reads: `to`, LOOPS.
     Writes: `to`.
 
     Parameters
@@ -182,7 +187,7 @@ def spread(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
     """Take a force along a closing slip away from those along the coordinates.
 
-    Reads: `to`.
+    Reads: `to`, LOOPS.
     Writes: `to`.
     """
     n = whole[N_COORDINATES]
@@ -195,7 +200,7 @@ def spread_out(i: int, force: float, to: int, w: Vector, whole: Wholes) -> None:
 def bind(to: int, stride: int, w: Vector, whole: Wholes) -> None:
     """Let coordinates follow from others where a closing slip is held.
 
-    Reads: `to`, drives.
+    Reads: `to`, FOLLOWED, FOLLOWERS.
     Writes: `to`.
 
     Parameters

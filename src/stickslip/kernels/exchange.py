@@ -77,7 +77,7 @@ both directions agree there but for the square of this share.
 def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held to 0: a solver from outside may have rounded them.
 
-    Reads: `at`, drives, MODE, MODES.
+    Reads: `at`, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: `at`.
     """
     n = whole[N_COORDINATES]
@@ -95,7 +95,7 @@ def set_held_rates(at: int, w: Vector, whole: Wholes) -> None:
 def take_over(at: int, w: Vector, whole: Wholes) -> None:
     """Turn a state that was handed over to the coordinates of the equations.
 
-    Reads: `at`, drives, TURN, MODE, MODES.
+    Reads: `at`, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: `at`, VALUES.
 
     Parameters
@@ -114,7 +114,7 @@ def take_over(at: int, w: Vector, whole: Wholes) -> None:
 def indicators(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the event indicators: the guards, above 0 a little longer than these.
 
-    Reads: `at`, SCALE, REACHED, MODE, FLAGS, MODES.
+    Reads: `at`, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
     """
     guard_values(t, w, whole, at, to)
@@ -154,9 +154,9 @@ def falls_at_once(
 ) -> int:
     """Try a step; make what follows from a guard that falls as it begins, and tell whether one did.
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
-    SCALE, VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, MODE, FLAGS, PIECE, STATUS,
-    STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE,
+    VALUES, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, LOOPS, FOLLOWED, MODE, FLAGS,
+    PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
     Writes: STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, POLYNOMIAL, ROOM, Y, Y1, SCALE,
     POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, WALLS,
     MODE, FLAGS, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
@@ -178,7 +178,7 @@ def falls_at_once(
 def note_state(w: Vector, whole: Wholes) -> None:
     """Note how large states and guards are at the present state.
 
-    Reads: TIME, Y, SCALE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, MODE, FLAGS, MODES.
+    Reads: TIME, Y, SCALE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, LOOPS, MODE, FLAGS, MODES.
     Writes: SCALE, SAMPLED, REACHED, LOWEST, ANSWER, CHANGED.
     """
     n, guards_of, sampled = whole[N_STATES], whole[N_GUARDS], whole[SAMPLED]
@@ -215,7 +215,7 @@ def cut(t: float, w: Vector, whole: Wholes, table: Vector, log: Vector) -> None:
 def retune(w: Vector, whole: Wholes) -> None:
     """Write what a run keeps of its parameters for other ones; the state is that handed over.
 
-    Reads: TIME, drives, Y, TURN, MODE, MODES.
+    Reads: TIME, Y, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: Y, VALUES, ANSWER, CHANGED.
     """
     if whole[N_CONTACTS] > 0:
@@ -229,7 +229,7 @@ def retune(w: Vector, whole: Wholes) -> None:
 def rates_along(point: int, w: Vector, whole: Wholes) -> None:
     """Write how the rates of a state change along a direction, in the modes at hand.
 
-    Reads: TIME, drives, DRIFT, TURN, MODE, FLAGS, MODES.
+    Reads: TIME, DRIFT, TURN, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: VALUES, STAGES, MATRIX, DRIFT, ANSWER, CHANGED.
     """
     n, matrix = whole[N_STATES], whole[MATRIX]
@@ -246,7 +246,7 @@ def rates_along(point: int, w: Vector, whole: Wholes) -> None:
 def answer_at(question: int, point: int, w: Vector, whole: Wholes) -> None:
     """Write what is asked about a state: rates, their changes, guards, or what is recorded.
 
-    Reads: TIME, drives, SCALE, DRIFT, REACHED, TURN, MODE, FLAGS, MODES.
+    Reads: TIME, SCALE, DRIFT, REACHED, TURN, LOOPS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: VALUES, STAGES, MATRIX, DRIFT, SAMPLED, ANSWER, CHANGED.
     """
     if question == RATES_AT:
@@ -293,9 +293,9 @@ def exchange(
     SHOWN      write the state at Y to POINT in the coordinates of the mechanism
     ========== ================================================================================
 
-    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, drives, Y,
-    SCALE, POINT, VALUES, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN,
-    MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES.
+    Reads: TIME, STEP, STRIDE, SUPPLIED, FRACTION, GROSS, LOST, RHYTHM, POLYNOMIAL, Y, SCALE, POINT,
+    VALUES, DRIFT, DENSE, REACHED, LOWEST, FORCE, MASS, ACCELERATION, CHANGES, TURN, LOOPS,
+    FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS, STALLS, BOOKS, MODES, FOLLOWERS.
     Writes: TIME, STEP, STRIDE, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, RHYTHM, POLYNOMIAL, ROOM,
     drives, Y, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED,
     LOWEST, SLOPES, WALLS, MODE, FLAGS, PIECE, STATUS, REJECTED, EVENTS, STALLS, STEPPER, SLOW,

@@ -95,7 +95,7 @@ CLOCK = 4.440892098500626e-16
 def guard_values(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Evaluate the guards, with the quiet zone of bristle laws.
 
-    Reads: `at`, SCALE, REACHED, MODE, FLAGS, MODES.
+    Reads: `at`, SCALE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: `to`, ANSWER, CHANGED.
 
     Parameters
@@ -152,7 +152,7 @@ def reverses(guard: int, whole: Wholes) -> bool:
 def guard_at(guard: int, x: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return one guard at a fraction of the step.
 
-    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     point = whole[POINT]
@@ -167,7 +167,7 @@ def bisect(
 ) -> float:
     """Return the fraction just past a sign change.
 
-    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     f_low = guard_at(guard, low, t, h, w, whole)
@@ -192,7 +192,7 @@ def bisect(
 def dip(guard: int, low: float, high: float, t: float, h: float, w: Vector, whole: Wholes) -> float:
     """Return a fraction between where the guard is negative, or -1 if its minimum is not.
 
-    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     a = high - GOLDEN * (high - low)
@@ -244,7 +244,7 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     That is `first` if the guard holds up to there, and -1 for a guard that starts at zero and never
     becomes positive although it ends negative.
 
-    Reads: SCALE, DENSE, SAMPLED, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
     """
     n_guards = whole[N_GUARDS]
@@ -290,7 +290,7 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE, REACHED, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
     Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
 
     Parameters
@@ -392,7 +392,7 @@ def is_speed(guard: int, whole: Wholes) -> bool:
 def guard_size(guard: int, w: Vector, whole: Wholes) -> float:
     """Return how large a guard has been in the run: a speed as a speed, a force as a force.
 
-    Reads: SCALE, REACHED, MODES.
+    Reads: SCALE, REACHED, LOOPS, MODES.
 
     Parameters
     ----------
@@ -418,7 +418,7 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
 
     Inertia forces of others may leave little of them but their rounding.
 
-    Reads: FORCE, MASS, ACCELERATION.
+    Reads: FORCE, MASS, ACCELERATION, LOOPS.
 
     Parameters
     ----------
@@ -449,7 +449,7 @@ def size_of_forces(i: int, w: Vector, whole: Wholes) -> float:
 def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
     """Return how large the forces are of which that along a closing slip or a cut is the rest.
 
-    Reads: FORCE, MASS, ACCELERATION.
+    Reads: FORCE, MASS, ACCELERATION, LOOPS.
     """
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
@@ -464,7 +464,7 @@ def size_in_motion(i: int, w: Vector, whole: Wholes) -> float:
 def size_of_balance(guard: int, w: Vector, whole: Wholes) -> float:
     """Return how large the forces are that a guard compares, at a state at hand; 0 if it does not.
 
-    Reads: FORCE, MASS, ACCELERATION, MODES.
+    Reads: FORCE, MASS, ACCELERATION, LOOPS, MODES.
     """
     if whole[N_CONTACTS] == 0 or guard >= 2 * whole[N_PAIRS] or is_speed(guard, whole):
         return 0.0
@@ -477,7 +477,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
     Every other sample is compared with the polynomial through the rest, and so is one point that is
     no multiple of a part of the step, as a fast oscillation may have the same phase at all of them.
 
-    Reads: SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS, MODES.
+    Reads: SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, LOOPS, MODE, FLAGS, MODES.
     Writes: POINT, VALUES, ANSWER, CHANGED.
 
     Parameters
@@ -575,7 +575,7 @@ def note_least(guard: int, value: float, w: Vector, whole: Wholes) -> None:
 def note_sizes(w: Vector, whole: Wholes) -> None:
     """Note the largest size of each guard among the samples of a step, and the least ones.
 
-    Reads: SAMPLED, REACHED, LOWEST, FORCE, MASS, ACCELERATION, MODES.
+    Reads: SAMPLED, REACHED, LOWEST, FORCE, MASS, ACCELERATION, LOOPS, MODES.
     Writes: REACHED, LOWEST.
 
     Parameters

@@ -59,7 +59,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
-    Reads: drives, Y, SCALE, MODE, FLAGS, MODES.
+    Reads: Y, SCALE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
 
     Parameters
@@ -120,7 +120,7 @@ def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> flo
 def hold_still(to: int, w: Vector, whole: Wholes) -> None:
     """Keep what is held where it is, whatever pivots round to.
 
-    Reads: `to`, drives, MODE, MODES.
+    Reads: `to`, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: `to`.
     """
     n = whole[N_COORDINATES]

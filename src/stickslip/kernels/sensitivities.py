@@ -404,7 +404,7 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: drives, DENSE, MODE, FLAGS, MODES, columns 0, directions.
+    Reads: DENSE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, MODES,
     LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
     """
@@ -530,7 +530,7 @@ def pass_contacts(
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump.
 
-    Reads: drives, Y, MODE, FLAGS, MODES, columns 0, directions.
+    Reads: Y, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
     Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN,
     columns 0, columns 3, columns 4, directions, guard slopes.
     """
@@ -558,7 +558,7 @@ def pass_contacts(
 def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
     """Take away the rates of what is held.
 
-    Reads: drives, MODES, columns 0.
+    Reads: FOLLOWED, MODES, FOLLOWERS, columns 0.
     Writes: columns 0.
     """
     n, now = whole[N_COORDINATES], columns_at(0, q, m, whole)
@@ -618,7 +618,7 @@ def sense(
 
     `dtable` has the derivatives of the drives' table, a column a direction.
 
-    Reads: TIME, Y, DENSE, WALLS, TURN, MODES, columns 0.
+    Reads: TIME, Y, DENSE, WALLS, TURN, FOLLOWED, MODES, FOLLOWERS, columns 0.
     Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
     ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
     columns 5, directions, guard slopes.

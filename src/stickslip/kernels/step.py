@@ -61,7 +61,7 @@ BOUNCE = 1e-3
 def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
-    Reads: TIME, drives, Y, SCALE, MODE, FLAGS, STEPPER, MODES.
+    Reads: TIME, Y, SCALE, FOLLOWED, MODE, FLAGS, STEPPER, MODES, FOLLOWERS.
     Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
     """
     y = whole[Y]
@@ -103,7 +103,8 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, RHYTHM, drives, Y, SCALE, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
+    Reads: `slot`, TIME, RHYTHM, Y, SCALE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
+    FOLLOWERS.
     Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -140,8 +141,8 @@ def finer(h: float, slot: int, w: Vector, whole: Wholes) -> float:
     Nothing else keeps steps short where a body is held and only its load or the force on it change.
     The next step is no longer than these guards allow.
 
-    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, MODE, FLAGS,
-    MODES.
+    Reads: `slot`, TIME, SCALE, DENSE, SAMPLED, REACHED, FORCE, MASS, ACCELERATION, LOOPS, MODE,
+    FLAGS, MODES.
     Writes: `slot`, POINT, VALUES, ANSWER, CHANGED.
     """
     t = w[TIME]
@@ -231,8 +232,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, drives, Y, SCALE, REACHED, LOWEST,
-    FORCE, MASS, ACCELERATION, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, FORCE, MASS,
+    ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES, FOLLOWERS.
     Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
     PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
     CHANGED.

@@ -138,8 +138,8 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
     A steep guard may fall far between two ticks of the clock: what counts is where it was a tick
     before.
 
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y, SCALE, DENSE, REACHED, MODE, FLAGS,
-    MODES.
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y, SCALE, DENSE, REACHED, LOOPS, MODE,
+    FLAGS, MODES.
     Writes: VIOLATION, RESIDUAL, POINT, VALUES, ANSWER, CHANGED.
     """
     values, h = whole[VALUES], w[LENGTH]
@@ -162,8 +162,8 @@ def audit(guard: int, start: float, w: Vector, whole: Wholes) -> None:
 def close_step(guard: int, stop: float, w: Vector, whole: Wholes) -> None:
     """Move time and state to the end of the step.
 
-    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, MODE, FLAGS,
-    MODES.
+    Reads: TIME, VIOLATION, RESIDUAL, FRACTION, LENGTH, Y1, SCALE, DENSE, REACHED, LOOPS, MODE,
+    FLAGS, MODES.
     Writes: TIME, VIOLATION, RESIDUAL, Y, SCALE, POINT, VALUES, ANSWER, CHANGED.
 
     Parameters

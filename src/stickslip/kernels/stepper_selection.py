@@ -48,7 +48,7 @@ many as in the test of stiffness in Hairer's DOP853."""
 def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins.
 
-    Reads: TIME, STEP, drives, Y, SCALE, VALUES, MODE, FLAGS, MODES.
+    Reads: TIME, STEP, Y, SCALE, VALUES, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: STEP, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER, SLOW,
     ANSWER, CHANGED.
 
@@ -81,7 +81,7 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
 
     What is at rest begins as a power of time, which no relative error control gets started.
 
-    Reads: TIME, drives, Y, SCALE, MODE, FLAGS, MODES.
+    Reads: TIME, Y, SCALE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: Y1, SCALE, POINT, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
     """
     n = whole[N_STATES]

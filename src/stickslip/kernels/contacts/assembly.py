@@ -116,7 +116,7 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
     """Write what is the same in a whole run: directions of slip, a constant mass matrix.
 
     Reads: Y, HELD_NORMALS, FLAGS.
-    Writes: FRICTIONLESS, WALLS, SLIP_FACTORS, MASS, LOAD, LAW_VALUES, REACTION_ROWS, TURN.
+    Writes: FRICTIONLESS, WALLS, SLIP_FACTORS, MASS, LOAD, LAW_VALUES, REACTION_ROWS, TURN, LOOPS.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def put_mass(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def side_of(contact: int, w: Vector, whole: Wholes, at: int) -> int:
     """Return the direction, 1 or -1, in which a contact slips or is about to.
 
-    Reads: `at`, SLIP_FACTORS, MODES.
+    Reads: `at`, SLIP_FACTORS, LOOPS, MODES.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
     They are: constant and factor of the load of friction, and of the level; the slopes of the
     first two along the speed; whether friction is affine in the speed; rates of bristles.
 
-    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS.
     Writes: LAW_ROWS, LAW_VALUES.
 
     Parameters
@@ -233,7 +233,7 @@ def ask_law(contact: int, side: int, t: float, w: Vector, whole: Wholes, at: int
 def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
     """Write what the functions of a contact's law read; return the place in `w` where it stands.
 
-    Reads: `at`, SLIP_FACTORS, LOAD, MODES.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES.
     Writes: LAW_ROWS.
 
     Parameters
@@ -298,7 +298,7 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
     A contact that is pushed to its static level, in a decision, has that as its friction. Rates of
     bristles are written too, with the loads at hand; those of open contacts rest.
 
-    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
     Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
     BRISTLE_RATES, LAW_VALUES.
     """
@@ -349,9 +349,9 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def accelerate(w: Vector, whole: Wholes) -> None:
     """Write accelerations, needed friction and friction of slipping contacts for given loads.
 
-    Reads: drives, SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    MODES.
-    Writes: drives, ACCELERATION, NEEDED, FRICTION.
+    Reads: SLIP_FACTORS, FORCE, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LOOPS,
+    FOLLOWED, MODES, FOLLOWERS.
+    Writes: ACCELERATION, NEEDED, FRICTION, BORNE.
 
     Parameters
     ----------
@@ -396,7 +396,7 @@ def bear(w: Vector, whole: Wholes) -> None:
     NEEDED has the forces but those of inertia.
 
     Reads: MASS, ACCELERATION, NEEDED.
-    Writes: drives.
+    Writes: BORNE.
     """
     n = whole[N_COORDINATES]
     for i in range(n):
@@ -409,7 +409,7 @@ def bear(w: Vector, whole: Wholes) -> None:
 def blur(i: int, w: Vector, whole: Wholes) -> float:
     """Return how much of the needed friction of a held coordinate may be rounding.
 
-    Reads: FORCE, MASS, ACCELERATION.
+    Reads: FORCE, MASS, ACCELERATION, LOOPS.
 
     Parameters
     ----------
@@ -434,8 +434,9 @@ def share(w: Vector, whole: Wholes, at: int) -> None:
     At a stop friction takes what it can of the force towards it, and the stop the rest. Reads
     loads, accelerations and needed friction.
 
-    Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MODES.
-    Writes: drives, NEEDED, LEVELS, FRICTION.
+    Reads: `at`, WALLS, SLIP_FACTORS, NEEDED, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, LOOPS, BORNE,
+    MODES.
+    Writes: NEEDED, LEVELS, FRICTION, SHARES.
     """
     levels = whole[LEVELS]
     for i in range(2 * whole[N_PAIRS]):
@@ -531,9 +532,9 @@ def react(w: Vector, whole: Wholes) -> None:
     them and at a unit of each, and a system of as many equations is solved. Its determinant over
     that without friction is left in PIVOT: where it vanishes, so does the rigid body's answer.
 
-    Reads: FRICTIONLESS, drives, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MODES, OPEN.
-    Writes: PIVOT, drives, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS.
+    Reads: FRICTIONLESS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
+    Writes: PIVOT, ACCELERATION, NEEDED, FRICTION, LOAD, REACTION_ROWS, BORNE.
     """
     for trial in range(whole[N_REACTIONS] + 1):
         put_loads(trial - 1, whole[LOAD], w, whole)
@@ -680,8 +681,8 @@ def determinant(w: Vector, rows: int, count: int) -> float:
 def refactor(w: Vector, whole: Wholes) -> None:
     """Factorise a constant mass matrix for the modes at hand; find what follows from others.
 
-    Reads: MASS, MODES.
-    Writes: drives, CHOLESKY, MODES.
+    Reads: MASS, LOOPS, FOLLOWED, MODES, FOLLOWERS.
+    Writes: CHOLESKY, FOLLOWED, PROJECTED, MODES, FOLLOWERS.
 
     Parameters
     ----------
@@ -699,11 +700,11 @@ def refactor(w: Vector, whole: Wholes) -> None:
 def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
 
-    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MODES.
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
 
     Parameters
     ----------
@@ -723,11 +724,11 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
 
-    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS.
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES.
 
     Parameters
     ----------

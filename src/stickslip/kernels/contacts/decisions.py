@@ -84,7 +84,7 @@ TOLERATED = 1e-12
 def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) -> bool:
     """Whether a coordinate contradicts its mode: holds too much, or is pushed forwards.
 
-    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, LOOPS, MODES.
     """
     mode = whole[whole[MODES] + i]
     if mode == HELD_FAST:
@@ -102,7 +102,7 @@ def violates(i: int, kinetic: bool, tolerance: float, w: Vector, whole: Wholes) 
 def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
     """Write the friction with which each coordinate would begin to slip, in both directions.
 
-    Reads: Y, WALLS, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS, OPEN.
+    Reads: Y, WALLS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
     Writes: LAW_ROWS, LAW_VALUES, BOUNDS, MODES.
     """
     bounds, values = whole[BOUNDS], whole[LAW_VALUES]
@@ -128,7 +128,7 @@ def kinetic_levels(t: float, w: Vector, whole: Wholes) -> None:
 def scale_of(w: Vector, whole: Wholes) -> float:
     """Return the largest acceleration at hand, or that a candidate's friction can make.
 
-    Reads: MASS, ACCELERATION, LEVELS, CANDIDATES.
+    Reads: MASS, ACCELERATION, LEVELS, LOOPS, CANDIDATES.
     """
     n, scale = whole[N_COORDINATES], 0.0
     for i in range(n):
@@ -150,12 +150,13 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     Where blocks make no progress, one coordinate is changed at a time, the last of those that
     violate their mode (Murty), which comes to an end for a matrix of this kind.
 
-    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
-    MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
+    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
+    PIVOTINGS, MODES, FOLLOWERS.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     if whole[N_DIRECTIONS] > n:
@@ -197,12 +198,13 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     is held then. Where nothing turns, the cut that is exceeded most is let go. The function that
     has its least at the answer falls with each move, so that none comes again.
 
-    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
-    MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES.
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
+    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
+    PIVOTINGS, MODES, FOLLOWERS.
     """
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
@@ -241,7 +243,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
 def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
     """Return the held coordinate or the cut whose level is exceeded most, or -1.
 
-    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, MODES.
+    Reads: FORCE, MASS, ACCELERATION, NEEDED, LEVELS, BOUNDS, LOOPS, MODES.
     """
     worst, most = -1, 0.0
     levels = whole[BOUNDS] if kinetic else whole[LEVELS]
@@ -262,7 +264,7 @@ def worst_cut(kinetic: bool, scale: float, w: Vector, whole: Wholes) -> int:
 def let_go(i: int, pushed: int, w: Vector, whole: Wholes) -> None:
     """Let a held coordinate go, or all that is held and has a part in a cut, as they are pushed.
 
-    Reads: NEEDED, MODES.
+    Reads: NEEDED, LOOPS, MODES.
     Writes: MODES.
     """
     side = 1.0 if w[whole[NEEDED] + i] > 0.0 else -1.0
@@ -281,12 +283,13 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     Everything is worked out for the modes at hand, before and after. Returns whether the answer is
     one: nobody moves against its own friction.
 
-    Reads: TIME, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, FLAGS, PIVOTINGS,
-    MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, BOUNDS, REACTION_ROWS, PIVOTINGS, MODES, CANDIDATES.
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
+    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
+    PIVOTINGS, MODES, CANDIDATES, FOLLOWERS.
     """
     n, modes, candidates = whole[N_DIRECTIONS], whole[MODES], whole[CANDIDATES]
     solved, fresh, more = True, True, 1
@@ -321,8 +324,8 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
 def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
     """Hold what is pushed and does not move, where contacts close loops; return whether any is.
 
-    Reads: ACCELERATION, MODES, CANDIDATES.
-    Writes: drives, MODES.
+    Reads: ACCELERATION, LOOPS, MODES, CANDIDATES.
+    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
     """
     found = False
     for i in range(whole[N_DIRECTIONS]):
@@ -338,11 +341,11 @@ def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
 def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
     """Let the worst violator of the static levels slip with kinetic friction, then the next.
 
-    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MODES.
+    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
     """
     modes, candidates = whole[MODES], whole[CANDIDATES]
     worst = 0
@@ -381,11 +384,13 @@ def begin_decision(whole: Wholes) -> int:
 def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand.
 
-    Reads: FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MODES, CANDIDATES, KEPT.
+    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED,
+    FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, CANDIDATES, KEPT,
+    FOLLOWERS.
     """
     n, modes, kept = whole[N_DIRECTIONS], whole[MODES], whole[KEPT]
     for i in range(n):
@@ -408,13 +413,13 @@ def decide(w: Vector, whole: Wholes) -> bool:
     loads are those that little later. Accelerations and all else are left as those of the answer at
     the time itself.
 
-    Reads: TIME, LENGTH, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES, FORCED.
-    Writes: TIME, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES,
-    CANDIDATES, KEPT.
+    Reads: TIME, LENGTH, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, DECISIONS,
+    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, FOLLOWERS.
+    Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, CANDIDATES, KEPT, FOLLOWERS.
 
     Parameters
     ----------

@@ -23,8 +23,8 @@ def factorise(w: Vector, whole: Wholes) -> None:
 
     A principal part of a positive definite matrix is one itself: there is always an answer.
 
-    Reads: MASS, MODES.
-    Writes: drives, CHOLESKY.
+    Reads: MASS, FOLLOWED, MODES, FOLLOWERS.
+    Writes: CHOLESKY, PROJECTED.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def factorise(w: Vector, whole: Wholes) -> None:
 def solve_free(w: Vector, whole: Wholes, right: int) -> None:
     """Solve for the free coordinates in place; 0 at held ones.
 
-    Reads: `right`, drives, MASS, CHOLESKY, MODES.
+    Reads: `right`, MASS, CHOLESKY, FOLLOWED, MODES, FOLLOWERS.
     Writes: `right`.
 
     Parameters

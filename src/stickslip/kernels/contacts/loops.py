@@ -54,6 +54,8 @@ BEYOND = 1e-9
 def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
     """Return the rate of a direction in the motion of a cut.
 
+    Reads: LOOPS.
+
     Parameters
     ----------
     cut : int
@@ -77,27 +79,28 @@ def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
     return w[first + (cut - directions) * (directions - n) + direction - n]
 
 
-def leave(row: int, d: int, w: Vector, whole: Wholes) -> None:
+def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
     """Leave of a row over the coordinates what held ones and the first `d` closing slips do not.
 
-    Reads: drives, MODES.
+    Reads: `to`, FOLLOWED, MODES, FOLLOWERS.
+    Writes: `to`.
     """
     n = whole[N_COORDINATES]
     size = 0.0
     for j in range(n):
-        size = max(size, abs(w[row + j]))
+        size = max(size, abs(w[to + j]))
         if whole[whole[MODES] + j] == HELD_FAST:
-            w[row + j] = 0.0
+            w[to + j] = 0.0
     for e in range(d):
         follower, other = whole[whole[FOLLOWERS] + e], whole[FOLLOWED] + e * n
-        if follower >= 0 and w[row + follower] != 0.0:
-            factor = w[row + follower]
+        if follower >= 0 and w[to + follower] != 0.0:
+            factor = w[to + follower]
             for j in range(n):
-                w[row + j] -= factor * w[other + j]
-            w[row + follower] = 0.0
+                w[to + j] -= factor * w[other + j]
+            w[to + follower] = 0.0
     for j in range(n):
-        if abs(w[row + j]) <= NOTHING * size:
-            w[row + j] = 0.0
+        if abs(w[to + j]) <= NOTHING * size:
+            w[to + j] = 0.0
 
 
 @rare
@@ -106,8 +109,8 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 
     A cut is watched as a held coordinate is as long as a held direction has a part in it.
 
-    Reads: MODES.
-    Writes: drives, MODES.
+    Reads: LOOPS, MODES.
+    Writes: FOLLOWED, MODES, FOLLOWERS.
 
     Parameters
     ----------
@@ -148,6 +151,7 @@ def find_followers(w: Vector, whole: Wholes) -> None:
 def watch_cuts(w: Vector, whole: Wholes) -> None:
     """Set the modes of all cuts, for those of the directions.
 
+    Reads: LOOPS.
     Writes: MODES.
     """
     directions, modes = whole[N_DIRECTIONS], whole[MODES]
@@ -162,8 +166,8 @@ def watch_cuts(w: Vector, whole: Wholes) -> None:
 def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
     """Return whether nothing can move along a direction, for others are held.
 
-    Reads: MODES.
-    Writes: drives.
+    Reads: LOOPS, FOLLOWED, MODES, FOLLOWERS.
+    Writes: SHARES.
 
     Parameters
     ----------
@@ -193,8 +197,8 @@ def is_bound(i: int, w: Vector, whole: Wholes) -> bool:
 def close_loops(waiting: bool, w: Vector, whole: Wholes) -> None:
     """Hold all that others hold already, or of these what is to be decided.
 
-    Reads: MODES, CANDIDATES.
-    Writes: drives, MODES.
+    Reads: LOOPS, MODES, CANDIDATES.
+    Writes: FOLLOWED, SHARES, MODES, FOLLOWERS.
 
     Parameters
     ----------
@@ -221,8 +225,8 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 
     Rows of followers are those of 1.
 
-    Reads: MASS.
-    Writes: drives.
+    Reads: MASS, FOLLOWED, FOLLOWERS.
+    Writes: PROJECTED.
 
     Parameters
     ----------
@@ -261,7 +265,7 @@ def project_mass(w: Vector, whole: Wholes) -> int:
 def fold(right: int, w: Vector, whole: Wholes) -> None:
     """Add forces on followers to those on what they follow from.
 
-    Reads: `right`, drives.
+    Reads: `right`, FOLLOWED, FOLLOWERS.
     Writes: `right`.
 
     Parameters
@@ -286,7 +290,7 @@ def fold(right: int, w: Vector, whole: Wholes) -> None:
 def mass_along(i: int, w: Vector, whole: Wholes) -> float:
     """Return the inertia of a motion along a coordinate, or that of a cut.
 
-    Reads: MASS.
+    Reads: MASS, LOOPS.
 
     Parameters
     ----------
@@ -312,7 +316,7 @@ def mass_along(i: int, w: Vector, whole: Wholes) -> float:
 def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
     """Return the inertia of the motion of a cut.
 
-    Reads: MASS.
+    Reads: MASS, LOOPS.
     """
     n, total = whole[N_COORDINATES], 0.0
     for j in range(n):
@@ -324,7 +328,7 @@ def mass_of_sum(i: int, w: Vector, whole: Wholes) -> float:
 def cut_levels(levels: int, w: Vector, whole: Wholes) -> None:
     """Write the levels of all cuts, from those of the held directions that have a part in each.
 
-    Reads: MODES.
+    Reads: LOOPS, MODES.
     Writes: `levels`.
 
     Parameters
@@ -355,8 +359,8 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
     level is reached has that, unless its deflection falls again; directions of a level of 0 have
     nothing.
 
-    Reads: LEVELS, MODES.
-    Writes: drives, NEEDED.
+    Reads: LEVELS, LOOPS, BORNE, MODES.
+    Writes: NEEDED, SHARES.
 
     Parameters
     ----------
@@ -384,7 +388,11 @@ def share_in_loops(w: Vector, whole: Wholes) -> None:
 
 
 def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
-    """Let directions at their levels go whose deflections fall; return whether there are any."""
+    """Let directions at their levels go whose deflections fall; return whether there are any.
+
+    Reads: `rates`, `clamped`.
+    Writes: `clamped`.
+    """
     released = False
     for i in range(whole[N_DIRECTIONS]):
         if w[clamped + i] * w[rates + i] < 0.0:
@@ -396,8 +404,8 @@ def release(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
 def load_on(rest: float, rates: int, clamped: int, w: Vector, whole: Wholes) -> float:
     """Load until a level is reached, or all of the rest is on; return the share that was added.
 
-    Reads: NEEDED, LEVELS, MODES.
-    Writes: NEEDED.
+    Reads: `rates`, `clamped`, NEEDED, LEVELS, MODES.
+    Writes: `clamped`, NEEDED.
     """
     needed, step, which = whole[NEEDED], rest, -1
     for i in range(whole[N_DIRECTIONS]):
@@ -432,8 +440,8 @@ def stiffness(i: int, w: Vector, whole: Wholes) -> float:
 def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
     """Write how deflections grow with the forces, unless those that are not at levels are too few.
 
-    Reads: LEVELS, MODES.
-    Writes: drives.
+    Reads: `clamped`, LEVELS, LOOPS, BORNE, MODES.
+    Writes: `rates`, SHARES.
     """
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     growth, size = rows + n * wide, 0.0
@@ -455,8 +463,8 @@ def grow(rates: int, clamped: int, w: Vector, whole: Wholes) -> bool:
 def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
     """Write the equations of the deflections: stiffnesses of what is not at its level, forces.
 
-    Reads: LEVELS, MODES.
-    Writes: drives.
+    Reads: `clamped`, LEVELS, LOOPS, BORNE, MODES.
+    Writes: SHARES.
     """
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     for j in range(n):
@@ -475,8 +483,8 @@ def put_stiffness(clamped: int, w: Vector, whole: Wholes) -> None:
 def eliminate(used: int, w: Vector, whole: Wholes) -> None:
     """Solve the equations of the deflections as far as there are stiffnesses; mark the rows used.
 
-    Reads: drives.
-    Writes: drives.
+    Reads: `used`, SHARES.
+    Writes: `used`, SHARES.
     """
     n, wide, rows = whole[N_COORDINATES], whole[N_COORDINATES] + 1, whole[SHARES]
     largest = 0.0

@@ -80,12 +80,12 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 
     It begins at TIME.
 
-    Reads: `at`, TIME, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, drives, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
-    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS,
-    REACTION_ROWS.
+    Reads: `at`, TIME, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, POINT, DRIFT, DENSE, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
+    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
+    DAMPING, BRISTLE_RATES, LAW_VALUES, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, REACTION_ROWS,
+    PROJECTED, BORNE, SHARES.
 
     Parameters
     ----------
@@ -105,8 +105,9 @@ def contact_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
     """Fill the series where accelerations and needed friction at the state are at hand.
 
-    Reads: `at`, TIME, drives, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: drives, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Reads: `at`, TIME, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED, FLAGS, MODES,
+    FOLLOWERS.
+    Writes: POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, BORNE.
     """
     n, states = whole[N_COORDINATES], whole[N_STATES]
     largest = whole[POINT]
@@ -150,8 +151,8 @@ def fill_series(h: float, w: Vector, whole: Wholes, at: int) -> None:
 def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> None:
     """Write one term of the accelerations to DRIFT and one of the needed friction.
 
-    Reads: drives, MASS, CHOLESKY, DAMPING, SLOPE_VALUES, MODES.
-    Writes: drives, DRIFT, NEEDED_SERIES.
+    Reads: MASS, CHOLESKY, DAMPING, SLOPE_VALUES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
+    Writes: DRIFT, NEEDED_SERIES, BORNE.
     """
     n = whole[N_COORDINATES]
     row = whole[NEEDED_SERIES] + terms * whole[N_PAIRS]
@@ -186,7 +187,7 @@ def next_forces(terms: int, h: float, last: int, w: Vector, whole: Wholes) -> No
 def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
     """Take the damping of slipping contacts away from a term of the forces.
 
-    Reads: `to`, DAMPING.
+    Reads: `rates`, `to`, DAMPING, LOOPS.
     Writes: `to`.
     """
     n = whole[N_COORDINATES]
@@ -201,20 +202,20 @@ def damp(rates: int, to: int, w: Vector, whole: Wholes) -> None:
 
 
 @rare
-def leave_to_loops(row: int, w: Vector, whole: Wholes) -> None:
+def leave_to_loops(to: int, w: Vector, whole: Wholes) -> None:
     """Write a term of the forces along all cuts; DRIFT has that of the accelerations.
 
-    Reads: DRIFT, MASS.
-    Writes: drives.
+    Reads: `to`, DRIFT, MASS, LOOPS.
+    Writes: `to`, BORNE.
     """
     n, borne = whole[N_COORDINATES], whole[BORNE]
     for i in range(n):
-        total = w[row + i]
+        total = w[to + i]
         for j in range(n):
             total -= w[whole[MASS] + i * n + j] * w[whole[DRIFT] + j]
         w[borne + i] = total
     for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
-        w[row + cut] = combined(cut, borne, w, whole)
+        w[to + cut] = combined(cut, borne, w, whole)
 
 
 def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
@@ -222,8 +223,9 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
-    Reads: TIME, drives, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, FLAGS, MODES.
-    Writes: LENGTH, drives, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS.
+    Reads: TIME, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED, FLAGS,
+    MODES, FOLLOWERS.
+    Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, BORNE.
 
     Parameters
     ----------
@@ -251,8 +253,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     Where inertia couples coordinates, those of all others count as they reach this one, by its row
     of the inverse mass matrix. The time is rounded, too.
 
-    Reads: TIME, LENGTH, drives, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION,
-    FRICTION, NEEDED_SERIES, SLOPE_VALUES, MODES.
+    Reads: TIME, LENGTH, Y, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
+    NEEDED_SERIES, SLOPE_VALUES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
     Writes: VALUES.
     """
     n = whole[N_COORDINATES]
@@ -283,8 +285,8 @@ def is_balanced(i: int, w: Vector, whole: Wholes) -> bool:
 def is_looped_balanced(i: int, w: Vector, whole: Wholes) -> bool:
     """Whether forces on a slip of a loop that begins balance but for their rounding.
 
-    Reads: TIME, LENGTH, drives, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
-    NEEDED_SERIES, MODES.
+    Reads: TIME, LENGTH, DENSE, SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, FRICTION,
+    NEEDED_SERIES, LOOPS, FOLLOWED, MODES, FOLLOWERS.
     Writes: VALUES.
     """
     n, row = whole[N_COORDINATES], whole[VALUES]
@@ -361,8 +363,9 @@ def first_contact_crossing(w: Vector, whole: Wholes) -> int:
     the sums are made row by row, in the order in which the series lies in memory. Falls of all
     other guards are left in ROOTS: what falls in the same instant changes together.
 
-    Reads: TIME, LENGTH, POLYNOMIAL, drives, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, LENGTH, POLYNOMIAL, Y, DENSE, REACHED, WALLS, SLIP_FACTORS, FORCE, MASS, CHOLESKY,
+    ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, LOOPS, FOLLOWED, MODES,
+    FOLLOWERS.
     Writes: FRACTION, POLYNOMIAL, ROOM, POINT, VALUES, DRIFT, REACHED, ROOTS.
 
     Parameters
@@ -431,7 +434,7 @@ def value_of(guard: int, w: Vector, whole: Wholes) -> float:
 
     What is held within rounding of its level has the allowance of decisions: they held it.
 
-    Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
+    Reads: Y, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, LOOPS, MODES.
     """
     n, i = whole[N_COORDINATES], guard // 2
     mode = whole[whole[MODES] + i]
@@ -465,7 +468,7 @@ def side_sign(guard: int) -> float:
 def nearest_guard(w: Vector, whole: Wholes) -> int:
     """Return the guard that would fall first if all went on as they begin, or `NO_GUARD`.
 
-    Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, MODES.
+    Reads: Y, DENSE, FORCE, MASS, ACCELERATION, LEVELS, NEEDED_SERIES, LOOPS, MODES.
     """
     n, states, pairs = whole[N_COORDINATES], whole[N_STATES], whole[N_PAIRS]
     best, least = NO_GUARD, 1.0
@@ -486,9 +489,9 @@ def nearest_guard(w: Vector, whole: Wholes) -> int:
 def look_at(guard: int, best: int, slack: float, w: Vector, whole: Wholes) -> int:
     """Note where a guard falls, if it does before the best one; return which of them is first.
 
-    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, drives, Y, POINT, DRIFT, DENSE, REACHED,
-    SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES,
-    SLOPE_VALUES, BOUNDS, MODES.
+    Reads: TIME, FRACTION, LENGTH, POLYNOMIAL, Y, POINT, DRIFT, DENSE, REACHED, SLIP_FACTORS, FORCE,
+    MASS, CHOLESKY, ACCELERATION, LEVELS, FRICTION, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, LOOPS,
+    FOLLOWED, MODES, FOLLOWERS.
     Writes: FRACTION, POLYNOMIAL, ROOM, VALUES, REACHED, ROOTS.
     """
     n, states, i = whole[N_COORDINATES], whole[N_STATES], guard // 2

@@ -87,11 +87,11 @@ __all__ = ["guard_slopes_along", "rate_slopes_along"]
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write what the slopes along all variables are made of.
 
-    Reads: `at`, FRICTIONLESS, drives, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES.
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PROJECTED, BORNE, SHARES.
     """
     assemble(t, w, whole, at)
     put_motion(w, whole, at)
@@ -104,7 +104,7 @@ def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
 def ask_slopes(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write the slopes of a contact's law in both directions, then those of its margins.
 
-    Reads: `at`, SLIP_FACTORS, LOAD, MODES, LAW_FLAGS.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS.
     Writes: LAW_ROWS, LAW_SLOPES.
     """
     kind, flags = whole[whole[KINDS] + contact], whole[whole[LAW_FLAGS] + contact]
@@ -133,7 +133,7 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
     `which` is 0 and 1 for constant and factor of friction, 2 and 3 for those of the level, and from
     4 on the rates of its bristles; `back` is 1 for the direction against which it slips.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, MODES.
+    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, LOOPS, MODES.
     """
     wide = variables_of(contact, whole)
     row = whole[LAW_SLOPES] + (3 * contact + back) * whole[LAW_SLOPE_ROOM] + which * wide
@@ -144,7 +144,7 @@ def law_slope(contact: int, back: int, which: int, k: int, w: Vector, whole: Who
 def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of the margin of a switch of a contact's law along a variable.
 
-    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, MODES.
+    Reads: LAW_ROWS, SLIP_FACTORS, MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOOPS, MODES.
     """
     room = whole[LAW_SLOPES] + (3 * contact + 2) * whole[LAW_SLOPE_ROOM]
     return own_slope(contact, room + which * variables_of(contact, whole), k, w, whole)
@@ -153,7 +153,7 @@ def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> 
 def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return a slope along a variable from those along speed, parameters and bristles of a law.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
+    Reads: `at`, LAW_ROWS, SLIP_FACTORS, MOTION_POINT, PART_COLUMN, LOOPS, MODES.
     """
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
     total = 0.0
@@ -172,7 +172,7 @@ def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
 def speed_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of a contact's slip speed along a variable.
 
-    Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, MODES.
+    Reads: SLIP_FACTORS, MOTION_POINT, PART_COLUMN, LOOPS, MODES.
     """
     n, i = whole[N_COORDINATES], whole[whole[SLIPS] + contact]
     rate = slip_rate_along(i, whole[MOTION_POINT], w, whole)
@@ -203,9 +203,9 @@ def is_rigid(contact: int, whole: Wholes) -> bool:
 def along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes along a variable of accelerations, forces, levels and rates of bristles.
 
-    Reads: drives, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, MOTION_POINT,
-    PART_SLOPES, LAW_SLOPES, MODES, OPEN.
+    PART_SLOPES, LAW_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
     Writes: REACTION_ROWS, PART_COLUMN, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES,
     FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
     """
@@ -235,8 +235,8 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
 def respond(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of friction, accelerations and needed friction for given ones of loads.
 
-    Reads: drives, LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, MODES, OPEN.
+    Reads: LAW_ROWS, SLIP_FACTORS, MASS, CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    MOTION_POINT, LAW_SLOPES, PART_COLUMN, LOAD_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
     Writes: ACCELERATION_SLOPES, NEEDED_SLOPES, FRICTION_SLOPES.
     """
     n, column, mass = whole[N_COORDINATES], whole[PART_COLUMN], whole[MASS]
@@ -269,7 +269,7 @@ def friction_slope(contact: int, k: int, w: Vector, whole: Wholes) -> float:
     """Return the slope of the friction of a contact that slips, or that has bristles.
 
     Reads: LAW_ROWS, SLIP_FACTORS, LOAD, FRICTION_FACTOR, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
-    LOAD_SLOPES, MODES.
+    LOAD_SLOPES, LOOPS, MODES.
     """
     i = whole[whole[SLIPS] + contact]
     slips = whole[whole[MODES] + i] in (FORWARD, BACKWARD)
@@ -285,7 +285,7 @@ def add_levels(contact: int, k: int, w: Vector, whole: Wholes) -> None:
     """Add the slopes of a contact's levels to those of its coordinate.
 
     Reads: LAW_ROWS, SLIP_FACTORS, LOAD, LEVEL_CONSTANT, LEVEL_FACTOR, MOTION_POINT, LAW_SLOPES,
-    PART_COLUMN, LOAD_SLOPES, LEVEL_SLOPES, MODES.
+    PART_COLUMN, LOAD_SLOPES, LEVEL_SLOPES, LOOPS, MODES.
     Writes: LEVEL_SLOPES.
     """
     if not whole[whole[HOLDS] + contact]:
@@ -363,9 +363,9 @@ def surplus_slope(row: int, w: Vector, whole: Wholes) -> float:
 def react_along(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of the loads that are reactions.
 
-    Reads: drives, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
+    Reads: LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, REACTION_ROWS, MOTION_POINT, LAW_SLOPES, PART_COLUMN,
-    LOAD_SLOPES, MODES, OPEN.
+    LOAD_SLOPES, LOOPS, FOLLOWED, MODES, OPEN, FOLLOWERS.
     Writes: REACTION_ROWS, ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES.
     """
     for trial in range(whole[N_REACTIONS] + 1):
@@ -381,12 +381,14 @@ def rate_slopes_along(
 ) -> None:
     """Write the slopes of the time derivatives of all states along some variables.
 
-    Reads: `at`, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
-    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
+    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES,
+    LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES,
+    PROJECTED, BORNE, SHARES.
 
     Parameters
     ----------
@@ -423,12 +425,14 @@ def guard_slopes_along(
 ) -> None:
     """Write the slopes of all guards along some variables.
 
-    Reads: `at`, FRICTIONLESS, drives, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, FLAGS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
-    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES.
+    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, LAW_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS,
+    OPEN, FOLLOWERS.
+    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
+    ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES,
+    PROJECTED, BORNE, SHARES.
 
     Parameters
     ----------

@@ -85,13 +85,15 @@ REACHED_ZERO = 1e-13
 def begin_contacts(w: Vector, whole: Wholes) -> None:
     """Set modes, flags and openings for the state at which a run begins.
 
-    Reads: TIME, LENGTH, PIVOT, drives, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS,
-    CHOLESKY, BOUNDS, TURN, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CANDIDATES.
-    Writes: TIME, PIVOT, FRICTIONLESS, drives, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE,
-    MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT,
-    FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS,
-    REACTION_ROWS, CHANGES, TURN, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
-    CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT.
+    Reads: TIME, LENGTH, PIVOT, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY,
+    BOUNDS, TURN, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS,
+    AMBIGUOUS, CANDIDATES, FOLLOWERS.
+    Writes: TIME, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
+    CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, FLAGS,
+    STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED,
+    BEFORE, CLOSED, KEPT, FOLLOWERS.
 
     Parameters
     ----------
@@ -151,7 +153,7 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
 
     What nothing but bristles holds slips: their forces need no decision.
 
-    Reads: Y, WALLS, OPEN.
+    Reads: Y, WALLS, LOOPS, OPEN.
     """
     rate = slip_rate_along(i, whole[Y], w, whole)
     if rate == 0.0 and stopped_side(i, w, whole, whole[Y]) != 0:
@@ -201,13 +203,14 @@ def none_forced(whole: Wholes) -> None:
 def settle_modes(w: Vector, whole: Wholes) -> None:
     """Decide all coordinates that are held, or stopped; set what follows from the answer.
 
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, drives, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE.
-    Writes: TIME, PIVOT, drives, Y, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS,
-    MODES, LAW_FLAGS, CANDIDATES, KEPT.
+    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
+    HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
+    REACHED_SO_FAR, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES,
+    FORCED, BEFORE, FOLLOWERS.
+    Writes: TIME, PIVOT, Y, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, STATUS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, CANDIDATES, KEPT, FOLLOWERS.
     """
     if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
         close_loops(False, w, whole)
@@ -230,7 +233,7 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
 def set_rates(w: Vector, whole: Wholes) -> None:
     """Set the rates of what is held, and of what follows from others, to what they are exactly.
 
-    Reads: drives, Y, MODES.
+    Reads: Y, FOLLOWED, MODES, FOLLOWERS.
     Writes: Y.
     """
     rates = whole[Y] + whole[N_COORDINATES]
@@ -245,12 +248,12 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
 
     Guards are looked at for a fall from above zero, which would miss one that begins below it.
 
-    Reads: TIME, PIVOT, FRICTIONLESS, drives, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
-    HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, STATUS, CHANGED, MODES, LAW_FLAGS,
-    OPEN.
-    Writes: PIVOT, drives, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
-    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
-    BRISTLE_RATES, LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS, CHANGED.
+    Reads: TIME, PIVOT, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
+    MASS, CHOLESKY, LOAD, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, STATUS, CHANGED, MODES,
+    LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, CHANGES, MOTION_POINT, PROJECTED, BORNE, SHARES, STATUS, CHANGED.
     """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
@@ -266,7 +269,7 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
 def open_and_close(w: Vector, whole: Wholes) -> None:
     """Let loads that jumped open or close their contacts, and coordinates follow.
 
-    Reads: TIME, Y, WALLS, FLAGS, MODES, OPEN.
+    Reads: TIME, Y, WALLS, LOOPS, FLAGS, MODES, OPEN.
     Writes: LOAD, MODES, OPEN.
     """
     if not whole[CONSTANT_LOADS]:
@@ -284,7 +287,7 @@ def open_and_close(w: Vector, whole: Wholes) -> None:
 def follow_openings(w: Vector, whole: Wholes) -> None:
     """Free coordinates whose contacts are all open; take up those with one that has closed.
 
-    Reads: Y, WALLS, MODES, OPEN.
+    Reads: Y, WALLS, LOOPS, MODES, OPEN.
     Writes: MODES.
     """
     for i in range(whole[N_DIRECTIONS]):
@@ -295,14 +298,15 @@ def follow_openings(w: Vector, whole: Wholes) -> None:
 def settle_contacts(w: Vector, whole: Wholes) -> None:
     """Decide anew after a jump of forces or loads, and write down what changes.
 
-    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, drives, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS,
-    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, FLAGS, STATUS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, STRUCK.
-    Writes: TIME, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED,
-    LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR,
-    DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, STATUS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
-    CLOSED, KEPT.
+    Reads: TIME, LENGTH, PIVOT, FRICTIONLESS, Y, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS,
+    HELD_NORMALS, MASS, CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
+    REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN,
+    CANDIDATES, STRUCK, FOLLOWERS.
+    Writes: TIME, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
+    FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, FOLLOWED, PROJECTED,
+    BORNE, SHARES, REACHED_SO_FAR, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT, FOLLOWERS.
 
     Parameters
     ----------
@@ -323,15 +327,17 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
 def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     """Make all changes of an instant, of which `guard` is the first.
 
-    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, drives, Y, SCALE,
-    VALUES, REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
-    NEEDED, LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, MODE, FLAGS, STATUS, STEPS, STEPPER, BOOKS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, STRUCK.
-    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
+    Reads: TIME, SUPPLIED, FRACTION, LENGTH, GROSS, LOST, PIVOT, FRICTIONLESS, Y, SCALE, VALUES,
+    REACHED, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, NEEDED,
+    LEVELS, LOAD, ROOTS, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, MODE, FLAGS,
+    STATUS, STEPS, STEPPER, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN,
+    CANDIDATES, STRUCK, FOLLOWERS.
+    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
     ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
     LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
-    CHANGES, MOTION_POINT, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
-    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT, STRUCK.
+    CHANGES, MOTION_POINT, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
+    CLOSED, KEPT, STRUCK, FOLLOWERS.
 
     Parameters
     ----------
@@ -385,11 +391,12 @@ def turn_at_once(guard: int, w: Vector, whole: Wholes) -> None:
     The force that drives it there is gone before the clock can tell, and where its level is 0 too,
     nothing holds it.
 
-    Reads: TIME, FRACTION, FRICTIONLESS, drives, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS,
-    MASS, CHOLESKY, LOAD, REACTION_ROWS, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE.
-    Writes: PIVOT, drives, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MODES.
+    Reads: TIME, FRACTION, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, BEFORE,
+    FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
     """
     if guard >= first_contact_guard(whole) or w[FRACTION] > 0.0:
         return
@@ -419,13 +426,13 @@ def lift_off(guard: int, contact: int, w: Vector, whole: Wholes) -> None:
 def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     """Make the impacts of an instant; what has another rate then slips, or is to be decided.
 
-    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, drives, Y, SCALE, REACHED, WALLS,
-    SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, MODE, FLAGS, STEPS,
-    BOOKS, MODES, LAW_FLAGS, OPEN.
-    Writes: SUPPLIED, GROSS, LOST, PIVOT, drives, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FLAGS,
-    MODES, KEPT, STRUCK.
+    Reads: TIME, SUPPLIED, GROSS, LOST, FRICTIONLESS, Y, SCALE, REACHED, WALLS, SLIP_FACTORS,
+    HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, MODE,
+    FLAGS, STEPS, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION,
+    NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT,
+    LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED,
+    BORNE, SHARES, FLAGS, MODES, KEPT, STRUCK, FOLLOWERS.
     """
     strike_stops(guard, w, whole)
     for i in range(whole[N_DIRECTIONS]):
@@ -440,7 +447,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
     What bristles alone carry only turns, and by its own guard: at rest its speed says nothing. Nor
     does that of what has just begun to slip.
 
-    Reads: TIME, FRACTION, LENGTH, Y, SCALE, VALUES, REACHED, ROOTS, MODES.
+    Reads: TIME, FRACTION, LENGTH, Y, SCALE, VALUES, REACHED, ROOTS, LOOPS, MODES.
     """
     if not whole[whole[RIGID] + guard // 2] and whole[whole[MODES] + guard // 2] != HELD_FAST:
         return False
@@ -462,7 +469,7 @@ def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
 def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
     """Stop a coordinate that slips, or let one go that is held.
 
-    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, MODES, OPEN, FORCED.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, LOOPS, MODES, OPEN, FORCED.
     Writes: Y, MODES, OPEN, FORCED.
     """
     i = guard // 2
@@ -481,7 +488,7 @@ def stop_or_break(guard: int, w: Vector, whole: Wholes) -> None:
 def force(i: int, side: int, w: Vector, whole: Wholes) -> None:
     """Force a coordinate to slip, or what slips in the motion of a cut.
 
-    Reads: MODES, FORCED.
+    Reads: LOOPS, MODES, FORCED.
     Writes: FORCED.
     """
     if i < whole[N_DIRECTIONS]:
@@ -499,7 +506,7 @@ def opens_instead(guard: int, w: Vector, whole: Wholes) -> bool:
     Its level falls to zero with the loads, though nothing pushes: it is not broken away from. A
     guard that fell at once tells of no fall: the load of a contact that has just closed is 0 too.
 
-    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, OPEN.
+    Reads: FRACTION, REACHED, NEEDED, LEVELS, LOAD, LOOPS, OPEN.
     Writes: OPEN.
     """
     i, least = guard // 2, REACHED_ZERO * w[whole[REACHED] + guard]
