@@ -397,9 +397,10 @@ static bool has_point(struct instance *self) {
         read_off(self, core, core->time);
     }
     if (core->phase != STEPPING || !self->has_point) {
-        say(self, LEVEL_ERROR, "Directional derivatives are known in a simulation%s.",
-            core->phase == STEPPING ? ", of a state that was brought back from its first step on"
-                                    : ", after initialization");
+        say(self, LEVEL_ERROR, core->phase == STEPPING
+            ? "The state that was brought back has taken no step: directional derivatives are known"
+              " after the first one."
+            : "Directional derivatives are known from the end of initialization on.");
         return false;
     }
     return true;
