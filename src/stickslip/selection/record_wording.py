@@ -105,7 +105,7 @@ def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
     Examples
     --------
     >>> [distinct(Scale(1e3, "mm"), (1.234e-3, 1.2341e-3), one) for one in (1.234e-3, 1.2341e-3)]
-    ['1.234 mm', '1.2341 mm']
+    ['1.2340 mm', '1.2341 mm']
     """
     others = [other for other in among if other != value] if value in among else []
     for digits in range(3, 8):
