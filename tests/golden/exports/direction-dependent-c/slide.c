@@ -188,16 +188,20 @@ double slide_compensation(double velocity, double load, double width, double fac
         return NAN;
     }
     force = slide_friction(velocity, load);
-    if (0.0 < velocity) {
-        c1 = velocity;
-    } else {
+    if (velocity < 0.0) {
         c1 = -velocity;
+    } else {
+        c1 = velocity;
     }
     share = c1/width;
     if (1.0 < share) {
         share = 1.0;
     }
-    force = 0.5*share*force*factor*(3.0 - (share*share));
+    if (0.0 < share) {
+        force = 0.5*share*force*factor*(3.0 - (share*share));
+    } else {
+        force = 0.0;
+    }
     return force;
 }
 

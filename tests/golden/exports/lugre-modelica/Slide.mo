@@ -152,16 +152,20 @@ package Slide "Friction law of the package stickslip"
     algorithm
         assert(width > 0.0, "width must be above 0 m/s");
         force := steady(velocity, load);
-        if 0.0 < velocity then
-            c1 := velocity;
-        else
+        if velocity < 0.0 then
             c1 := -velocity;
+        else
+            c1 := velocity;
         end if;
         share := c1/width;
         if 1.0 < share then
             share := 1.0;
         end if;
-        force := 0.5*share*force*factor*(3.0 - (share*share));
+        if 0.0 < share then
+            force := 0.5*share*force*factor*(3.0 - (share*share));
+        else
+            force := 0.0;
+        end if;
     end compensation;
 
     model Body "Body under an applied force and friction, which sticks and slips"
