@@ -91,6 +91,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--tier", choices=("python", "compiled", "auto"), default="python")
     parser.add_argument("--several", action="store_true", help="one to six contacts")
+    parser.add_argument("--loops", action="store_true", help="contacts whose slips close loops")
     parser.add_argument("--tiers", type=int, default=0, help="every which case runs in both tiers")
     parser.add_argument("--structures", type=int, help="sets of equations; compiled: 40")
     parser.add_argument("--steps", type=int, default=1000, help="step limit of a case")
@@ -129,6 +130,7 @@ def main() -> int:
         seconds=asked.seconds,
         compare=asked.compare,
         several=asked.several,
+        loops=asked.loops,
         tiers=asked.tiers,
     )
     indices = asked.only or campaign.order(asked.cases)

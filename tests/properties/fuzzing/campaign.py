@@ -19,7 +19,7 @@ from tests.properties.fuzzing.checks import (
     is_the_same_in_the_other_tier,
     violations,
 )
-from tests.properties.fuzzing.several import draw_joints
+from tests.properties.fuzzing.several import LOOPS, draw_joints
 
 from stickslip import EventDriven
 from stickslip.errors import InputError
@@ -81,6 +81,8 @@ class Campaign:
     """Every which case is run again with coarser steps; 0 for none."""
     several: bool = False
     """Whether cases have one to six contacts, each with equations of its own."""
+    loops: bool = False
+    """Whether their slips close loops."""
     tiers: int = 0
     """Every which case is run in the other tier too; 0 for none."""
 
@@ -92,6 +94,8 @@ class Campaign:
 
     def case(self, index: int) -> Case:
         """Return a case by its number."""
+        if self.loops:
+            return draw_joints(Random(f"{self.seed} loops {index}"), LOOPS)
         if self.several:
             return draw_joints(Random(f"{self.seed} joints {index}"))
         return draw_case(Random(f"{self.seed} numbers {index}"), self.structure(index))

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -163,6 +163,12 @@ class Evidence:
         """What has slipped."""
         slips = self.slips.items()
         return np.asarray(sum(factor * self.seen[name] for name, factor in slips if factor))
+
+    def rounding_of(self, columns: Sequence[str]) -> float:
+        """Return the rounding of a slip, or its rate, that is a sum of columns; 0 for one alone."""
+        pairs = zip(columns, self.slips.values(), strict=True)
+        parts = [float(np.abs(factor * self.seen[name]).max()) for name, factor in pairs if factor]
+        return 32.0 * float(np.spacing(max(parts))) if len(parts) > 1 else 0.0
 
     @cached_property
     def slides(self) -> np.ndarray:
@@ -334,7 +340,7 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
     """A stuck body has no speed and keeps its place."""
     if e.run.certificate.stick_drift != 0:
         yield f"drift {e.run.certificate.stick_drift!r}"
-    wrong = (e.mode == 0) & (e.slip != 0)
+    wrong = (e.mode == 0) & (np.abs(e.slip) > e.rounding_of(e.case.mechanism.rates))
     if wrong.any():
         yield f"moves while stuck, {e.first(wrong)}"
     stuck = (e.mode[1:] == 0) & (e.mode[:-1] == 0)
@@ -342,7 +348,8 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
     same = np.searchsorted(spans, e.times[1:], "right") == np.searchsorted(
         spans, e.times[:-1], "right"
     )
-    wrong = np.append(False, stuck & same & (np.diff(e.place) != 0))
+    allowed = e.rounding_of(e.seen_coordinates)
+    wrong = np.append(False, stuck & same & (np.abs(np.diff(e.place)) > allowed))
     events = (e.whole or e).run.events
     for i in np.flatnonzero(wrong):  # it may have slipped in what the clock takes for no time
         apart = min((abs(event.t - e.times[i]) for event in events), default=math.inf)
@@ -386,6 +393,7 @@ def moves_as_its_mode_says(e: Evidence) -> Found:
     if e.case.may_jam:
         return
     least = LOCATED * e.speed + e.unnoticed + FAINTEST * e.least_speed + math.sqrt(LEAST)
+    least += e.rounding_of(e.case.mechanism.rates)
     wrong = (e.mode * e.slip < -least) & e.slides
     for i in np.flatnonzero(wrong):
         wrong[i] = abs(e.slip[i]) > e.within_the_clock(i)
@@ -404,7 +412,8 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
         rounding = 10.0 * (max(expected) - min(expected))  # of a damping times a speed, say
         wrong[i] = abs(friction[i] - expected[0]) > ROUNDED * e.force + rounding
         if wrong[i]:
-            sides = v + e.within_the_clock(i) * np.array([-1.0, 1.0])
+            blur = e.within_the_clock(i) + e.rounding_of(e.case.mechanism.rates)
+            sides = v + blur * np.array([-1.0, 1.0])
             expected += [_by_law(e, i, float(side), load, 1) for side in sides]
             wrong[i] = not min(expected) <= friction[i] <= max(expected)
     if wrong.any():

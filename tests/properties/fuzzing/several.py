@@ -35,7 +35,7 @@ from stickslip.mechanisms import (
     TwoLinkArm,
 )
 
-__all__ = ["MAKERS", "Dense", "draw_joints"]
+__all__ = ["LOOPS", "MAKERS", "Dense", "Looped", "draw_joints"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +105,27 @@ class Dense(MatrixMechanism):
         pushes = {f"push-{i}": drive for i, drive in enumerate(self.pushes)}
         presses = {f"press-{i}": drive for i, drive in enumerate(self.presses)}
         return {name: one for name, one in (pushes | presses).items() if one is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Looped(Dense):
+    """Bodies of which pairs rub on each other, and some on the ground: their slips close loops."""
+
+    name: ClassVar[str] = "looped"
+    pairs: tuple[tuple[int, int], ...]
+    """The two bodies of each contact; the second is -1 for the ground."""
+
+    def contacts(self):
+        return tuple(
+            Contact(
+                slip={f"x{one}": 1.0, f"x{other}": -1.0} if other >= 0 else f"x{one}",
+                load=load,
+                name=f"pad-{i}",
+            )
+            for i, ((one, other), load) in enumerate(
+                zip(self.pairs, self.normal_forces, strict=True)
+            )
+        )
 
 
 def _form(matrix, one, other, names):
@@ -261,6 +282,34 @@ MAKERS: Mapping[str, Callable[[Random, Sizes, float], Any]] = {
 """What draws a mechanism, by its kind."""
 
 
+def _looped(rng: Random, size: Sizes, t_end: float) -> Mechanism:
+    n = rng.randint(2, 4)
+    chain = [(i, i + 1) for i in range(n - 1)]
+    others = [(i, j) for i in range(n) for j in (*range(i + 2, n), -1)]
+    pairs = chain + rng.sample(others, rng.randint(1, min(3, len(others))))
+    free = _dense(rng, size, t_end)
+    while len(free.mass) < n:
+        free = _dense(rng, size, t_end)
+    part = {
+        name: tuple(row[:n] for row in getattr(free, name)[:n])
+        for name in ("mass", "stiffness", "damping")
+    }
+    return Looped(
+        **part,
+        slips=(),
+        pairs=tuple(pairs),
+        normal_forces=tuple(around(rng, size.load, 0.5, 0.5) for _ in pairs),
+        pushes=free.pushes[:n],
+        presses=tuple(
+            _drive(rng, size.load, size, t_end) if rng.random() < 0.2 else None for _ in pairs
+        ),
+    )
+
+
+LOOPS: Mapping[str, Callable[[Random, Sizes, float], Any]] = {"looped": _looped}
+"""What draws a mechanism whose contacts close loops, by its kind."""
+
+
 def _laws(rng: Random, names: tuple[str, ...], size: Sizes) -> FrictionLaw | Laws:
     def law() -> FrictionLaw:
         kind = rng.choice(list(LAWS.values()))
@@ -297,11 +346,13 @@ def _start(rng: Random, case: Case, size: Sizes) -> dict[str, float]:
     return start
 
 
-def draw_joints(rng: Random) -> Case:
+def draw_joints(
+    rng: Random, makers: Mapping[str, Callable[[Random, Sizes, float], Any]] = MAKERS
+) -> Case:
     """Return a case with one to six contacts."""
     size = sizes(rng)
     t_end = min(max(around(rng, 10.0 * size.time, 1.0, 0.7), 1e-4), 1e4)
-    mechanism = MAKERS[rng.choice(list(MAKERS))](rng, size, t_end)
+    mechanism = makers[rng.choice(list(makers))](rng, size, t_end)
     names = tuple(contact.name for contact in mechanism.contacts())
     case = Case(mechanism=mechanism, law=_laws(rng, names, size), t_end=t_end, y0={})
     return Case(mechanism=mechanism, law=case.law, t_end=t_end, y0=_start(rng, case, size))
