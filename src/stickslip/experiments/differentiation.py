@@ -298,7 +298,7 @@ def noise_of(values: Array, step: float = 0.0, order: int = 3) -> float:
     (0.0, 0.289)
     """
     differences = np.diff(values, order)
-    growth = math.sqrt(math.comb(2 * order, order))  # of white noise: the binomials' squares
+    growth = math.sqrt(math.comb(2 * order, order))  # of white noise: its weights are binomials
     middle = float(np.median(np.abs(differences))) if differences.size else 0.0
     spread = middle / QUARTILE / growth
     rounding = 1e-15 * float(np.abs(values).max())  # what differences of floats leave

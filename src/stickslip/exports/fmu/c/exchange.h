@@ -296,8 +296,8 @@ static bool nominals_got(struct instance *self, double *values, size_t n) {
 
 #define LEVELS 12
 #define ROUNDED 1e-15 /* of a value that is worked out */
-/* Of an input whose value is smaller, in its SI unit. Inputs have no nominal value, and one at 0 tells
- * nothing of its size; forces enter the accelerations linearly, so that any distance will do. */
+/* Size of an input at least, in its SI unit. Inputs have no nominal value, and one at 0 tells nothing
+ * of its size; most enter the accelerations linearly, so that any distance will do. */
 #define SIZE_OF_INPUT 1.0
 #define WIDEST 0.1 /* first difference over the size of what is varied */
 #define NARROWER 3.0
