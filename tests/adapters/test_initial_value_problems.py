@@ -23,9 +23,9 @@ from stickslip import (
     TwoMassAxis,
     simulate,
 )
-from stickslip.adapters import to_ivp
+from stickslip.adapters import ModeProblem, to_ivp
 from stickslip.drives import Sampled, Sine, ThreePhase
-from stickslip.errors import InputError
+from stickslip.errors import InputError, SimulationError
 from stickslip.friction import PrintedCoulomb
 from stickslip.mechanisms import BoundedMechanism, Prescribed, Stop, Torque
 from stickslip.results import Status
@@ -219,3 +219,10 @@ def test_what_has_no_such_problem_is_refused(arguments, words):
     mechanism, law, t_end = arguments
     with pytest.raises(InputError, match=words):
         to_ivp(mechanism, law, t_end=t_end)
+
+
+def test_changes_without_end_at_one_instant_are_an_error(monkeypatch):
+    problem = to_ivp(*CASES["decay"][:2], t_end=1.0)
+    monkeypatch.setattr(ModeProblem, "_happen", lambda *_: 1)  # each look finds another change
+    with pytest.raises(SimulationError, match=r"changed 1000 times at t = 0 s: run it with simul"):
+        problem.go_on(problem.t, problem.y)

@@ -25,11 +25,12 @@ from stickslip import (
 from stickslip.cli import main
 from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
-from stickslip.cli.simulate import _event_rows
+from stickslip.cli.simulate import _cells, _event_rows
 from stickslip.documents import write_folder
 from stickslip.drives import ThreePhase
 from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.sweep import Spread
 from stickslip.trajectory import Event
 
 CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
@@ -143,6 +144,11 @@ def test_a_band_is_the_spread_of_the_law_in_screen_table_page_and_json(walk):
     assert "400 runs" in Path("page/index.html").read_text()
     again = json.loads(walk(*asked)[1])["band"]
     assert again == band
+
+
+def test_the_unit_of_a_band_is_that_of_its_widest_end():
+    around_zero = Spread(low=-5.1e-3, median=2e-6, high=4.9e-3)
+    assert _cells(around_zero, "m") == ["0", "−5 to 5", "mm"]
 
 
 def test_a_back_slip_that_rests_on_bristles_nobody_measured_is_said_to(walk):

@@ -176,7 +176,15 @@ def test_what_is_promised_is_declared_and_what_depends_on_what(folder):
         mass = slave.variables["mechanism.mass"].valueReference
         with pytest.raises(Exception, match="failed"):
             slave.fmu.getDirectionalDerivative(references[:1], [mass], [1.0])
-        assert "mechanism.mass is no state and no input" in slave.messages[-1]
+        assert "mechanism.mass is neither a state nor an input;" in slave.messages[-1]
+        for unknowns, knowns in (([references[0]], [4321]), ([4321], [references[1]])):
+            with pytest.raises(Exception, match="failed"):
+                slave.fmu.getDirectionalDerivative(unknowns, knowns, [1.0])
+            assert slave.messages[-1].endswith("variable has the value reference 4321.")
+        slave.fmu.terminate()
+        with pytest.raises(Exception, match="failed"):
+            slave.fmu.getDirectionalDerivative(references[:1], references[1:], [1.0, 1.0])
+        assert "terminated: directional derivatives" in slave.messages[-1]
         slave.close()
 
 

@@ -477,15 +477,11 @@ def relative_error(record: Measurement, problem: ForceMap, values: Array) -> flo
 @pytest.mark.parametrize(
     ("law", "least", "most"),
     [
-        (
-            Coulomb,
-            0.58,
-            0.65,
-        ),  # published 94.5 %, with an error at rest, where any force is allowed
+        # published 94.5 %, with an error at rest, where any force is allowed
+        (Coulomb, 0.58, 0.65),
         (Dahl(kinetic_coefficient=0.4, bristle_stiffness=4e3), 0.10, 0.116),  # published 11.6 %
-        pytest.param(
-            Dahl, 0.04, 0.05, marks=pytest.mark.slow
-        ),  # 4.8 % was reached by others; the bar is 5.5 %
+        # 4.8 % was reached by others; the bar is 5.5 %
+        pytest.param(Dahl, 0.04, 0.05, marks=pytest.mark.slow),
     ],
 )
 def test_the_tribometer_record_is_predicted_as_well_as_published(tribometer, law, least, most):

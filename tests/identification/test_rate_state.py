@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -121,6 +122,21 @@ def test_a_spring_softer_than_the_critical_one_is_refused_in_words():
         simulate_velocity_steps(
             law(direct_effect=0.001), stiffness=soft, time=[0, 10, 500], pull=[0, 1e-5, 4.91e-3]
         )
+
+
+def test_a_speed_that_cannot_be_followed_is_answered_by_the_cures_that_help():
+    hold = {"time": [0, 10, 1000, 1100], "pull": [0, 1e-5, 1e-5, 1.1e-4]}
+    small = law(direct_effect=1e-6, evolution_effect=0.005, critical_distance=1e-5)
+    with pytest.raises(
+        SimulationError, match=r"direct effect \(a\) of 1 × 10⁻⁶ .* Give a larger a;"
+    ):
+        simulate_velocity_steps(small, stiffness=1e3, **hold)
+    simulate_velocity_steps(replace(small, direct_effect=1e-3), stiffness=1e3, **hold)
+    jump = {"time": [0, 10, 11], "pull": [0, 1e-5, 1.01e-3]}
+    usual = replace(small, direct_effect=1e-3)
+    with pytest.raises(SimulationError, match=r"a larger k \(it must be above 400 1/m\)"):
+        simulate_velocity_steps(usual, stiffness=400.4, **jump)
+    simulate_velocity_steps(usual, stiffness=420.0, **jump)
 
 
 def test_only_known_evolutions_are_taken():

@@ -146,7 +146,7 @@ def figures(runs):
         "steps": (
             draw_fixed_steps(runs["Coulomb"], fixed),
             fixed_step_sizes(2),
-            ["exact", "fixed step", "10 ms, no stick rule", "time after the exact stop, ms"],
+            ["exact", "fixed step", "10 ms, no stick rule", "time from the exact stop, ms"],
         ),
     }
 
@@ -265,7 +265,7 @@ def test_the_axis_of_fixed_steps_names_a_stop_only_where_there_is_one(runs):
         draw_fixed_steps(run, {"1 ms": run})(figure, False)
         said[name] = figure.axes[0].get_xlabel()
     assert said == {
-        "stops": "time after the exact stop, ms", "slides on": "time after the end, ms"
+        "stops": "time from the exact stop, ms", "slides on": "time from the end of the run, ms"
     }  # fmt: skip
 
 

@@ -182,6 +182,26 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
     assert len(said) == 1 + len(confirmed.experiments[:1])  # what to measure comes after it
 
 
+def test_few_independent_samples_ask_for_a_longer_record_and_not_for_a_correction(confirmed):
+    few = dataclasses.replace(
+        confirmed.checks.findings[0],
+        kind="effective size",
+        severity="warning",
+        numbers={"samples": 3600, "independent": 17.3},
+    )
+    said = record_wording(
+        confirmed.candidates,
+        confirmed.best,
+        None,
+        {},
+        dataclasses.replace(confirmed.checks, findings=(few,)),
+        confirmed.experiments[:2],
+        scored="",
+    ).measure_next
+    assert said[-1] == "Record for longer: the effective sample size is 17 of 3,600 samples."
+    assert not any("correct the record" in line for line in said)
+
+
 def designed(sides):
     laws = {"coulomb": Coulomb(kinetic_coefficient=2.0), "viscous": Viscous(viscous_coefficient=4)}
     return design(

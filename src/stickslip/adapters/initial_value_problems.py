@@ -70,7 +70,7 @@ MOST = 100_000
 FINE = 200
 """Steps that `ModeProblem.solve` takes at least."""
 MOST_FALLS = 1000
-"""Changes at one instant after which the engine looks for no further ones."""
+"""Changes at one instant after which there is no end of them."""
 INACTIVE = 1.0
 """Value of a guard that the mode does not have."""
 
@@ -335,6 +335,11 @@ class ModeProblem:
         for _ in range(MOST_FALLS):
             if self.status is not None or not self._happen(LOOK):
                 break
+        else:
+            raise SimulationError(
+                f"the mode changed {MOST_FALLS} times at t = {self._t:g} s: run it with simulate,"
+                " which says why."
+            )
         self._w[TIME], self._known = self._t, None
 
     def _happen(self, question: int, guard: int = 0) -> int:

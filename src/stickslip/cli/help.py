@@ -83,7 +83,7 @@ class _Command(TyperCommand):
             return super().parse_args(ctx, args)
         except typer.BadParameter as error:
             parameter: Any = error.param
-            if parameter is None or not hasattr(error, "param_type"):  # given, but not as it must
+            if parameter is None or not hasattr(error, "param_type"):  # given, but not valid
                 raise
             argument = parameter.param_type_name == "argument"
             name = parameter.metavar or parameter.name.upper() if argument else parameter.opts[0]

@@ -503,6 +503,6 @@ def _show_band(band: Band) -> None:
 
 
 def _cells(spread: Spread, unit: str) -> list[str]:
-    factor, unit = scale_of([spread.median], unit)
+    factor, unit = scale_of([spread.median, spread.low, spread.high], unit)
     median, low, high = (factor * one for one in (spread.median, spread.low, spread.high))
     return [within(median, low, high), Scale(factor, "").interval(spread.low, spread.high), unit]

@@ -73,6 +73,7 @@ INSIDE = {
     "spread_of": "estimates",
     "step_of": "differentiation",
     "unit_on": "estimates",
+    "usual_top_speed": "differentiation",
     "velocity_of": "differentiation",
     "whole_cycles": "travels",
     "with_doubts": "preconditions",

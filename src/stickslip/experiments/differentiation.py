@@ -1,5 +1,6 @@
 """Velocities, accelerations and noise of a record, from what was sampled."""
 
+import math
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,15 @@ from stickslip.errors import InputError
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import number
 
-__all__ = ["acceleration_of", "interval_of", "noise_of", "smooth", "step_of", "velocity_of"]
+__all__ = [
+    "acceleration_of",
+    "interval_of",
+    "noise_of",
+    "smooth",
+    "step_of",
+    "usual_top_speed",
+    "velocity_of",
+]
 
 CUTOFF: Final = 0.1
 """Corner of the low pass over the sampling frequency: 100 Hz where 1 kHz was sampled."""
@@ -20,6 +29,10 @@ PADDED: Final = 10.0
 MOST_PIECES: Final = 1000
 SHORTEST: Final = 30
 """Samples that a piece needs to be filtered; the ends of a shorter one would be all of it."""
+USUAL: Final = 98.0
+"""Percentile of speeds that counts as the largest: beyond it are outliers."""
+QUARTILE: Final = 0.6745
+"""Median size of a normal variable over its standard deviation."""
 NEAR: Final = 20.0
 """Distances of levels over their step that are looked at first."""
 FEWEST_LEVELS: Final = 20
@@ -239,7 +252,28 @@ def _whole(ratio: Array) -> bool:
     return bool(np.mean(np.abs(ratio - np.rint(ratio)) < 0.1) >= 0.98)
 
 
-def noise_of(values: Array, step: float = 0.0) -> float:
+def usual_top_speed(velocity: Array) -> float:
+    """Return the speed that all but the fastest 2 % of samples stay below.
+
+    Parameters
+    ----------
+    velocity : array (n,)
+        Velocities [m/s], or any other values that a single outlier should not scale.
+
+    Returns
+    -------
+    float
+        The 98th percentile of their sizes [m/s].
+
+    Examples
+    --------
+    >>> usual_top_speed(np.linspace(-1.0, 1.0, 201)), usual_top_speed(np.array([-0.5, 0.5]))
+    (0.98, 0.5)
+    """
+    return float(np.percentile(np.abs(velocity), USUAL))
+
+
+def noise_of(values: Array, step: float = 0.0, order: int = 3) -> float:
     """Return the standard deviation of the noise of samples, from what no smooth motion explains.
 
     Parameters
@@ -248,18 +282,24 @@ def noise_of(values: Array, step: float = 0.0) -> float:
         Evenly spaced samples.
     step : float
         Step in which they come; its rounding is the least noise.
+    order : int
+        Order of the differences: higher ones show less of a motion with few samples in a period,
+        and of noise as much.
 
     Returns
     -------
     float
-        From the median size of third differences, which single jumps do not move.
+        From the median size of third differences, or of those of another order, which single jumps
+        do not move.
 
     Examples
     --------
     >>> noise_of(np.arange(10.0)), round(noise_of(np.arange(10.0), step=1.0), 3)
     (0.0, 0.289)
     """
-    third = np.diff(values, 3)
-    spread = float(np.median(np.abs(third))) / 0.6745 / np.sqrt(20.0) if third.size else 0.0
+    differences = np.diff(values, order)
+    growth = math.sqrt(math.comb(2 * order, order))  # of white noise: its weights are binomials
+    middle = float(np.median(np.abs(differences))) if differences.size else 0.0
+    spread = middle / QUARTILE / growth
     rounding = 1e-15 * float(np.abs(values).max())  # what differences of floats leave
     return max(spread if spread > 20 * rounding else 0.0, step / float(np.sqrt(12.0)))

@@ -10,10 +10,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import AT_UNIT_LOAD, LawEstimates, Levels, Rig
 from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
-from stickslip.formatting import (
-    parameter_words,
-    printable,
-)
+from stickslip.formatting import parameter_words, printable
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, turned

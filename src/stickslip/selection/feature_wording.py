@@ -26,13 +26,14 @@ from stickslip.identification import (
 from stickslip.selection.feature_verdict import FeatureCandidate, OtherSpeed
 from stickslip.selection.verdict import Wording, score_text
 from stickslip.selection.wording import (
-    CORRECT_FIRST,
     NOT_DISTINGUISHED,
     ONE_LAW,
     UNMEASURED,
+    corrections,
     friction_of,
     held_out_text,
     in_sentence,
+    longer,
     not_distinguished,
     to_predict,
 )
@@ -243,8 +244,7 @@ def _measure_next(
         )
     if features.drifts:
         lines.append("Repeat the pull after further passes, until the mean no longer drifts.")
-    warned = [one.sentence for one in checks.findings if one.severity == "warning"]
-    lines += [f"{CORRECT_FIRST}{line}" for line in warned[:1] if "drift" not in line]
+    lines += [*corrections(checks, but=("drift",)), *longer(checks)]
     if not lines:
         lines.append("Repeat the pull at another speed and at another position on the track.")
     return tuple(lines[:MOST])

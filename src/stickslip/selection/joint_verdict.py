@@ -15,7 +15,7 @@ from stickslip.identification import RecordSettings
 from stickslip.selection.cross_validation import CrossValidatedVerdict, Plan
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.verdict import Wording, score_scale, score_text
-from stickslip.selection.wording import CORRECT_FIRST, in_sentence
+from stickslip.selection.wording import corrections, in_sentence, longer
 
 __all__ = ["JointVerdict", "combination_of", "joint_label", "joint_wording", "short_verdict"]
 
@@ -216,9 +216,11 @@ def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, .
 
 
 def _next(verdicts: Mapping[str, RecordVerdict], checks: Checks) -> tuple[str, ...]:
-    warned = [one.sentence for one in checks.findings if one.severity == "warning"]
-    first = tuple(f"{CORRECT_FIRST}{line}" for line in warned[:1])
-    return (*first, *_spread(verdicts, lambda words: words.measure_next))[:MOST]
+    return (
+        *corrections(checks),
+        *longer(checks),
+        *_spread(verdicts, lambda words: words.measure_next),
+    )[:MOST]
 
 
 def joint_label(name: str) -> str:

@@ -10,7 +10,7 @@ from stickslip.formatting import Scale, capital, joined, quantity, ratio, signif
 from stickslip.identification import RateStateFit
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate
 from stickslip.selection.verdict import Wording, score_text
-from stickslip.selection.wording import ONE_LAW
+from stickslip.selection.wording import ONE_LAW, corrections
 
 __all__ = ["outcomes", "rate_state_wording", "score_of"]
 
@@ -30,8 +30,6 @@ LAWS = {
 }
 """The laws within a sentence."""
 PLAIN = Scale(1.0, "")
-STEPS = ("effective size", "drift")
-"""Findings that velocity steps bring with them."""
 DISTANCE = "friction.critical_distance"
 
 
@@ -281,9 +279,7 @@ def _measure_next(
         )
     if fit.drift:
         lines.append("A longer way before the first step, until friction no longer drifts.")
-    warned = [one.sentence for one in checks.findings if one.severity == "warning"
-              and one.kind not in STEPS]  # fmt: skip
-    lines += [f"First mend the record: {line}" for line in warned[:1]]
+    lines += corrections(checks, but=("drift",))  # velocity steps bring drifts with them
     if not lines:
         lines.append("Steps to speeds beyond these, and at another load.")
     return tuple(lines[:MOST])

@@ -27,12 +27,13 @@ from stickslip.selection.limits import limit_of
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
 from stickslip.selection.wording import (
-    CORRECT_FIRST,
     NOT_DISTINGUISHED,
     UNMEASURED,
+    corrections,
     friction_of,
     held_out_text,
     in_sentence,
+    longer,
     not_distinguished,
     on_second_record,
     to_predict,
@@ -437,8 +438,7 @@ def _measure_next(
     on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
-    warned = [f.sentence for f in checks.findings if f.severity == "warning"]
-    lines = [f"{CORRECT_FIRST}{line}" for line in warned[:1]]
+    lines = list(corrections(checks))
     if fault:
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
@@ -448,6 +448,7 @@ def _measure_next(
         observed, readings = one.readings()
         said = ", ".join(f"{titles.get(name, name)} {text}" for name, text in readings.items())
         lines.append(f"{one.what} Predicted {observed}: {said}.")
+    lines += longer(checks)
     if any(f.kind == "drift" for f in checks.findings):
         lines.append(
             "Repeat this record after an hour of running, to separate warm-up effects from the"

@@ -1,18 +1,21 @@
 """Phrases that the verdicts of all routes share, so that one thing is said in one way."""
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Collection, Sequence
 
-from stickslip.formatting import Scale, joined, with_unit
+from stickslip.experiments import Checks
+from stickslip.formatting import Scale, joined, number, with_unit
 from stickslip.selection.verdict import score_text
 
 __all__ = [
-    "CORRECT_FIRST",
     "NOT_DISTINGUISHED",
     "ONE_LAW",
     "UNMEASURED",
+    "corrections",
     "friction_of",
     "held_out_text",
     "in_sentence",
+    "longer",
     "not_distinguished",
     "on_second_record",
     "to_predict",
@@ -24,12 +27,62 @@ NAMES = ("Coulomb", "Dahl", "LuGre", "Stribeck")
 """How titles begin that are names."""
 NOT_DISTINGUISHED = "not distinguished"
 """Outcome of a candidate as good as the chosen one."""
-CORRECT_FIRST = "First correct the record: "
-"""Before the sentence of a warning about the record."""
 ONE_LAW = "No ranking: one law was tried."
 """Where the candidates would be ranked."""
 UNMEASURED = "Friction at speeds, loads and temperatures outside those measured."
 """What no verdict can tell."""
+TOO_SHORT = "effective size"
+"""Kind of a finding that a longer record answers; no correction does."""
+
+
+def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]:
+    """Return what to correct in a record before anything else is measured, if it was warned of.
+
+    Parameters
+    ----------
+    checks : Checks
+        Findings about the record.
+    but : collection of str
+        Kinds of findings that are answered otherwise.
+
+    Returns
+    -------
+    tuple of str
+        The first warning, or nothing.
+
+    Examples
+    --------
+    >>> from stickslip.experiments import Finding
+    >>> gap = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", severity="warning")
+    >>> corrections(Checks(findings=(gap,)))
+    ('First correct the record: Gap of 0.3 s after 12.5 s.',)
+    """
+    warned = (
+        one.sentence
+        for one in checks.findings
+        if one.severity == "warning" and one.kind not in (TOO_SHORT, *but)
+    )
+    return tuple(f"First correct the record: {line}" for line in itertools.islice(warned, 1))
+
+
+def longer(checks: Checks) -> tuple[str, ...]:
+    """Return that a longer record is needed, if the samples are too few independent ones.
+
+    Examples
+    --------
+    >>> from stickslip.experiments import Finding
+    >>> numbers = {"samples": 3600, "independent": 17.2}
+    >>> few = Finding(kind="effective size", sentence="", severity="warning", numbers=numbers)
+    >>> longer(Checks(findings=(few,)))
+    ('Record for longer: the effective sample size is 17 of 3,600 samples.',)
+    """
+    short = (one for one in checks.of(TOO_SHORT) if one.severity == "warning")
+    return tuple(
+        "Record for longer: the effective sample size"
+        f"{f' of {one.record}' if one.record else ''} is {number(one.numbers['independent'], 2)}"
+        f" of {number(one.numbers['samples'], 9)} samples."
+        for one in itertools.islice(short, 1)
+    )
 
 
 def in_sentence(title: str) -> str:

@@ -283,8 +283,9 @@ def cause_of_small_steps(
         if _has_negative_mass(model, record):
             return (
                 f"{where} The mass matrix is not positive definite there: some motion would have a"
-                " negative kinetic energy. Check the moments of inertia: that of a link about its"
-                " joint is at least its mass times the square of the distance of its centre."
+                " negative kinetic energy. Check masses and moments of inertia; for a link, the"
+                " moment about its joint is at least its mass times the square of the distance of"
+                " its centre."
             )
         return f"{where} Rates of states there are no finite numbers: check large and small values."
     scale = quantity(fastest.time_scale, "s", 2)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, noise_of, step_of
+from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
 from stickslip.formatting import joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
@@ -43,7 +43,9 @@ BENDING = 0.3
 """Half the length of the parabolas that give velocities, over the mean period per radian, at most:
 they take 1 % off the speed of a sine."""
 PAUSE = 9
-"""Samples of the shortest rest."""
+"""Sampling intervals of the shortest rest, which has one sample more."""
+GROWTH = 1.2
+"""Factor between the lengths of parabolas that are tried for velocities."""
 SEGMENTS = 40
 """Segments of a record where no length is given."""
 BUTTERWORTH = 4
@@ -417,8 +419,8 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     known, t = record.quantities(), time[rows]
     if "velocity" in known:
         velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
-        doubt = _noise(velocity)
-        fast = float(np.percentile(np.abs(velocity), 98.0))
+        doubt = _noise_beside_motion(velocity)
+        fast = usual_top_speed(velocity)
     if "position" not in known:
         steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t)
         position = np.concatenate([[0.0], np.cumsum(steps)])
@@ -428,7 +430,7 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position)
-        fast = float(np.percentile(np.abs(velocity), 98.0))
+        fast = usual_top_speed(velocity)
     slowness = min(max(SLOW * fast, BEYOND * doubt), SLOWEST * fast)
     unsure = slowness if derived else min(BEYOND * doubt, slowness)
     velocity = _resolved(t, position, velocity, slowness, unsure)
@@ -447,12 +449,15 @@ def _resolved(
     slow beside the largest speed, and velocities are below `slowness` [m/s]. Velocities whose
     direction is not sure, below `unsure` [m/s], have that of the displacements before and after
     them; at reversals, where these differ, it is not known.
+
+    Inverse dynamics has a rule of its own (`filtered_motion`): its velocities are filtered, and its
+    rows see rests through a filter, whose memory decides which are too short to count.
     """
-    reach = reach_of(position, _noise(position, step_of(position)))
+    reach = reach_of(position, _noise_beside_motion(position, step_of(position)))
     moved, ways = _displacements(position, 2.0 * reach)
     number = np.searchsorted(moved, np.arange(len(time)), side="right")
     first, last = np.append(0, moved), np.append(moved, len(time)) - 1
-    fast = float(np.percentile(np.abs(velocity), 98.0))
+    fast = usual_top_speed(velocity)
     span = np.where(last - first >= PAUSE, time[last] - time[first], 0.0)
     resting = (CREEPING * fast * span > 2.0 * reach)[number] & (np.abs(velocity) <= slowness)
     if len(moved):
@@ -481,14 +486,9 @@ def reach_of(position: Array, noise: float) -> float:
     return max(BEYOND * noise, FINEST * float(np.ptp(position)))
 
 
-def _noise(values: Array, step: float = 0.0) -> float:
-    """Return the standard deviation of noise, which few samples in a period do not raise.
-
-    Sixth differences show less of a motion than third ones; of noise they show as much.
-    """
-    sixth = np.diff(values, 6)
-    spread = float(np.median(np.abs(sixth))) / 0.6745 / math.sqrt(924.0)
-    return max(min(noise_of(values), spread), step / math.sqrt(12.0))
+def _noise_beside_motion(values: Array, step: float = 0.0) -> float:
+    """Return the standard deviation of noise, which few samples in a period do not raise."""
+    return min(noise_of(values, step), noise_of(values, step, order=6))
 
 
 def _displacements(position: Array, least: float) -> tuple[NDArray[np.intp], Array]:
@@ -541,13 +541,13 @@ def _velocity(time: Array, position: Array) -> tuple[Array, float]:
     steps = round((time[-1] - time[0]) / float(np.median(np.diff(time))))
     even = np.linspace(time[0], time[-1], steps + 1)
     x, dt = np.interp(even, time, position), float(even[1] - even[0])
-    noise, half, most = _noise(x, step_of(position)), 0, max(steps // 2, 1)
+    noise, half, most = _noise_beside_motion(x, step_of(position)), 0, max(steps // 2, 1)
     while half < most:
-        half = min(max(half + 1, int(1.2 * half)), most)
+        half = min(max(half + 1, int(GROWTH * half)), most)
         v = (x[2 * half :] - x[: -2 * half]) / (2 * half * dt)  # in which noise shows least
         doubt = noise * math.sqrt(3.0 / (half * (half + 1) * (2 * half + 1))) / dt
         frequency = float(np.std(v)) / max(float(np.std(x)), 1e-300)
-        fast = float(np.percentile(np.abs(v), 98.0))
+        fast = usual_top_speed(v)
         if doubt <= QUIET * fast or (half + 1) * dt * frequency > BENDING:
             break
     slope = savgol_filter(x, 2 * half + 1, 2, deriv=1, delta=dt)

@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement, between_gaps, noise_of, step_of
+from stickslip.experiments import (
+    Measurement,
+    between_gaps,
+    noise_of,
+    step_of,
+    usual_top_speed,
+)
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
@@ -300,10 +306,12 @@ def second_differences(x: Array, dt: float) -> Array:
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
-def _noise(x: Array) -> float:
+def _positive_noise(x: Array) -> float:
     """Return the standard deviation of white noise of positions (n,); at least their rounding.
 
     Between the steps of a coarse encoder most third differences are 0, and so would their median.
+    Third differences alone, unlike for the velocities of a force map: the shares of noise that the
+    filters leave (`LEAK`, `QUIET`) were chosen with them.
     """
     return max(noise_of(x, step_of(x)), 1e-12 * float(np.ptp(x)), 1e-150)
 
@@ -313,7 +321,7 @@ def mean_frequency(x: Array) -> float:
 
     That of the sine with the same mean squares of position, seen from its mean, and of steps.
     """
-    steps = float(np.var(np.diff(x))) - 2.0 * _noise(x) ** 2
+    steps = float(np.var(np.diff(x))) - 2.0 * _positive_noise(x) ** 2
     return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
 
 
@@ -324,7 +332,7 @@ def passed_by_balance(x: Array) -> float:
     least squares would find too small a mass. White noise s has accelerations of variance
     s^2 w^5 / (5 pi) up to w rad per sample.
     """
-    noise, spread, mean = _noise(x), float(np.std(x)), mean_frequency(x)
+    noise, spread, mean = _positive_noise(x), float(np.std(x)), mean_frequency(x)
     share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
@@ -336,8 +344,8 @@ def _passed_of_motion(x: Array, least: float) -> float:
 
     White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
     """
-    speed = float(np.percentile(np.abs(np.diff(x)), 98.0))
-    share = (3.0 * np.pi * (QUIET * speed / _noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
+    speed = usual_top_speed(np.diff(x))
+    share = (3.0 * np.pi * (QUIET * speed / _positive_noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 
@@ -389,10 +397,10 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     """
     x = smoothed(raw, _passed_of_motion(raw, passed))
     v = np.gradient(x, dt)
-    resting = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+    resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = reach_of(raw, _noise(raw))
+        reach = reach_of(raw, _positive_noise(raw))
         steps = np.diff(_followed(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
@@ -443,7 +451,7 @@ def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArra
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
     if slipping:
-        slow = np.abs(v) <= SLOW * float(np.percentile(np.abs(v), 98.0))
+        slow = np.abs(v) <= SLOW * usual_top_speed(v)
         sure = kept & (smoothed(slow.astype(float), passed) < UNSURE)
         kept = sure if np.sum(sure) > FEW_SLIPPING * np.sum(kept) else kept
     return kept

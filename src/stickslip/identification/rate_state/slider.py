@@ -121,7 +121,8 @@ def simulate_velocity_steps(
     InputError
         If the pull cannot be used.
     SimulationError
-        If the slider runs away, as it does on a spring softer than the critical stiffness.
+        If the slider runs away, as it does on a spring softer than the critical stiffness, or its
+        speed changes too fast to be followed.
 
     Examples
     --------
@@ -151,14 +152,17 @@ def simulate_velocity_steps(
         )
     logs = logarithms(law, stiffness, knots, speeds, times, tolerance)
     if logs is None:
+        k, critical = number(stiffness), number(max(law.critical_stiffness, 0.0))
         if stiffness > law.critical_stiffness:
             raise SimulationError(
-                "the equations of the slider are too stiff: with so small a direct effect,"
-                f" {law.direct_effect:g}, its speed follows that of the load point at once."
+                "the speed of the slider changes too fast to be followed, with a direct effect (a)"
+                f" of {number(law.direct_effect)} and a stiffness (k) of {k} 1/m. Give a larger a;"
+                " or, where k is little above the critical stiffness and a large step makes the"
+                f" slider run away, a larger k (it must be above {critical} 1/m)."
             )
         raise SimulationError(
-            f"the slider runs away: its stiffness is {stiffness:g} 1/m, and steady sliding needs"
-            f" more than the critical one, {law.critical_stiffness:g} 1/m."
+            f"the slider runs away: its stiffness (k) is {k} 1/m, and steady sliding needs more"
+            f" than the critical one, {critical} 1/m."
         )
     w, s = logs.T
     a, b = law.direct_effect, law.evolution_effect

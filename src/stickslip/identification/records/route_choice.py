@@ -15,11 +15,7 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError, StickslipError, renamed
 from stickslip.experiments import Measurement
-from stickslip.formatting import (
-    number,
-    parameter_words,
-    percent,
-)
+from stickslip.formatting import number, parameter_words, percent
 from stickslip.friction import CoulombViscous
 from stickslip.identification.estimation.levenberg_marquardt import improve, search
 from stickslip.identification.records.fit import RecordFit, settled

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, usual_top_speed
 from stickslip.formatting import number
 from stickslip.friction import DirectionalLaw, FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
@@ -108,7 +108,7 @@ def scales_of(
     _check_signs(both, driven=driven(measurement))
     positions = [np.ptp(positions_of(record)) for record in measurement.records()]
     ahead = float(np.mean(both.velocity > 0.0))
-    speed = max(float(np.percentile(np.abs(both.velocity), 98.0)), 1e-12)
+    speed = max(usual_top_speed(both.velocity), 1e-12)
     return Scales(
         load=load_of(mechanism),
         level=_level(both["level"], size),

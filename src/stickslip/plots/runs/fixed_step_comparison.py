@@ -65,7 +65,8 @@ def draw_fixed_steps(
         for axes in panels[len(fixed) :]:
             axes.set_visible(False)
         for axes in panels[max(len(fixed) - columns, 0) : len(fixed)]:
-            axes.set_xlabel(f"time after the {'end' if found is None else 'exact stop'}, ms")
+            origin = "end of the run" if found is None else "exact stop"
+            axes.set_xlabel(f"time from the {origin}, ms")
 
     return draw
 

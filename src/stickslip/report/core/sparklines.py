@@ -28,6 +28,7 @@ Colour: TypeAlias = Literal["c1", "c2", "c3", "c4", "data", "ink", "muted"]
 
 _NEAR_AN_END: Final = 4.0
 DIGITS_OF_A_FLOAT: Final = 15
+"""Significant digits that every float holds; ticks are never written with more."""
 UNSEEN: Final = 0.02
 """Share of the length of an axis by which the number of a tick may be off."""
 
@@ -289,7 +290,7 @@ class RowPlot:
 
 
 def _tick_texts(ticks: tuple[float, ...]) -> tuple[str, ...]:
-    """Return numbers with as many digits as tell them apart, three at least."""
+    """Return numbers with the fewest digits, three at least, that move no tick by `UNSEEN`."""
     near = UNSEEN * (max(ticks, default=0.0) - min(ticks, default=0.0))
     enough = (
         digits
@@ -306,6 +307,8 @@ def _percent(value: float) -> str:
 
 _WIDEST: Final = 20.0
 """Scores that span more than this many times have a logarithmic axis."""
+_SHORTEST: Final = 0.2
+"""Share of a score down to which its bar is drawn at most."""
 
 
 def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowPlot:
@@ -338,7 +341,7 @@ def error_plot(score: float, error: float, scale: Scale, colour: Colour) -> RowP
     marks = [Mark(kind="dot", at=at, colour=colour)]
     if math.isfinite(error):
         half = scale.factor * error
-        low = max(at - half, 0.2 * at)  # a bar has a place on a logarithmic axis
+        low = max(at - half, _SHORTEST * at)  # a bar has a place on a logarithmic axis
         marks.insert(0, Mark(kind="bar", at=low, to=at + half, colour=colour))
     return RowPlot(marks=tuple(marks))
 
@@ -366,6 +369,8 @@ def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = 
     (0.0, 2.5, 5.0)
     >>> error_axis([2e-3, 5e-3], Scale(1e3, "mm"), [1e-4, 3e-4]).ticks
     (0.0, 5.0, 10.0)
+    >>> error_axis([1e-4, 9e-3], Scale(1e3, "mm"), [0.0, 3e-3]).ticks
+    (0.1, 1.0, 10.0, 100.0)
     """
     known = [
         (scale.factor * one, scale.factor * half if math.isfinite(half) else 0.0)
@@ -375,13 +380,13 @@ def error_axis(errors: Iterable[float], scale: Scale, halves: Iterable[float] = 
     if len(known) < 2:
         return None
     scores = [one for one, _ in known]
-    low, high = min(scores), max(scores)
-    if high > _WIDEST * low:
-        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    end = max(one + half for one, half in known)
+    if max(scores) > _WIDEST * min(scores):
+        low = min(max(one - half, _SHORTEST * one) for one, half in known)
+        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(end)) + 1)
         ticks = tuple(10.0**power for power in powers)
         shown = ticks[:: 1 + len(ticks) // 6]
         return Axis(low=ticks[0], high=ticks[-1], ticks=shown, log=True, caption=ERRORS)
-    end = max(one + half for one, half in known)
     power = 10.0 ** math.floor(math.log10(end))
     top = next(step * power for step in (1, 2, 4, 5, 10) if step * power >= end)
     return Axis(low=0.0, high=top, ticks=(0.0, top / 2, top), caption=ERRORS)

@@ -1,11 +1,7 @@
 """The opening: the verdict, the law with its numbers, and what one would quote."""
 
 from stickslip import formatting
-from stickslip.formatting import (
-    number,
-    parameter_words,
-    with_unit,
-)
+from stickslip.formatting import number, parameter_words, with_unit
 from stickslip.identification import FeatureFit, StickSlipFeatures
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import Fact

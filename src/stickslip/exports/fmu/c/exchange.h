@@ -9,7 +9,7 @@
 
 #include "instance.h"
 
-#define MOST_FALLS 1000
+#define MOST_FALLS 1000 /* changes at one instant, after which there is no end of them */
 #define NEARLY 1e-9 /* share of the time at which a piece of the drives has begun */
 
 /* Put time and inputs where the equations read them. */
@@ -143,10 +143,15 @@ static enum outcome updated(struct instance *self, bool *changed) {
     }
     core->has_jumped = false;
     const double end = fmax(core->horizon, core->w[AT_TIME] + 1e-3 * DEFAULT_STOP);
-    for (int i = 0; i < MOST_FALLS && is_running(core); i++) {
+    for (int i = 0; is_running(core); i++) {
         forget(core);
         if (!ask(core, LOOK, 0, end, core->w, core->whole)) {
             break;
+        }
+        if (i == MOST_FALLS) {
+            say(self, LEVEL_ERROR, "t = %.9g s: modes change without end at one instant.",
+                core->time);
+            return HAS_FAILED;
         }
     }
     forget(core);
@@ -291,6 +296,9 @@ static bool nominals_got(struct instance *self, double *values, size_t n) {
 
 #define LEVELS 12
 #define ROUNDED 1e-15 /* of a value that is worked out */
+/* Size of an input at least, in its SI unit. Inputs have no nominal value, and one at 0 tells nothing
+ * of its size; most enter the accelerations linearly, so that any distance will do. */
+#define SIZE_OF_INPUT 1.0
 #define WIDEST 0.1 /* first difference over the size of what is varied */
 #define NARROWER 3.0
 
@@ -344,7 +352,8 @@ static double extrapolated(struct instance *self, const struct line *line,
     }
     for (int i = 0; i < N_INPUTS; i++) {
         if (line->along_inputs[i] != 0.0) {
-            widest = fmin(widest, fmax(fabs(line->inputs[i]), 1.0) / fabs(line->along_inputs[i]));
+            widest = fmin(widest, fmax(fabs(line->inputs[i]), SIZE_OF_INPUT)
+                                      / fabs(line->along_inputs[i]));
         }
     }
     if (isinf(widest)) {
@@ -400,6 +409,8 @@ static bool has_point(struct instance *self) {
         say(self, LEVEL_ERROR, core->phase == STEPPING
             ? "The state that was brought back has taken no step: directional derivatives are known"
               " after the first one."
+            : core->phase == TERMINATED
+            ? "The simulation was terminated: directional derivatives are known before its end only."
             : "Directional derivatives are known from the end of initialization on.");
         return false;
     }
@@ -421,9 +432,12 @@ static bool directional(struct instance *self, const uint32_t *unknowns, size_t 
     }
     for (size_t k = 0; k < m; k++) {
         const struct variable *known = variable_of(self, knowns[k], false);
-        if (!known || (known->role != STATE && known->role != INPUT)) {
-            say(self, LEVEL_ERROR, "%s is no state and no input, along which derivatives are known.",
-                known ? known->name : "It");
+        if (!known) {
+            return false; /* with a message */
+        }
+        if (known->role != STATE && known->role != INPUT) {
+            say(self, LEVEL_ERROR, "%s is neither a state nor an input; directional derivatives are"
+                " known along these only.", known->name);
             return false;
         }
         if (known->role == STATE) {
@@ -445,7 +459,10 @@ static bool directional(struct instance *self, const uint32_t *unknowns, size_t 
     memcpy(rates, self->w + AT_STAGES, sizeof rates);
     for (size_t k = 0; k < n; k++) {
         const struct variable *unknown = variable_of(self, unknowns[k], false);
-        switch (unknown ? unknown->role : INDEPENDENT) {
+        if (!unknown) {
+            return false; /* with a message */
+        }
+        switch (unknown->role) {
         case STATE:
             found[k] = line.along_states[unknown->index];
             break;
@@ -457,8 +474,7 @@ static bool directional(struct instance *self, const uint32_t *unknowns, size_t 
             found[k] = extrapolated(self, &line, unknown);
             break;
         default:
-            say(self, LEVEL_ERROR, "%s has no directional derivative.",
-                unknown ? unknown->name : "It");
+            say(self, LEVEL_ERROR, "%s has no directional derivative.", unknown->name);
             return false;
         }
     }
