@@ -221,11 +221,50 @@ def random_case(one, random):
     return one(**values), laws, v, kinetic, static
 
 
+@dataclass(frozen=True, kw_only=True)
+class Geared(Plain):
+    """Three inertias on the ground, and two clutches whose slips follow: factors are parameters."""
+
+    name: ClassVar[str] = "geared"
+    coordinates: ClassVar[tuple[str, ...]] = ("x0", "x1", "x2")
+    rates: ClassVar[tuple[str, ...]] = ("v0", "v1", "v2")
+    units: ClassVar[tuple[str, ...]] = ("rad",) * 3
+    r: Annotated[float, Quantity("r", "1")] = 1.0
+    s: Annotated[float, Quantity("s", "1")] = 2.0
+    T0: Annotated[float, Quantity("T_0", "N m")] = 0.0
+    T1: Annotated[float, Quantity("T_1", "N m")] = 0.0
+    T2: Annotated[float, Quantity("T_2", "N m")] = 0.0
+    R0: Annotated[float, Quantity("R_0", "N m/s")] = 0.0
+    R1: Annotated[float, Quantity("R_1", "N m/s")] = 0.0
+    R2: Annotated[float, Quantity("R_2", "N m/s")] = 0.0
+
+    def kinetic_energy(self, q, q_dot):
+        return sum((0.5 * (1 + i) * q_dot[f"x{i}"] * q_dot[f"x{i}"] for i in range(3)), 0.0)
+
+    def potential_energy(self, t, q):
+        return 0.0
+
+    def forces(self, t, q, q_dot, drives):
+        return {f"x{i}": getattr(self, f"T{i}") + getattr(self, f"R{i}") * t for i in range(3)}
+
+    def contacts(self):
+        return (
+            *(Contact(name=f"c{i}", slip=f"x{i}", load=1.0) for i in range(3)),
+            Contact(name="c3", slip={"x0": 1.0, "x1": -1.0, "x2": 1.0}, load=1.0),
+            Contact(name="c4", slip={"x0": 1.0, "x1": -self.r, "x2": self.s}, load=1.0),
+        )
+
+    def rows(self):
+        """Return the factors of the coordinates in each slip."""
+        return np.array([*np.eye(3), [1.0, -1.0, 1.0], [1.0, -self.r, self.s]])
+
+
 __all__ = [
     "BRACED",
     "GROUNDED",
     "SQUARE",
     "TRIANGLE",
+    "Geared",
     "Grounded",
     "Triangle",
     "decided",

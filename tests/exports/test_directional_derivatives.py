@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.exports.fmus import BLOCK, CAPSULE, COULOMB, LUGRE, STRIBECK, Slave, made, need_tools
+from tests.loop_cases import TRIANGLE, rotors
 from tests.support import SEVERAL
 
 from stickslip import Axis, Stribeck
@@ -18,6 +19,7 @@ AGREES = 1e-6
 """
 STEP = 1e-4
 """Distance of the differences over the size of what is varied."""
+PAIR = rotors(2, ((0, -1), (1, -1), (0, 1)))(spring=1.0)
 PAIRS: dict[str, Any] = {
     "slip": ((BLOCK, COULOMB), {"x": 0.03, "v": 0.2}, {}),
     "rest": ((BLOCK, STRIBECK), {"x": 0.0999, "v": 0.0}, {}),
@@ -29,6 +31,13 @@ PAIRS: dict[str, Any] = {
         (SEVERAL["two-feet"], STRIBECK), {"v": -0.03}, {"inputs": ["drive"]},
     ),
     "held shafts": ((SEVERAL["clutch-train"], COULOMB), {}, {}),
+    # of two that slip on the ground, one follows the other: they hold each other
+    "a follower": (
+        (PAIR, dict.fromkeys(("c0", "c1", "c2"), STRIBECK)), {"v0": 0.1, "v1": 0.1}, {},
+    ),
+    "held shafts in a loop": (
+        (TRIANGLE(T0=0.3), dict.fromkeys(("c0", "c1", "c2"), STRIBECK)), {}, {},
+    ),
 }  # fmt: skip
 FEW = ("bristles", "reactions and an input")
 """Each FMU takes a second to make; these have all kinds of unknowns and both versions."""

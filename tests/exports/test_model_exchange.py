@@ -24,6 +24,7 @@ from tests.exports.fmus import (
     made,
     need_tools,
 )
+from tests.loop_cases import TRIANGLE, rotors
 from tests.support import SEVERAL, SHOWN
 
 from stickslip import Axis, Coulomb, PendulumCart, load_rig, simulate
@@ -31,6 +32,7 @@ from stickslip.drives import PiecewiseAffine, Square
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.formulation import formulate
 from stickslip.mechanisms import Mechanism, Torque
+from stickslip.simulation import check_pair
 
 SOLVER = 1e-9
 """Tolerance of a step of the importer's solver, CVode."""
@@ -155,6 +157,69 @@ def test_parameters_and_starts_can_be_set_before(block, kind):
     )
     run = simulate(dataclasses.replace(BLOCK, mass=2.0), COULOMB, t_end=END, y0={"v": 0.3})
     np.testing.assert_allclose(found["x"][-1], run["x"][-1], rtol=1e-7)
+
+
+# --- loops of contacts, where slips follow from others and contacts let go along cuts
+
+CLUTCHES = {"c0": (1.4, 2.0), "c1": (2.6, 3.0), "c2": (1.3, 1.5)}
+LOOP_LAWS = {
+    name: Coulomb(kinetic_coefficient=a, static_coefficient=b) for name, (a, b) in CLUTCHES.items()
+}
+LOOPED = TRIANGLE(J0=1.0, J1=2.0, J2=3.0, T0=8.0, R0=-3.0, T1=-0.5, spring=60.0)
+MEETING: dict[str, float] = {"T0": 0.0, "R0": 6.0, "spring": 20.0, "v0": 1.0, "v1": -2.0}
+
+
+@pytest.fixture(scope="module")
+def loop(folder: Path) -> Path:
+    return made(folder, "loop", LOOPED, LOOP_LAWS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "changed"),
+    [
+        ({}, {("c0", 1), ("c0", 0), ("c0", -1), ("c2", 1), ("c2", 0), ("c2", -1)}),  # along a cut
+        (MEETING, {("c2", 0), ("c2", 1), ("c1", 0), ("c0", 0)}),  # c2 held while its parts slip
+    ],
+)
+def test_a_loop_of_contacts_lets_go_and_holds_as_in_the_engine(loop, folder, changes, changed):
+    y0 = {name: value for name, value in changes.items() if name.startswith("v")}
+    own = {name: value for name, value in changes.items() if name not in y0}
+    run = simulate(dataclasses.replace(LOOPED, **own), LOOP_LAWS, t_end=END, y0=y0)
+    assert {(e.contact, e.to_mode) for e in run.events} == changed
+    start = {**y0, **{f"mechanism.{name}": value for name, value in own.items()}}
+    found = exchanged(loop, output=[*run.states, "event_count"], start_values=start)
+    seen = run.at(np.minimum(found["time"], END))
+    slave, times = Slave(loop, folder).begin(start), [0.0, 0.31, 0.62, 1.1, END]
+    rows = slave.played(times, run.states)
+    for column, state in zip(rows.T, run.states, strict=True):
+        size = np.abs(seen[state]).max()
+        np.testing.assert_allclose(found[state] / size, seen[state] / size, rtol=0, atol=AGREES)
+        np.testing.assert_array_equal(column, run.at(np.array(times))[state])
+    assert found["event_count"][-1] == slave.whole("event_count") == len(run.events)
+    slave.close()
+
+
+def test_indicators_of_a_loop_are_named_by_directions_and_cuts(loop):
+    from fmpy import read_model_description
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(loop)) == []
+    known = read_model_description(str(loop))
+    names = [one.name for one in known.modelVariables if one.name.startswith("indicator.")]
+    pairs = ["slip_1", "slip_2", "slip_3", "slip_4", "cut_1", "cut_2", "cut_3"]
+    assert names[:14] == [f"indicator.{x}.{way}" for x in pairs for way in ("forward", "backward")]
+    assert len(names) == known.numberOfEventIndicators == 17
+
+
+def test_a_coordinate_that_follows_others_has_a_rate_that_depends_on_all_states():
+    pair = rotors(2, ((0, -1), (1, -1), (0, 1)))()  # not turned: each has a slip of its own
+    laws = check_pair(pair, COULOMB)
+    model = formulate(pair, laws)
+    found = variables_of(pair, laws, model, y0=[0.0] * 4, nominals=[1.0] * 4, inputs={})
+    places = {one.name: i for i, one in enumerate(found)}
+    every = tuple(places[state] for state in model.states)
+    for name in ("der(x0)", "der(x1)"):
+        assert found[places[name]].depends_on == every
 
 
 # --- parameters that are set while a simulation runs

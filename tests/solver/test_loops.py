@@ -12,6 +12,7 @@ from tests.loop_cases import (
     GROUNDED,
     SQUARE,
     TRIANGLE,
+    Geared,
     Grounded,
     Triangle,
     decided,
@@ -99,7 +100,7 @@ def test_three_clutches_slip_and_stick_one_by_one():
 
 
 def check_instants(one, count, seed, solver):
-    random = np.random.default_rng(seed)
+    random, compared = np.random.default_rng(seed), 0
     for _ in range(count):
         case, laws, v, kinetic, static = random_case(one, random)
         n = len(v)
@@ -113,6 +114,8 @@ def check_instants(one, count, seed, solver):
             np.testing.assert_allclose(found, known, atol=2e-12 * max(1.0, np.abs(known).max()))
             left = force - rows_of(one).T @ frictions(run, 5e-4) - mass @ found
             np.testing.assert_allclose(left, 0.0, atol=1e-9)
+            compared += 1
+    assert compared > 0.8 * count  # in few does anything happen within a millisecond
 
 
 @pytest.mark.parametrize("one", [TRIANGLE, SQUARE, BRACED, GROUNDED])
@@ -159,6 +162,50 @@ def test_motions_under_growing_torques_are_those_of_enumerated_modes(one):
 @pytest.mark.parametrize("one", [TRIANGLE, SQUARE, BRACED, GROUNDED])
 def test_two_hundred_random_motions(one):
     check_motions(one, 200, 4, COMPILED)
+
+
+def check_factors(r, s, count, seed):
+    random, compared = np.random.default_rng(seed), 0
+    for _ in range(count):
+        force, ramp = random.uniform(-4.0, 4.0, (2, 3))
+        kinetic = random.uniform(0.1, 1.2, 5)
+        static = kinetic * random.choice([1.0, 1.5], 5)
+        v = random.integers(-1, 2, 3) * float(random.random() < 0.6)
+        torques = {f"T{i}": float(x) for i, x in enumerate(force)}
+        torques |= {f"R{i}": float(x) for i, x in enumerate(ramp)}
+        case = Geared(r=r, s=s, **torques)
+        mass = np.diag([1.0, 2.0, 3.0])
+        events, end = motion(mass, force, ramp, case.rows(), v, kinetic, static, 2.0)
+        if events is None:  # changes too close for the reference
+            continue
+        laws = {
+            f"c{i}": coulomb(float(a), float(b))
+            for i, (a, b) in enumerate(zip(kinetic, static, strict=True))
+        }
+        y0 = {f"v{i}": float(x) for i, x in enumerate(v)}
+        run = simulate(case, laws, t_end=2.0, y0=y0, solver=PLAIN)
+        # rounding, of speeds of some rad/s over some events
+        np.testing.assert_allclose([run[f"v{i}"][-1] for i in range(3)], end, atol=1e-11)
+        changed = {(round(t, 6), c) for t, own in events for c in own}
+        assert {(round(e.t, 6), int(e.contact[1:])) for e in run.events} == changed
+        assert run.certificate.certified
+        compared += 1
+    assert compared > 0.8 * count
+
+
+FACTORS = [(1.3, 2.0), (1.0, 2.0), (1.0, 1.0), (2.0, 2.0), (0.0, 1.5), (1.5, 0.0)]
+"""In general, then where slips are parallel, or fewer coordinates than else have a part in one."""
+
+
+@pytest.mark.parametrize(("r", "s"), FACTORS)
+def test_loops_break_open_at_factors_at_which_slips_become_dependent(r, s):
+    check_factors(r, s, 3, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("r", "s"), FACTORS)
+def test_forty_motions_at_factors_at_which_slips_become_dependent(r, s):
+    check_factors(r, s, 40, 2)
 
 
 def test_the_order_of_contacts_changes_nothing():

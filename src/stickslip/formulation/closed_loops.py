@@ -7,7 +7,7 @@ that they would do in no such motion exceeds that of the levels of the contacts 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -60,11 +60,13 @@ def vanishes(e: se.Expr) -> bool:
     if se.expand(e) == 0:
         return True
     symbols = sorted(e.free_symbols, key=str)
+    return not any(abs(complex(e.subs(numbers))) > 1e-9 for numbers in _trials(symbols))
+
+
+def _trials(symbols: Sequence[se.Symbol]) -> Iterator[dict[se.Symbol, float]]:
+    """Yield two sets of values for parameters."""
     for seed in (0.7548776662, 0.5698402909):  # irrational, so that nothing cancels by chance
-        numbers = {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
-        if abs(complex(e.subs(numbers))) > 1e-9:
-            return False
-    return True
+        yield {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
 
 
 def loops_of(closing: Sequence[Row]) -> Loops | None:
@@ -89,16 +91,17 @@ def loops_of(closing: Sequence[Row]) -> Loops | None:
         rows = [*units, *(tuple(closing[d][k] for k in support) for d in own)]
         if math.comb(len(rows), s - 1) > MOST_TRIALS:
             return None
-        seen: set[tuple[bool, ...]] = set()
+        seen: dict[tuple[bool, ...], list[list[se.Expr]]] = {}
         for held in combinations(rows, s - 1):
             motion = _motion(held, s)
             if motion is None:
                 continue
             crossed = [_exact(_product(row, motion)) for row in rows]
-            pattern = tuple(e == 0 for e in crossed)
-            if pattern in seen:
+            same = seen.setdefault(tuple(e == 0 for e in crossed), [])
+            # multiples by what may be 0 at some values of the parameters are told apart
+            if any(_are_one(crossed, other) for other in same):
                 continue
-            seen.add(pattern)
+            same.append(crossed)
             cut, crossing = [ZERO] * n, [ZERO] * len(closing)
             for j, e in zip(support, crossed, strict=False):
                 cut[j] = e
@@ -129,28 +132,58 @@ def _product(row: Row, motion: Row) -> se.Expr:
     return sum((a * b for a, b in zip(row, motion, strict=True)), ZERO)
 
 
+def _are_one(crossed: Sequence[se.Expr], other: Sequence[se.Expr]) -> bool:
+    """Return whether a cut is a multiple of another, by the same factor for all parameters."""
+    first = next(j for j, e in enumerate(crossed) if e != 0)
+    symbols = sorted(crossed[first].free_symbols | other[first].free_symbols, key=str)
+    factors = []
+    for numbers in _trials(symbols):
+        a, b = (complex(one[first].subs(numbers)) for one in (crossed, other))
+        factors.append(a / b)
+    return abs(factors[0] - factors[1]) <= 1e-9 * abs(factors[0])
+
+
 def _exact(e: se.Expr) -> se.Expr:
     """Return an expression expanded, 0 where it vanishes."""
     return ZERO if vanishes(e) else se.expand(e)
 
 
 def _motion(held: Sequence[Row], s: int) -> Row | None:
-    """Return the motion in which some slips hold, None if there is more than one."""
-    found: dict[int, list[se.Expr]] = {}
-    for row in held:
-        rest = list(row)
-        for pivot, other in found.items():
-            weight = rest[pivot]
-            if weight != 0:
-                rest = [_exact(a - weight * b) for a, b in zip(rest, other, strict=True)]
-        pivot = next((j for j, e in enumerate(rest) if e != 0), -1)
-        if pivot < 0:
-            return None
-        own = [e / rest[pivot] for e in rest]
-        for place, other in found.items():
-            weight = other[pivot]
-            if weight != 0:
-                found[place] = [_exact(a - weight * b) for a, b in zip(other, own, strict=True)]
-        found[pivot] = own
-    free = next(j for j in range(s) if j not in found)
-    return tuple(se.Integer(1) if j == free else -found[j][free] for j in range(s))
+    """Return the motion in which some slips hold, None if there is more than one.
+
+    Its rates are the minors of the rows, by their columns: nothing is divided by. Where rows become
+    dependent at some values of the parameters, all rates are 0 there, and others have the cut. So
+    that cuts are fewer, a parameter that is a factor of all rates is left out.
+    """
+    minors: dict[tuple[int, ...], se.Expr] = {(): se.Integer(1)}
+    for row in sorted(held, key=lambda row: sum(e != 0 for e in row)):
+        larger: dict[tuple[int, ...], se.Expr] = {}
+        for columns, minor in minors.items():
+            for j, e in enumerate(row):
+                if e != 0 and j not in columns:
+                    place = sum(k < j for k in columns)
+                    sign = -1 if (len(columns) - place) % 2 else 1
+                    own = tuple(sorted((*columns, j)))
+                    larger[own] = larger.get(own, ZERO) + sign * minor * e
+        minors = {columns: e for columns, e in larger.items() if e != 0}
+    every = range(s)
+    rates = [_exact((-1) ** j * minors.get(tuple(k for k in every if k != j), ZERO)) for j in every]
+    for symbol in set[se.Symbol]().union(*(e.free_symbols for e in rates)):
+        while all(_has_factor(e, symbol) for e in rates if e != 0) and any(e != 0 for e in rates):
+            rates = [se.expand(e / symbol) for e in rates]
+    last = next((e for e in reversed(rates) if e != 0), None)
+    if last is None:
+        return None
+    unit = last if last.is_Number else se.Integer(1)
+    return tuple(e / unit for e in rates)
+
+
+def _has_factor(e: se.Expr, symbol: se.Symbol) -> bool:
+    """Return whether a parameter, or a power of it, is a factor of each term of an expanded sum."""
+    for term in e.args if e.is_Add else (e,):
+        factors = term.args if term.is_Mul else (term,)
+        bases = [f.args for f in factors if f.is_Pow and f.args[0] == symbol]
+        powers = [exponent for _, exponent in bases if exponent.is_Integer and exponent > 0]
+        if symbol not in factors and not powers:
+            return False
+    return True

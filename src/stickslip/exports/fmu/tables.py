@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from stickslip.exports.fmu.variables import Variable
 from stickslip.formulation import PAINLEVE, Model
 from stickslip.kernels import enums, exchange, state_layout
+from stickslip.kernels.contacts.guards import first_contact_guard
 from stickslip.kernels.equations import WALLS_OF
 from stickslip.kernels.reducers import happened
 from stickslip.solver import reasons, status_of
@@ -119,7 +120,7 @@ def _are_events(model: Model) -> Iterable[str]:
     """Yield whether the fall of each guard is an event: switches without a name are none."""
     names, header = reasons(model), list(model.sizes.header)
     for guard in range(model.sizes.guards):
-        if model.contacts and guard < 2 * model.sizes.coordinates:
+        if model.contacts and guard < first_contact_guard(header):
             yield "1"
         else:
             row = [0.0, 0.0, 0.0, float(guard), 0.0, 0.0, 0.0]

@@ -162,8 +162,11 @@ def variables_of(
     what = "Events so far: changes of mode and impacts"
     found.append(Variable(name="event_count", role="event_count", unit="1", description=what))
     n = len(mechanism.coordinates)
-    # rates of slips that are sums are set to 0 where they are held, and so change those of all
-    direct = 0 if model.sizes.header[state_layout.IS_TURNED] else n
+    # rates of slips that are sums are set to 0 where they are held, and so change those of all;
+    # in a loop, one rate follows from others
+    header = model.sizes.header
+    loops = header[state_layout.N_DIRECTIONS] > header[state_layout.N_COORDINATES]
+    direct = 0 if header[state_layout.IS_TURNED] or loops else n
     for index, state in enumerate(model.states):
         found.append(
             Variable(
@@ -176,7 +179,9 @@ def variables_of(
                 depends_on=(first_state + n + index,) if index < direct else every,
             )
         )
-    for index, (name, meaning) in enumerate(_guards(mechanism, model)):
+    guards = list(_guards(mechanism, model))
+    assert len(guards) == model.sizes.guards
+    for index, (name, meaning) in enumerate(guards):
         found.append(
             Variable(
                 name=f"indicator.{name}",
@@ -196,10 +201,16 @@ def _guards(mechanism: Mechanism, model: Model) -> Iterator[tuple[str, str]]:
     if header[state_layout.IS_TURNED]:
         names = [f"slip_{i + 1}" for i in range(len(names))]
     if model.contacts:
-        for name in names:
-            held = "margin to the static level where it is held"
+        held = "margin to the static level where it is held"
+        directions = header[state_layout.N_DIRECTIONS]
+        closing = [f"slip_{i + 1}" for i in range(len(names), directions)]
+        for name in (*names, *closing):
             yield f"{name}.forward", f"speed of {name} where it slips, {held}, forward"
             yield f"{name}.backward", f"{held}, backward"
+        for i in range(header[state_layout.N_PAIRS] - directions):
+            margin = "margin to the levels of all contacts that are held along the cut"
+            yield f"cut_{i + 1}.forward", f"{margin}, forward"
+            yield f"cut_{i + 1}.backward", f"{margin}, backward"
         for contact in model.contacts:
             for j in range(header[state_layout.LAW_SWITCHES]):
                 yield f"{contact}.switch_{j + 1}", f"a switch of the law of {contact}"

@@ -11,7 +11,12 @@ they share in proportion to their levels: they reach these together.
 
 from stickslip.kernels.backend import Vector, Wholes, rare
 from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.loops import cut_levels, find_followers, share_in_loops
+from stickslip.kernels.contacts.loops import (
+    cut_levels,
+    find_followers,
+    scale_cuts,
+    share_in_loops,
+)
 from stickslip.kernels.contacts.stops import raise_levels
 from stickslip.kernels.directions import slip_rate_along, spread
 from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
@@ -132,6 +137,7 @@ def prepare(t: float, w: Vector, whole: Wholes) -> None:
         evaluate(TURNING, 0, whole[FLAGS], t, w, whole[Y], whole[TURN])
     if whole[N_DIRECTIONS] > whole[N_COORDINATES]:
         evaluate(LOOPS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[LOOPS])
+        scale_cuts(w, whole)
     if whole[N_WALLS] > 0:
         evaluate(WALLS_OF, 0, whole[FLAGS], t, w, whole[Y], whole[WALLS])
     put_mass(t, w, whole, whole[Y])

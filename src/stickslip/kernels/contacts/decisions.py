@@ -138,7 +138,8 @@ def scale_of(w: Vector, whole: Wholes) -> float:
             scale = max(scale, level / w[whole[MASS] + i * n + i])
     for cut in range(whole[N_DIRECTIONS], whole[N_PAIRS]):
         level = max(w[whole[LEVELS] + 2 * cut], w[whole[LEVELS] + 2 * cut + 1])
-        scale = max(scale, level / mass_along(cut, w, whole))
+        if level > 0.0:  # one that is none at the values at hand has neither level nor inertia
+            scale = max(scale, level / mass_along(cut, w, whole))
     return scale
 
 

@@ -12,7 +12,7 @@ way elastically, at one deflection up to their level, and then no more.
 """
 
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.directions import combined, factor_of
+from stickslip.kernels.directions import combined, factor_of, size_along
 from stickslip.kernels.enums import FREE, HELD_FAST
 from stickslip.kernels.state_layout import (
     BORNE,
@@ -42,6 +42,7 @@ __all__ = [
     "is_bound",
     "mass_along",
     "project_mass",
+    "scale_cuts",
     "share_in_loops",
 ]
 
@@ -77,6 +78,39 @@ def crossing(cut: int, direction: int, w: Vector, whole: Wholes) -> float:
         return w[whole[LOOPS] + (cut - n) * n + direction]
     first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
     return w[first + (cut - directions) * (directions - n) + direction - n]
+
+
+@rare
+def scale_cuts(w: Vector, whole: Wholes) -> None:
+    """Divide the motion of each cut by its largest rate; at values where it is none, leave zeros.
+
+    Minors of rows have any size. Where rows are dependent at the values at hand, their minors are
+    0, and the loop breaks open along other cuts.
+
+    Reads: LOOPS.
+    Writes: LOOPS.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    n, directions = whole[N_COORDINATES], whole[N_DIRECTIONS]
+    first = whole[LOOPS] + (whole[N_PAIRS] - n) * n
+    for cut in range(directions, whole[N_PAIRS]):
+        row, crossed = whole[LOOPS] + (cut - n) * n, first + (cut - directions) * (directions - n)
+        largest = 0.0
+        for j in range(n):
+            largest = max(largest, abs(w[row + j]))
+        for j in range(n):
+            w[row + j] = w[row + j] / largest if abs(w[row + j]) > NOTHING * largest else 0.0
+        for d in range(directions - n):
+            if w[crossed + d] != 0.0:  # what no motion of the cut crosses stays 0
+                rate = combined(n + d, row, w, whole)
+                beyond = abs(rate) > NOTHING * size_along(n + d, row, w, whole)
+                w[crossed + d] = rate if beyond else 0.0
 
 
 def leave(to: int, d: int, w: Vector, whole: Wholes) -> None:
