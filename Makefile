@@ -77,9 +77,10 @@ golden: $(DEV) ## compare what thirteen rigs and data sets give with tests/golde
 slow: $(DEV) ## tests that take long, which `make test` leaves out, and all examples of random ones
 	HYPOTHESIS_PROFILE=thorough $(PYTEST) -m 'slow or hypothesis'
 
-fuzz: $(DEV) ## 40,000 random simulations, half of them of several contacts (two hours); tests run 250
+fuzz: $(DEV) ## 42,000 random simulations, half of them of several contacts (two hours); tests run 250
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 1 --processes $(WORKERS)
 	$(BIN)/python -m tests.properties.fuzzing --cases 20000 --seed 2 --several --tier compiled --structures 0 --steps 2000 --seconds 30 --tiers 100 --processes $(WORKERS)
+	$(BIN)/python -m tests.properties.fuzzing --cases 2000 --seed 3 --loops --tier compiled --structures 0 --steps 2000 --seconds 30 --processes $(WORKERS)
 
 format: $(DEV) ## format the code and apply safe fixes
 	$(BIN)/ruff check --fix-only .
