@@ -501,7 +501,13 @@ def test_what_loops_are_not_combined_with_is_refused_by_name():
         simulate(Standing(), LEVELS, t_end=1.0, solver=PLAIN)
     with pytest.raises(InputError, match=r"slips of c2 follow.*EventDriven"):
         simulate(R11, LEVELS, t_end=1.0, solver=FixedStep(dt=1e-3))
-    crowd = rotors(7, [(i, j) for i in range(7) for j in range(i)])
-    laws = {f"c{k}": coulomb(1.0) for k in range(21)}
-    with pytest.raises(InputError, match=r"in so many ways.*\(None\)"):
-        simulate(crowd(), laws, t_end=1.0, solver=PLAIN)
+    crowd = [(i, j) for i in range(7) for j in range(i)]
+    beside = rotors(10, [*crowd, (7, 8), (8, 9), (7, 9)])
+    laws = {f"c{k}": coulomb(1.0) for k in range(24)}
+    # 15 closing slips of 6 coordinates: 5 of 21 are held at a time; the triangle is small enough
+    with pytest.raises(
+        InputError, match=r"in so many ways.*20,349 sets.*at most 1,500.*\(None\)"
+    ) as caught:
+        simulate(beside(), laws, t_end=1.0, solver=PLAIN)
+    assert "c20" in str(caught.value)
+    assert "c23" not in str(caught.value)

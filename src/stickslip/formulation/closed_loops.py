@@ -13,7 +13,7 @@ from itertools import combinations
 
 import symengine as se
 
-__all__ = ["NO_LOOPS", "Loops", "loops_of", "vanishes"]
+__all__ = ["MOST_TRIALS", "NO_LOOPS", "Loops", "loops_of", "trials_of", "vanishes"]
 
 MOST_TRIALS = 1500
 """Most sets of held contacts that are tried for the cuts of one loop."""
@@ -69,6 +69,26 @@ def _trials(symbols: Sequence[se.Symbol]) -> Iterator[dict[se.Symbol, float]]:
         yield {symbol: 1.0 + (k * seed) % 1.0 for k, symbol in enumerate(symbols, 1)}
 
 
+def trials_of(closing: Sequence[Row]) -> list[tuple[list[int], int]]:
+    """Return how many sets of held contacts are tried for the cuts of each loop.
+
+    Parameters
+    ----------
+    closing : sequence of Row (m, n)
+        Factors of the coordinates in each closing slip.
+
+    Returns
+    -------
+    list of (list of int, int)
+        Indices of the closing slips of each loop, and the number of sets.
+    """
+    found = []
+    for own in _components(closing):
+        s = len({j for d in own for j, e in enumerate(closing[d]) if e != 0})
+        found.append((own, math.comb(s + len(own), s - 1)))
+    return found
+
+
 def loops_of(closing: Sequence[Row]) -> Loops | None:
     """Return the cuts of the loops that some slips close.
 
@@ -84,13 +104,13 @@ def loops_of(closing: Sequence[Row]) -> Loops | None:
     """
     cuts: list[Row] = []
     crossings: list[Row] = []
-    for own in _components(closing):
+    for own, trials in trials_of(closing):
+        if trials > MOST_TRIALS:
+            return None
         support = sorted({j for d in own for j, e in enumerate(closing[d]) if e != 0})
         n, s = len(closing[0]), len(support)
         units = [tuple(se.Integer(j == k) for k in support) for j in support]
         rows = [*units, *(tuple(closing[d][k] for k in support) for d in own)]
-        if math.comb(len(rows), s - 1) > MOST_TRIALS:
-            return None
         seen: dict[tuple[bool, ...], list[list[se.Expr]]] = {}
         for held in combinations(rows, s - 1):
             motion = _motion(held, s)

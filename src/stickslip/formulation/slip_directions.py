@@ -12,7 +12,14 @@ from dataclasses import dataclass
 import symengine as se
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formulation.closed_loops import NO_LOOPS, Loops, loops_of, vanishes
+from stickslip.formulation.closed_loops import (
+    MOST_TRIALS,
+    NO_LOOPS,
+    Loops,
+    loops_of,
+    trials_of,
+    vanishes,
+)
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 
@@ -175,12 +182,15 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
         found[replaced[-1]], echelon[replaced[-1]] = (row, name), free
     changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
     forward, backward = _change(changed, len(names))
-    loops = loops_of([_turned(row, backward, len(names)) for row, _ in closing])
+    turned = [_turned(row, backward, len(names)) for row, _ in closing]
+    loops = loops_of(turned)
     if loops is None:
+        own, trials = max(trials_of(turned), key=lambda pair: pair[1])
         raise InputError(
-            f"{owner}: the slips of {', '.join(name for _, name in closing)} follow from those of"
+            f"{owner}: the slips of {', '.join(closing[d][1] for d in own)} follow from those of"
             " others in so many ways that what all of them hold together cannot be worked out:"
-            " give some of them no law (None), or let their supports move by coordinates of their"
+            f" {trials:,} sets of held contacts would be tried, and at most {MOST_TRIALS:,} are."
+            " Give some of them no law (None), or let their supports move by coordinates of their"
             " own."
         )
     return SlipDirections(tuple(slips), tuple(factors), forward, backward, loops)

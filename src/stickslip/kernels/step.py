@@ -189,10 +189,12 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
 def first_coefficient(w: Vector) -> float:
     """Return the first coefficient of a guard that is not zero, of one that falls at once.
 
+    One that is zero throughout has none, and 0 is returned.
+
     Reads: POLYNOMIAL.
     """
     k = POLYNOMIAL
-    while w[k] == 0.0:
+    while w[k] == 0.0 and k < POLYNOMIAL + SERIES:
         k += 1
     return w[k]
 

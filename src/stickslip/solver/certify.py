@@ -51,6 +51,10 @@ ROUNDED = 2e-15
 """Share of the largest places by which a sum of them may change by rounding, within a row."""
 RESIDUAL_LIMIT = 1e-6
 """Events are located to rounding of the time; a steep guard at a late time leaves this much."""
+DEPENDENT = 1e-14
+"""Singular value of slip rows, over the largest and for each row, that is rounding."""
+SHARED = 1e-9
+"""Weight of a row in a sum that vanishes, of squares 1, below which it has no part in it."""
 
 
 def energy_limit_at(tolerance: float) -> float:
@@ -275,12 +279,12 @@ def _indeterminate(playback: Playback, w: Sequence[float]) -> tuple[tuple[str, .
 
 def _dependent(rows: NDArray[np.float64]) -> list[list[int]]:
     """Return the sets of rows in which each follows from others, those apart from each other."""
-    if len(rows) == 0 or np.linalg.matrix_rank(rows) == len(rows):
+    if len(rows) == 0:
         return []
     _, sizes, right = np.linalg.svd(rows.T)
-    rank = int((sizes > sizes[0] * len(rows) * 1e-14).sum())
+    rank = int((sizes > sizes[0] * len(rows) * DEPENDENT).sum())
     # weights with which rows add up to nothing; a row without one follows from no others
-    shared = np.abs(right[rank:].T @ right[rank:]) > 1e-9
+    shared = np.abs(right[rank:].T @ right[rank:]) > SHARED
     sets: list[list[int]] = []
     for k in range(len(rows)):
         if shared[k, k]:

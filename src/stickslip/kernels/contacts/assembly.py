@@ -376,10 +376,7 @@ def accelerate(w: Vector, whole: Wholes) -> None:
     for c in range(whole[N_CONTACTS]):
         own = w[whole[FRICTION_CONSTANT] + c] + w[whole[FRICTION_FACTOR] + c] * w[whole[LOAD] + c]
         w[friction + c] = own
-        if loops:
-            spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
-        else:
-            w[found + whole[whole[SLIPS] + c]] -= w[whole[SLIP_FACTORS] + c] * own
+        spread(whole[whole[SLIPS] + c], w[whole[SLIP_FACTORS] + c] * own, found, w, whole)
     for i in range(n):
         w[needed + i] = w[found + i]
     solve_free(w, whole, found)

@@ -67,6 +67,12 @@ from stickslip.kernels.state_layout import (
 
 __all__ = ["decide"]
 
+MOST_MOVES = 40
+"""Moves of a descent, and as many for each direction and cut: the function that is descended falls
+with each, so that no set of modes comes again but by rounding. Random loops of up to ten contacts
+took 0.38 at most. If moves run out, the modes at hand are taken: the guard of a level that they
+exceed falls at once, and all is decided again.
+"""
 WAITING = 1
 """A coordinate at rest that is to be decided."""
 BROKEN = 2
@@ -210,7 +216,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     n, modes, candidates = whole[N_COORDINATES], whole[MODES], whole[CANDIDATES]
     now, target = whole[REACHED_SO_FAR], whole[ACCELERATION]
     begun = False
-    for trial in range(40 + 40 * whole[N_PAIRS]):
+    for trial in range(MOST_MOVES * (1 + whole[N_PAIRS])):
         whole[PIVOTINGS] += 1
         if trial > 0 or not fresh:
             refresh(w[TIME], w, whole, whole[Y])
