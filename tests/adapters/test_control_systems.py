@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar
 import control
 import numpy as np
 import pytest
+from tests.solver.test_loops import Turned
 
 from stickslip import (
     Axis,
@@ -152,6 +153,24 @@ def test_slip_of_several_contacts_is_that_of_the_engine(case):
     )
     seen = run.at(t)
     assert not any(event.from_mode != event.to_mode for event in run.events)  # all slip
+    np.testing.assert_allclose(
+        found.outputs, [seen[name] for name in system.state_labels], rtol=1e-7, atol=1e-9
+    )
+
+
+def test_slips_of_a_loop_are_those_of_the_engine():
+    loop = Turned(J0=1.0, J1=2.0, J2=3.0)
+    laws = {f"c{i}": Coulomb(kinetic_coefficient=level) for i, level in enumerate((2.0, 3.0, 1.5))}
+    system = to_nonlinear_system(loop, laws, speed=1e-6)
+    t, start = np.linspace(0.0, 0.2, 11), {"v0": 6.0, "v1": 3.0}
+    push = Sampled(times=(0.0,), values=(1.5,))
+    run = simulate(dataclasses.replace(loop, torque=push), laws, t_end=0.2, y0=start)
+    assert not run.events  # all slip, the closing one too
+    begin = [run[name][0] for name in system.state_labels]
+    found = control.input_output_response(
+        system, t, np.full(11, 1.5), begin, solve_ivp_kwargs={"rtol": 1e-9, "atol": 1e-11}
+    )
+    seen = run.at(t)
     np.testing.assert_allclose(
         found.outputs, [seen[name] for name in system.state_labels], rtol=1e-7, atol=1e-9
     )

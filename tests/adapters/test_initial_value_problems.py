@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 import pytest
+from tests.loop_cases import TRIANGLE
 from tests.solver.test_slip_directions import Shafts, shafts
 
 from stickslip import (
@@ -112,6 +113,10 @@ FEET = TwoFeet(
     stiffness=50.0,
     drive=Sine(amplitude=9.0, frequency=1.0),
 )
+LOOPED = {
+    name: Coulomb(kinetic_coefficient=kinetic, static_coefficient=static)
+    for name, kinetic, static in (("c0", 1.4, 2.0), ("c1", 2.6, 3.0), ("c2", 1.3, 1.5))
+}
 SEVERAL = {
     "feet": (FEET, LEVELS, 1.0, {}),
     "another law on each": (FEET, {"front": COULOMB, "rear": BRISTLES}, 0.1, {"method": "Radau"}),
@@ -137,8 +142,15 @@ SEVERAL = {
         {},
     ),
     "slips that are sums": (CLUTCHES, PRESSED, 1.2, SPUN),
+    "a loop that breaks open along a cut": (
+        TRIANGLE(J1=2.0, J2=3.0, T0=8.0, R0=-3.0, T1=-0.5, spring=60.0), LOOPED, 2.0, {},
+    ),
+    "a loop whose closing contact holds": (
+        TRIANGLE(J1=2.0, J2=3.0, R0=6.0, T1=-0.5, spring=20.0), LOOPED, 2.0,
+        {"y0": {"v0": 1.0, "v1": -2.0}},
+    ),
     "a wall": (Ended(second=CLUTCHES.second, third=CLUTCHES.third), PRESSED, 0.92, SPUN),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", SEVERAL)
