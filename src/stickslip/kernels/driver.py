@@ -59,6 +59,8 @@ __all__ = [
     "turns_switch",
 ]
 
+MEMORY = 0.1
+"""Weight of the last time between events in their mean."""
 FEW_STALLS = 20
 """Events at one instant that several contacts may have, beside those of each contact and switch."""
 
@@ -113,12 +115,12 @@ def finish_step(
 ) -> None:
     """Book the step just taken and pass on to what follows it.
 
-    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, Y, Y1,
-    SCALE, VALUES, DENSE, REACHED, CHANGES, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS, STEPS,
-    EVENTS, STALLS, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
-    Writes: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, drives, Y, Y1, SCALE,
-    POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS, EVENTS,
-    STALLS, STEPPER, SLOW, ANSWER, CHANGED.
+    Reads: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST, RHYTHM,
+    Y, Y1, SCALE, VALUES, DENSE, REACHED, CHANGES, LOOPS, FOLLOWED, MODE, FLAGS, PIECE, STATUS,
+    STEPS, EVENTS, STALLS, BOOKS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: TIME, STEP, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, GROSS, LOST, RHYTHM, drives, Y, Y1,
+    SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, WALLS, MODE, FLAGS, PIECE, STATUS, STEPS,
+    EVENTS, STALLS, STEPPER, SLOW, ANSWER, CHANGED.
     """
     start = w[TIME]
     if w[FRACTION] > 0.0:
@@ -128,6 +130,8 @@ def finish_step(
     close_step(guard, stop, w, whole)
     if w[FRACTION] > 0.0:
         log[(whole[STEPS] - 1) * whole[ROW_COLUMNS] + 1] = w[TIME]
+        if whole[N_CONTACTS] > 0:
+            note_rhythm(guard, w[TIME] - start, w)
     if guard != NO_GUARD:
         change(guard, w, whole, events)
     if whole[STATUS] == RUNNING and w[TIME] >= t_end:
@@ -141,6 +145,18 @@ def finish_step(
         if not has_sizes(w, whole):
             give_sizes(t_end, w, whole)
         choose_stepper(next_stop(table, t_end, whole), w, whole)
+
+
+def note_rhythm(guard: int, taken: float, w: Vector) -> None:
+    """Follow the mean time between events with a step that has just been taken.
+
+    Reads: RHYTHM.
+    Writes: RHYTHM.
+    """
+    if guard == NO_GUARD or w[RHYTHM] == math.inf:
+        w[RHYTHM] = max(taken, w[RHYTHM]) if guard == NO_GUARD else taken
+    else:
+        w[RHYTHM] += MEMORY * (taken - w[RHYTHM])
 
 
 def most_stalls(whole: Wholes) -> int:

@@ -518,6 +518,7 @@ class ContactSizes(Sizes):
         yield at.KEPT, (0,) * n
         yield at.STRUCK, (0,) * n
         yield at.CLOSED, (0,) * c
+        yield at.ASKED, (0,) * c
         ends = accumulate(map(len, self.part_slopes), initial=0)
         yield at.PART_STARTS, tuple(ends)
         yield at.PART_ROWS, tuple(row for rows in self.part_slopes for row in rows)

@@ -306,7 +306,7 @@ def settle(w: Vector, whole: Wholes, events: Vector) -> None:
     if whole[HAS_BRISTLES] and abs(mode) == 1 and w[y + whole[SLIP]] == 0.0:
         if mode_from_rest(flags, w, whole) != mode:
             guard = STOP
-    else:
+    elif whole[CAN_LIFT] or abs(mode) != 1:
         guards(t, w, whole, y, values)
         if w[values + LIFT_OFF] < 0.0:
             guard = LIFT_OFF

@@ -452,7 +452,10 @@ BORNE = 141
 SHARES = 142
 REACHED_SO_FAR = 143
 
-HEADER = 144
+ASKED = 144
+"""Place in `whole` of the mode in which each contact's law was asked last."""
+
+HEADER = 145
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

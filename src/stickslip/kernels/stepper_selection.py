@@ -118,7 +118,7 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
     asked for only where nothing changes much.
 
-    Reads: TIME, Y, Y1, SCALE, MODE, FLAGS, SLOW.
+    Reads: TIME, Y, Y1, SCALE, MATRIX, MODE, FLAGS, STEPPER, SLOW.
     Writes: STEP, MATRIX, STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters
@@ -150,11 +150,14 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
 def damping_of(w: Vector, whole: Wholes) -> float:
     """Return the sum of all rates at which motions die away, less those at which others grow.
 
-    Reads: TIME, Y, MODE, FLAGS.
+    The series of one contact has the Jacobian at hand.
+
+    Reads: TIME, Y, MATRIX, MODE, FLAGS, STEPPER.
     Writes: MATRIX, ANSWER, CHANGED.
     """
     matrix, n = whole[MATRIX], whole[N_STATES]
-    jacobian(w[TIME], w, whole, whole[Y], matrix)
+    if whole[STEPPER] != EXACT or whole[N_CONTACTS] > 0:
+        jacobian(w[TIME], w, whole, whole[Y], matrix)
     damping = 0.0
     for i in range(n):
         damping -= w[matrix + i * n + i]

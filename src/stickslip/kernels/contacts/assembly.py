@@ -34,6 +34,7 @@ from stickslip.kernels.equations import (
 from stickslip.kernels.guard_roots import size_of_forces
 from stickslip.kernels.state_layout import (
     ACCELERATION,
+    ASKED,
     BORNE,
     BRISTLE_COUNTS,
     BRISTLE_RATES,
@@ -86,6 +87,7 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    TIME,
     TURN,
     WALLS,
     Y,
@@ -105,6 +107,7 @@ __all__ = [
     "put_loads",
     "put_mass",
     "put_motion",
+    "reconsider",
     "refactor",
     "refresh",
     "set_row",
@@ -298,11 +301,27 @@ def bends(contact: int, whole: Wholes) -> bool:
     return whole[whole[BRISTLES] + contact] >= 0 and (slips or not whole[whole[HOLDS] + contact])
 
 
-def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
+def ask_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write friction and levels of all contacts as constants and factors of their loads.
 
-    A contact that is pushed to its static level, in a decision, has that as its friction. Rates of
-    bristles are written too, with the loads at hand; those of open contacts rest.
+    Unless all is asked afresh, contacts keep what they had if their mode is as it was.
+
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
+    Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
+    BRISTLE_RATES, LAW_VALUES.
+    """
+    for c in range(whole[N_CONTACTS]):
+        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
+        if fresh or whole[whole[ASKED] + c] != mode:
+            whole[whole[ASKED] + c] = mode
+            ask_contact(c, mode, t, w, whole, at)
+
+
+def ask_contact(contact: int, mode: int, t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write friction and levels of a contact as constants and factors of its load.
+
+    One that is pushed to its static level, in a decision, has that as its friction. Rates of
+    bristles are written too, with the load at hand; those of open contacts rest.
 
     Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
     Writes: LAW_ROWS, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
@@ -310,46 +329,46 @@ def ask_laws(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """
     constant, factor = whole[FRICTION_CONSTANT], whole[FRICTION_FACTOR]
     values = whole[LAW_VALUES]
-    for c in range(whole[N_CONTACTS]):
-        w[constant + c] = 0.0
-        w[factor + c] = 0.0
-        w[whole[DAMPING] + c] = 0.0
-        levels = whole[LEVEL_CONSTANT] + 2 * c
-        level_factors = whole[LEVEL_FACTOR] + 2 * c
-        for k in range(2):
-            w[levels + k] = 0.0
-            w[level_factors + k] = 0.0
-        bristle = whole[whole[BRISTLES] + c]
-        if whole[whole[OPEN] + c]:
-            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
-                w[whole[BRISTLE_RATES] + bristle + k] = 0.0
-            continue
-        mode = whole[whole[MODES] + whole[whole[SLIPS] + c]]
-        side = side_of(c, w, whole, at)
-        ask_law(c, side, t, w, whole, at)
-        if bends(c, whole):
-            w[constant + c] = side * w[values]
-            w[factor + c] = side * w[values + 1]
-            for k in range(whole[whole[BRISTLE_COUNTS] + c]):
-                w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
-            continue
-        for k in range(whole[whole[BRISTLE_COUNTS] + c]):
+    levels = whole[LEVEL_CONSTANT] + 2 * contact
+    level_factors = whole[LEVEL_FACTOR] + 2 * contact
+    w[constant + contact] = 0.0
+    w[factor + contact] = 0.0
+    w[whole[DAMPING] + contact] = 0.0
+    for k in range(2):
+        w[levels + k] = 0.0
+        w[level_factors + k] = 0.0
+    bristle = whole[whole[BRISTLES] + contact]
+    if whole[whole[OPEN] + contact]:
+        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[whole[BRISTLE_RATES] + bristle + k] = 0.0
-        if mode in (FORWARD, BACKWARD):
-            w[constant + c] = side * w[values]
-            w[factor + c] = side * w[values + 1]
-            own = w[whole[SLIP_FACTORS] + c]
-            w[whole[DAMPING] + c] = own * own * (w[values + 4] + w[values + 5] * w[whole[LOAD] + c])
-        elif mode not in (HELD_FAST, FREE):
-            w[constant + c] = side * w[values + 2]
-            w[factor + c] = side * w[values + 3]
-        ahead = 0 if side > 0 else 1
-        w[levels + ahead] = w[values + 2]
-        w[level_factors + ahead] = w[values + 3]
-        if whole[whole[DIRECTIONAL] + c] and mode == HELD_FAST:
-            ask_law(c, -side, t, w, whole, at)
-        w[levels + 1 - ahead] = w[values + 2]
-        w[level_factors + 1 - ahead] = w[values + 3]
+        return
+    side = side_of(contact, w, whole, at)
+    ask_law(contact, side, t, w, whole, at)
+    if bends(contact, whole):
+        w[constant + contact] = side * w[values]
+        w[factor + contact] = side * w[values + 1]
+        for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
+            w[whole[BRISTLE_RATES] + bristle + k] = w[values + 7 + k]
+        return
+    for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
+        w[whole[BRISTLE_RATES] + bristle + k] = 0.0
+    if mode in (FORWARD, BACKWARD):
+        w[constant + contact] = side * w[values]
+        w[factor + contact] = side * w[values + 1]
+        own = w[whole[SLIP_FACTORS] + contact]
+        w[whole[DAMPING] + contact] = (
+            own * own * (w[values + 4] + w[values + 5] * w[whole[LOAD] + contact])
+        )
+    elif mode not in (HELD_FAST, FREE):
+        w[constant + contact] = side * w[values + 2]
+        w[factor + contact] = side * w[values + 3]
+    ahead = 0 if side > 0 else 1
+    w[levels + ahead] = w[values + 2]
+    w[level_factors + ahead] = w[values + 3]
+    if whole[whole[DIRECTIONAL] + contact] and mode == HELD_FAST:
+        ask_law(contact, -side, t, w, whole, at)
+    w[levels + 1 - ahead] = w[values + 2]
+    w[level_factors + 1 - ahead] = w[values + 3]
 
 
 def accelerate(w: Vector, whole: Wholes) -> None:
@@ -704,7 +723,8 @@ def refresh(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Factorise anew what is constant as long as no mode changes, and write all there is.
 
     Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
+    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
     Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
@@ -728,7 +748,8 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
     """Write everything at a state: accelerations, needed friction, levels, friction and loads.
 
     Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
+    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
     Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, PROJECTED, BORNE, SHARES.
@@ -750,13 +771,50 @@ def assemble(t: float, w: Vector, whole: Wholes, at: int) -> None:
         factorise(w, whole)
     if not whole[CONSTANT_LOADS]:
         evaluate(LOADS, 0, whole[FLAGS], t, w, at, whole[LOAD])
-    ask_laws(t, w, whole, at)
-    if whole[N_REACTIONS] > 0:
+    apply_laws(True, t, w, whole, at)
+
+
+def apply_laws(fresh: bool, t: float, w: Vector, whole: Wholes, at: int) -> None:
+    """Write friction and what follows from it, where forces, mass matrix and loads are at hand.
+
+    Reads: `at`, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS, CHOLESKY,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
+    FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT,
+    FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES,
+    REACTION_ROWS, BORNE, SHARES.
+    """
+    reacts = whole[N_REACTIONS] > 0
+    ask_laws(fresh or reacts, t, w, whole, at)
+    if reacts:
         react(w, whole)
         if whole[HAS_BRISTLES]:
-            ask_laws(t, w, whole, at)  # rates of bristles depend on the loads
+            ask_laws(True, t, w, whole, at)  # rates of bristles depend on the loads
     accelerate(w, whole)
     share(w, whole, at)
+
+
+def reconsider(w: Vector, whole: Wholes) -> None:
+    """Write everything anew at a state and a time at which only modes have changed since.
+
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
+    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    refactor(w, whole)
+    if not whole[CONSTANT_MASS]:
+        factorise(w, whole)
+    apply_laws(False, w[TIME], w, whole, whole[Y])
 
 
 def put_motion(w: Vector, whole: Wholes, at: int) -> None:

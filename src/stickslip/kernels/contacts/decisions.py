@@ -21,7 +21,7 @@ in which to let the worst violator slip at once, and then the next, gives anothe
 import math
 
 from stickslip.kernels.backend import Vector, Wholes, rare
-from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, refresh
+from stickslip.kernels.contacts.assembly import WITHIN, ask_law, blur, reconsider, refresh
 from stickslip.kernels.contacts.loops import (
     close_loops,
     crossing,
@@ -158,9 +158,10 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     violate their mode (Murty), which comes to an end for a matrix of this kind.
 
     Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
-    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
+    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
     PIVOTINGS, MODES, FOLLOWERS.
@@ -172,7 +173,7 @@ def boxed(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) ->
     for trial in range(20 + 20 * n):
         whole[PIVOTINGS] += 1
         if trial > 0 or not fresh:
-            refresh(w[TIME], w, whole, whole[Y])
+            reconsider(w, whole)
         if kinetic:
             kinetic_levels(w[TIME], w, whole)
         count, last = 0, -1
@@ -206,9 +207,10 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     has its least at the answer falls with each move, so that none comes again.
 
     Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
-    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
+    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
     PIVOTINGS, MODES, FOLLOWERS.
@@ -219,7 +221,7 @@ def descend(kinetic: bool, fresh: bool, scale: float, w: Vector, whole: Wholes) 
     for trial in range(MOST_MOVES * (1 + whole[N_PAIRS])):
         whole[PIVOTINGS] += 1
         if trial > 0 or not fresh:
-            refresh(w[TIME], w, whole, whole[Y])
+            reconsider(w, whole)
         share, turned = 1.0, -1
         for i in range(whole[N_DIRECTIONS]):
             mode = whole[modes + i]
@@ -291,9 +293,10 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
     one: nobody moves against its own friction.
 
     Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
-    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE,
-    REACHED_SO_FAR, FLAGS, PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR,
+    PIVOTINGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
     PIVOTINGS, MODES, CANDIDATES, FOLLOWERS.
@@ -317,7 +320,7 @@ def break_away(scale: float, w: Vector, whole: Wholes) -> bool:
                 else:
                     whole[modes + i] = HELD_FAST
     if not fresh:
-        refresh(w[TIME], w, whole, whole[Y])
+        reconsider(w, whole)
     for i in range(n):
         if whole[candidates + i] == BROKEN and whole[modes + i] != FREE:
             along = whole[modes + i] * combined(i, whole[ACCELERATION], w, whole)
@@ -345,19 +348,20 @@ def hold_still_ones(scale: float, w: Vector, whole: Wholes) -> bool:
     return found
 
 
-def one_by_one(t: float, w: Vector, whole: Wholes) -> None:
+def one_by_one(w: Vector, whole: Wholes) -> None:
     """Let the worst violator of the static levels slip with kinetic friction, then the next.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
+    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, CANDIDATES, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, FOLLOWERS.
     """
     modes, candidates = whole[MODES], whole[CANDIDATES]
     worst = 0
     while worst >= 0:
-        refresh(t, w, whole, whole[Y])
+        reconsider(w, whole)
         worst, excess = -1, WITHIN
         for i in range(whole[N_PAIRS]):
             waits = i >= whole[N_DIRECTIONS] or whole[candidates + i] == WAITING
@@ -388,13 +392,13 @@ def begin_decision(whole: Wholes) -> int:
     return waiting
 
 
-def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
+def is_ambiguous(w: Vector, whole: Wholes) -> bool:
     """Whether letting the worst violator slip first gives another answer than the one at hand.
 
-    Reads: FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY, LOAD,
-    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED,
-    FOLLOWERS.
-    Writes: PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    Reads: TIME, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, FORCE, MASS,
+    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
+    LOOPS, FOLLOWED, BORNE, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, FOLLOWERS.
+    Writes: PIVOT, LAW_ROWS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
     FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, MODES, CANDIDATES, KEPT,
     FOLLOWERS.
@@ -403,12 +407,12 @@ def is_ambiguous(t: float, w: Vector, whole: Wholes) -> bool:
     for i in range(n):
         whole[kept + i] = whole[modes + i]
     begin_decision(whole)
-    one_by_one(t, w, whole)
+    one_by_one(w, whole)
     differs = False
     for i in range(n):
         differs = differs or whole[modes + i] != whole[kept + i]
         whole[modes + i] = whole[kept + i]
-    refresh(t, w, whole, whole[Y])
+    reconsider(w, whole)
     return differs
 
 
@@ -421,8 +425,9 @@ def decide(w: Vector, whole: Wholes) -> bool:
     the time itself.
 
     Reads: TIME, LENGTH, FRICTIONLESS, Y, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, BOUNDS, REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, DECISIONS,
-    PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, FOLLOWERS.
+    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS,
+    REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, FLAGS, DECISIONS, PIVOTINGS, AMBIGUOUS,
+    MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, FOLLOWERS.
     Writes: TIME, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
     LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, BOUNDS, REACTION_ROWS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR,
@@ -460,13 +465,13 @@ def decide(w: Vector, whole: Wholes) -> bool:
                 whole[whole[MODES] + i] = HELD_FAST
         solved = boxed(True, False, scale, w, whole)
         if whole[N_DIRECTIONS] > whole[N_COORDINATES] and hold_still_ones(scale, w, whole):
-            refresh(t, w, whole, whole[Y])
+            reconsider(w, whole)
     moved = 0
     for i in range(whole[N_DIRECTIONS]):
         if whole[whole[CANDIDATES] + i] != 0 and whole[whole[MODES] + i] != HELD_FAST:
             moved += 1
     coupled = not whole[DIAGONAL] or whole[N_REACTIONS] > 0  # else each is decided by itself
-    if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(t, w, whole):
+    if coupled and solved and waiting > 1 and moved > 0 and is_ambiguous(w, whole):
         whole[AMBIGUOUS] += 1
     if t > now:
         w[TIME] = now
