@@ -36,8 +36,11 @@ from stickslip.drives import Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.friction import LAWS, Laws, assigned
-from stickslip.kernels import enums
-from stickslip.kernels.contacts.assembly import determinant
+from stickslip.kernels import driver, enums, step
+from stickslip.kernels import state_layout as layout
+from stickslip.kernels.contacts import decisions
+from stickslip.kernels.contacts.assembly import determinant, refresh
+from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
 from stickslip.results import Status
@@ -326,6 +329,63 @@ def test_both_tiers_agree_to_the_last_bit(case):
     assert changes(runs[0]) == changes(runs[1])
     for name in runs[0].names:
         np.testing.assert_array_equal(runs[0][name], runs[1][name])
+
+
+@pytest.mark.parametrize("case", ["decay", "belt", "arm", "plates", "clutches", "feet", "mixed"])
+def test_laws_that_are_kept_within_a_decision_are_those_that_would_be_asked_again(
+    case, monkeypatch
+):
+    mechanism, laws, start, t_end = {
+        "decay": (*decay(5), 4.0),
+        "belt": (*belt(4), None, 20.0),
+        "arm": (Arm(), ARM, BENT, 3.0),
+        "plates": (*plates(5), 4.0),
+        "clutches": (*clutches(), 1.5),
+        "feet": (TwoFeet(), coulomb(0.3, 0.4), {"v": 1.0}, 0.2),
+        "mixed": (Arm(), MIXED, BENT, 0.1),
+    }[case]
+
+    def run():
+        return simulate(mechanism, laws, t_end=t_end, y0=start, solver=PLAIN)
+
+    kept = run()
+    monkeypatch.setattr(
+        decisions, "reconsider",
+        lambda w, whole: refresh(w[layout.TIME], w, whole, whole[layout.Y]),
+    )  # fmt: skip
+    afresh = run()
+    assert changes(kept) == changes(afresh)
+    for name in kept.names:
+        np.testing.assert_array_equal(kept[name], afresh[name])
+
+
+def test_series_reach_a_few_events_ahead(monkeypatch):
+    """Far beyond the next event their terms, and the search for guards, would be wasted."""
+    mechanism, laws, start = decay(40)
+    lengths, attempt = [], step.attempt
+
+    def noted(h, *rest):
+        lengths.append(h)
+        return attempt(h, *rest)
+
+    monkeypatch.setattr(step, "attempt", noted)
+    run = simulate(mechanism, laws, t_end=1.0, y0=start, solver=PLAIN)
+    assert len(run.events) > 50
+    assert sum(lengths) < 10.0  # 7.3; 14.3 where the time between events is not followed
+
+
+@pytest.mark.parametrize("first", [0.5, 2.0])
+def test_the_mean_time_between_events_is_followed(first):
+    w = [math.inf] * 20
+    driver.note_rhythm(NO_GUARD, 7.0, w)
+    assert w[layout.RHYTHM] == math.inf
+    driver.note_rhythm(0, first, w)
+    assert w[layout.RHYTHM] == first
+    for _ in range(100):
+        driver.note_rhythm(0, 1.0, w)
+    assert w[layout.RHYTHM] == pytest.approx(1.0, abs=0.9**100)
+    driver.note_rhythm(NO_GUARD, 3.0, w)  # a whole series without an event
+    assert w[layout.RHYTHM] == 3.0
 
 
 def test_an_ensemble_varies_the_law_of_one_contact():
