@@ -73,6 +73,7 @@ __all__ = [
     "HEADER",
     "HELD_NORMALS",
     "HELD_SLIPS",
+    "HELD_STRIDE",
     "HOLDS",
     "INTERVAL",
     "IS_TURNED",
@@ -233,8 +234,11 @@ RHYTHM = 14
 PIVOT = 15
 FRICTIONLESS = 16
 
+HELD_STRIDE = 17
+"""Length of the next series of one contact that is held; STRIDE is that of one that slips."""
+
 # A guard as a polynomial, its intervals.
-POLYNOMIAL = 17
+POLYNOMIAL = 18
 ROOM = POLYNOMIAL + SERIES + 1
 NUMBERS = ROOM + (DEEPEST + 2) * INTERVAL
 """Where the numbers begin that the equations read."""

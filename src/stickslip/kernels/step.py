@@ -5,6 +5,7 @@ import math
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
+from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
     NO_GUARD,
     coarseness,
@@ -20,9 +21,12 @@ from stickslip.kernels.linear_events import first_crossing
 from stickslip.kernels.questions import CROSSING, SERIES_STEP, ask_here, ask_of
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
+    DENSE,
     FIRST_WALL,
     FRACTION,
+    HELD_STRIDE,
     LENGTH,
+    MODE,
     N_CONTACTS,
     POLYNOMIAL,
     REJECTED,
@@ -52,6 +56,12 @@ below 1: a step taken again up to an event must not be stretched back."""
 AHEAD = 3.0
 """Length of a series over the mean time between events: a shorter one ends earlier, and fewer
 guards have falls in it."""
+GROWTH = tuple(
+    math.inf if terms < 4 else (1.0 / (VANISHED * math.factorial(terms))) ** (1.0 / terms)
+    for terms in range(SERIES + 1)
+)
+"""How much longer a step may be than one whose series has ended after so many terms, as that of an
+exponential would. A shorter series is a polynomial, which ends at any length."""
 TINIEST = 1e-18
 """Length of a step, over the end of the piece, below which no shorter one is tried."""
 BOUNCE = 1e-3
@@ -82,11 +92,14 @@ def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     return error
 
 
-def resized(h: float, error: float, stepper: int) -> float:
-    """Return the next step length for an error over the tolerance."""
-    if stepper == EXACT:
+def resized(h: float, error: float, w: Vector, whole: Wholes) -> float:
+    """Return the next step length for an error over the tolerance.
+
+    Reads: DENSE, STEPPER.
+    """
+    if whole[STEPPER] == EXACT:
         if error == 0.0:
-            return math.inf
+            return h * GROWTH[int(w[whole[DENSE]])]
         # the tail goes with h^SERIES; 1e60 and more, or NaN, is cut to what 1e60 gives
         return h * (0.95 * math.pow(error, -1.0 / SERIES) if error < 1e60 else 1e-3)
     if error == 0.0:
@@ -94,7 +107,7 @@ def resized(h: float, error: float, stepper: int) -> float:
     if not error < 1e30:
         return 0.1 * h
     # powers of h with which the estimates fall; 0.9, 0.2 and 10 are those of DOPRI5
-    order = 5.0 if stepper == STIFF else 8.0
+    order = 5.0 if whole[STEPPER] == STIFF else 8.0
     return h * min(10.0, max(0.2, 0.9 * math.pow(error, -1.0 / order)))
 
 
@@ -103,8 +116,8 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, RHYTHM, Y, SCALE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
-    FOLLOWERS.
+    Reads: `slot`, TIME, RHYTHM, Y, SCALE, DENSE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW,
+    MODES, FOLLOWERS.
     Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -124,7 +137,7 @@ def accepted_step(
             whole[STATUS] = STEP_TOO_SMALL
             return 0.0
         error = attempt(h, w, whole, rtol)
-        proposed = resized(h, error, stepper)
+        proposed = resized(h, error, w, whole)
         if error <= 1.0:
             # a step cut short by the end of a piece says little of the next one
             w[slot] = max(proposed, w[slot]) if last else proposed
@@ -234,11 +247,12 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, POLYNOMIAL, Y, SCALE, REACHED, LOWEST, FORCE, MASS,
-    ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES, FOLLOWERS.
-    Writes: STEP, STRIDE, FRACTION, LENGTH, POLYNOMIAL, ROOM, Y1, POINT, VALUES, STAGES, MATRIX,
-    PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED, STEPPER, SLOW, ANSWER,
-    CHANGED.
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, REACHED, LOWEST,
+    FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
+    FOLLOWERS.
+    Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
+    STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,
+    STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -259,7 +273,10 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         Index of the guard, or `NO_GUARD`.
     """
     exact = whole[STEPPER] == EXACT
-    slot = STRIDE if exact else STEP
+    slot = STEP
+    if exact:
+        slips = whole[N_CONTACTS] > 0 or abs(whole[MODE]) == 1
+        slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
     doubted = NO_GUARD
     while True:
