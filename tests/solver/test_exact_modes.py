@@ -21,7 +21,8 @@ from stickslip.results import Status
 SOME = examples(40)
 TINY = 3e-14
 """Some hundred roundings: those of tens of steps, or of hundreds where they mostly cancel. SciPy's
-exponentials err as much: by 2e-14 of the largest speed, compared with 40 digits, the run by 7e-15."""
+exponentials err as much: compared with 40 digits by 2e-14 of the largest speed, the run by 7e-15.
+"""
 
 
 def times_of(run, *reasons):
