@@ -16,7 +16,7 @@ from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.app import app
 from stickslip.cli.help import PANELS
-from stickslip.cli.progress import Searching
+from stickslip.cli.progress import Compiling, Searching
 
 
 @pytest.fixture
@@ -268,3 +268,19 @@ def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch)
     assert 4 < len(lines) <= 8
     assert lines[0] == "Fitting coulomb ..."
     assert lines[2] == "Fitting viscous (1 of 4 done, 30 s, about 1 min 30 s left) ..."
+
+
+def test_compiling_without_a_terminal_does_not_tell_the_time_left(capsys, monkeypatch):
+    """The solver, which is first, takes as long as a hundred equations."""
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    with Compiling() as report:
+        for done in range(51):
+            clock.now = 8.0 * (done > 0) + 0.5 * done
+            report(done, 50, f"part {done}")
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "Compiling, once: part 0 ...",
+        "Compiling, once: equations (1 of 50 done, 8 s) ...",
+        "Compiling, once: equations (41 of 50 done, 28 s) ...",
+    ]

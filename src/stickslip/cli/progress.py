@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Final, Self, final
+from typing import ClassVar, Final, Self, final
 
 from rich.progress import (
     BarColumn,
@@ -65,6 +65,9 @@ class _Shown:
     and the time left.
     """
 
+    steady: ClassVar[bool] = True
+    """Whether parts take about as long as each other, so that the time left can be estimated."""
+
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
         self._said: set[str] = set()
@@ -96,7 +99,7 @@ class _Shown:
         if elapsed < LONG:
             return ""
         share = f"{done:.0f} of {total:.0f} done, " if total else ""
-        left = elapsed * (total - done) / done if total and done else 0.0
+        left = elapsed * (total - done) / done if self.steady and total and done else 0.0
         rest = f", about {_time_text(left)} left" if left else ""
         return f" ({share}{_time_text(elapsed)}{rest})"
 
@@ -119,6 +122,8 @@ class _Shown:
 class Compiling(_Shown):
     """A bar that is there while code is compiled; callable as ``report(done, total, what)``."""
 
+    steady = False  # the solver, which is first, takes as long as a hundred equations
+
     def __init__(self) -> None:
         super().__init__(_bars())
         self._task: TaskID | None = None
@@ -129,7 +134,7 @@ class Compiling(_Shown):
             self._task = self._bars.add_task("", total=total, runs="")
         description = f"Compiling, once: {what}"
         self._bars.update(self._task, completed=done, description=description)
-        self._say(description, done, total)
+        self._say("Compiling, once: equations" if done else description, done, total)
         if done == total:
             self._bars.remove_task(self._task)
             self._task = None
