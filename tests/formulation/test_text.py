@@ -19,6 +19,7 @@ from stickslip import Axis, Coulomb, Dahl, SpringBlock, simulate
 from stickslip.drives import Drive, Pulse
 from stickslip.errors import InputError, TracingError
 from stickslip.formulation import formulate
+from stickslip.formulation.code_printer import program
 from stickslip.formulation.trace import has_switch
 from stickslip.friction import LAWS, SetValuedLaw
 from stickslip.maths import exp, where
@@ -78,6 +79,27 @@ def test_a_number_changes_no_text_and_an_exponent_does():
     plain = Dahl(kinetic_coefficient=0.2, bristle_stiffness=100.0)
     square = Dahl(kinetic_coefficient=0.2, bristle_stiffness=100.0, exponent=2.0)
     assert formulate(SpringBlock(mass=1.0), plain) != formulate(SpringBlock(mass=1.0), square)
+
+
+def test_what_parameters_alone_decide_is_worked_out_once():
+    model = formulate(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.1))
+    assert "math" not in model.text.partition("def constants")[0]
+    found = re.findall(r"math\.\w+", model.text.partition("def constants")[2])
+    assert sorted(found) == ["math.cos", "math.sin"]
+    assert model.sizes.constants == 2
+    # that of a law's speed is not
+    law = example_of(LAWS["stribeck"])
+    assert "math.exp" in formulate(Axis(inertia=1.0), law).text
+    assert formulate(Axis(inertia=1.0), law).sizes.constants == 0
+
+
+def test_a_side_of_a_switch_that_is_not_taken_is_not_worked_out_beforehand():
+    p, y = se.Symbol("p1"), se.Symbol("y0")
+    sides = se.Piecewise((se.sqrt(p), y < p), (y, True))
+    text, constants = program({"f": {None: [se.sin(p) * y, sides]}}, [1])
+    assert constants == 1
+    assert "math.sqrt" in text.partition("def constants")[0]
+    assert text.partition("def constants")[2].count("math.") == 1
 
 
 def test_parameters_are_listed_in_the_order_of_their_vector():

@@ -389,3 +389,17 @@ def test_numbers_of_a_motion_profile_vary_without_a_sensitivity_asked_for():
     runs = ensemble(carts[0], law, {"amplitude": np.array([0.5, 0.7])}, t_end=0.5)
     single = [simulate(cart, law, t_end=0.5)["x"][-1] for cart in carts]
     np.testing.assert_allclose(runs["x"], single, rtol=1e-12)
+
+
+def test_rows_have_their_own_sines_of_an_incline():
+    """What parameters alone decide is worked out once for each run."""
+    rig = SpringBlock(mass=1.0, stiffness=40.0, compression=0.2)
+    inclines = np.array([-0.3, 0.0, 0.3])
+    law = Coulomb(kinetic_coefficient=0.1)
+    runs = ensemble(rig, law, {"mechanism.incline": inclines}, t_end=2.0)
+    for angle, x in zip(inclines, runs["x"], strict=True):
+        alone = simulate(
+            vary(rig, "mechanism", {"mechanism.incline": float(angle)}), law, t_end=2.0
+        )
+        assert x == alone["x"][-1]
+    assert len(set(runs["x"])) == 3

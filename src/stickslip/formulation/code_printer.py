@@ -4,7 +4,7 @@ One printer for Python, in the subset that `solver.compile.translation` knows: f
 `math` alone.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence, Set
 from typing import Any, Final
 
 import symengine as se
@@ -13,10 +13,16 @@ from stickslip.formulation.infix import INDENT, Block, Syntax
 from stickslip.formulation.trace import collapsed
 from stickslip.kernels.state_layout import NUMBERS
 
-__all__ = ["Case", "function"]
+__all__ = ["Case", "Cases", "function", "program"]
 
 Case = Sequence[se.Expr]
 """The expressions that one case of a function writes, in order."""
+
+Cases = Mapping[Any, Case]
+"""Cases of a function by the value of ``mode``; the single key None if there is no such choice."""
+
+CONSTANTS: Final = "constants"
+"""Name of the function that writes what the others need of parameters alone."""
 
 FEW_ZEROS = 3
 """More zeros than this are stored by a loop."""
@@ -32,7 +38,69 @@ PYTHON: Final = Syntax(
 )
 
 
-def function(name: str, cases: Mapping[Any, Case]) -> str:
+def program(functions: Mapping[str, Cases], parameters: Collection[int]) -> tuple[str, int]:
+    """Return the text of functions, and how many constants they read.
+
+    Functions of parameters alone, such as the sine of an incline, become constants behind the
+    parameters: ``constants`` writes them, once for a run. What only one side of a switch needs is
+    left where it is.
+
+    Parameters
+    ----------
+    functions : mapping of str to Cases
+        Cases of each function by its name.
+    parameters : collection of int
+        Numbers of the symbols p that are parameters.
+
+    Returns
+    -------
+    tuple of str and int
+        Text of the definitions, and the number of constants.
+    """
+    everything = [e for cases in functions.values() for case in cases.values() for e in case]
+    first = max(parameters, default=0) + 1
+    calls = _calls_of(everything, {f"p{i}" for i in parameters})
+    if calls:
+        found = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}
+        functions = {
+            name: {mode: [e.xreplace(found) for e in case] for mode, case in cases.items()}
+            for name, cases in functions.items()
+        }
+        functions[CONSTANTS] = {None: calls}
+    texts = [function(name, cases) for name, cases in functions.items()]
+    return "\n\n".join(texts), len(calls)
+
+
+def _calls_of(expressions: Sequence[se.Expr], known: Set[str]) -> list[se.Expr]:
+    """Return the calls whose symbols are all known, on no side of a switch.
+
+    Parts that several others share, of which recursions make many, are looked at once.
+    """
+    found: dict[se.Expr, None] = {}
+    seen: set[se.Expr] = set()
+    waiting = [*reversed(expressions)]
+    while waiting:
+        e = waiting.pop()
+        if e in seen or not e.args or isinstance(e, se.Piecewise):
+            continue
+        seen.add(e)
+        names = {str(s) for s in e.free_symbols} if _is_call(e) else set()
+        if names and names <= known:
+            found[e] = None
+        else:
+            waiting.extend(reversed(e.args))
+    return list(found)
+
+
+def _is_call(e: se.Expr) -> bool:
+    """Whether an expression is printed as the call of a function."""
+    if e.is_Pow:
+        base, exponent = e.args
+        return bool(base == se.E or not exponent.is_Integer)
+    return not (e.is_Add or e.is_Mul)
+
+
+def function(name: str, cases: Cases) -> str:
     """Return the text of a function that reads the vector ``w`` and writes expressions to it.
 
     Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after
@@ -42,8 +110,8 @@ def function(name: str, cases: Mapping[Any, Case]) -> str:
     ----------
     name : str
         Name of the function.
-    cases : mapping
-        Expressions by the value of ``mode``; the single key None if there is no such choice.
+    cases : Cases
+        Expressions by the value of ``mode``.
 
     Returns
     -------

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import symengine as se
 
-from stickslip.formulation.code_printer import function
+from stickslip.formulation.code_printer import Cases, function, program
 from stickslip.formulation.contact_parts import (
     ContactParts,
     LawParts,
@@ -114,9 +114,11 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         own_symbols = [se.Symbol(f"p{i}") for i in index.values()]
         along += [*drives, *own_symbols, *[None] * (quantities - len(paths))]
     columns = equations.part_slopes(along)
+    text, found = program(_functions(equations, columns), index.values())
     sizes = _sizes(
-        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens
-    )
+        mechanism, own, equations, laws, board, len(paths), bristles, columns, dampens=dampens,
+        constants=found,
+    )  # fmt: skip
     places = [sizes.first_parameter + i for i in range(len(paths))]
     law_paths = []
     for (prefix, one), row in zip(own.distinct, sizes.law_places(), strict=True):
@@ -127,7 +129,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     return Model(
         title=f"{type(mechanism).__name__} with {_titles(own)}",
         sizes=sizes,
-        text=_text(equations, laws, columns),
+        text="\n\n".join([text, *_texts_of_laws(laws, along=bool(columns))]),
         states=(
             *mechanism.coordinates,
             *mechanism.rates,
@@ -293,6 +295,7 @@ def _sizes(
     columns: Sequence[Mapping[int, se.Expr]],
     *,
     dampens: bool,
+    constants: int,
 ) -> ContactSizes:
     parts = equations.parts
     return ContactSizes(
@@ -301,6 +304,7 @@ def _sizes(
         switches=len(board.switches),
         drives=len(equations.symbols.drives),
         parameters=parameter_count,
+        constants=constants,
         rest_is_final=equations.rest_is_final(),
         slips=parts.directions.slips,
         looped=parts.directions.loops.looped,
@@ -331,12 +335,8 @@ def _sizes(
     )
 
 
-def _text(
-    equations: _Equations,
-    laws: Sequence[LawParts],
-    columns: Sequence[Mapping[int, se.Expr]],
-) -> str:
-    """Write the module's own part: what the kernels find under these names."""
+def _functions(equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]) -> dict[str, Cases]:
+    """Return what the kernels find under these names, but for the laws."""
     parts = equations.parts
     same: Mapping[str, Sequence[se.Expr]] = {
         "forces": equations.forces,
@@ -360,12 +360,17 @@ def _text(
     same = {**same, **{name: case for name, case in some.items() if case}}
     if columns:
         same = {**same, "part_slopes": [e for column in columns for e in column.values()]}
-    texts = [function(name, {None: list(case)}) for name, case in same.items()]
+    return {name: {None: list(case)} for name, case in same.items()}
+
+
+def _texts_of_laws(laws: Sequence[LawParts], *, along: bool) -> list[str]:
+    """Return the functions of each law, once per structure, and their slopes if wanted."""
+    texts = []
     for kind, one in enumerate(laws):
         texts.append(function(f"law_{kind}", {side: list(c) for side, c in one.numbers.items()}))
         texts.append(function(f"law_margins_{kind}", {None: one.margins}))
-        if columns:
+        if along:
             sides = {side: list(case) for side, case in one.slopes.items()}
             texts.append(function(f"law_slopes_{kind}", sides))
             texts.append(function(f"law_margin_slopes_{kind}", {None: one.margin_slopes}))
-    return "\n\n".join(texts)
+    return texts

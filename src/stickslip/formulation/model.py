@@ -5,7 +5,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
-from stickslip.formulation.code_printer import Case, function
+from stickslip.formulation.code_printer import Case, Cases, program
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
 from stickslip.formulation.linearity import linear_where
@@ -87,11 +87,14 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     board, index = Switchboard(), _places(mechanism, law)
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
     quantities = _quantities(symbols, index.values()) if slopes else []
-    sizes = _sizes(symbols, mechanics, modes, len(board.switches), len(index))
+    switches = list(board.switches.values())
+    functions = _functions(symbols, mechanics, modes, switches, quantities)
+    text, constants = program(functions, index.values())
+    sizes = _sizes(symbols, mechanics, modes, len(switches), len(index), constants)
     return Model(
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
         sizes=sizes,
-        text=_text(symbols, mechanics, modes, list(board.switches.values()), quantities),
+        text=text,
         states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
         parameter_paths=tuple(index),
         places=tuple(sizes.first_parameter + i for i in range(len(index))),
@@ -145,45 +148,45 @@ def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
     return {path: first + i for i, path in enumerate(paths)}
 
 
-def _text(
+def _functions(
     symbols: Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
     switches: list[Switch],
     quantities: list[se.Symbol],
-) -> str:
-    """Write the module's own part: what the kernels find under these names."""
+) -> dict[str, Cases]:
+    """Return the module's own part: what the kernels find under these names."""
     y, t, closed = symbols.states, symbols.t, symbols.closed
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
     margins = [closed(s.margin) for s in switches]
 
-    def each(name: str, part: Callable[[Mode], Case]) -> str:
-        return function(name, {int(mode): part(mode) for mode in modes})
+    def each(part: Callable[[Mode], Case]) -> Cases:
+        return {int(mode): part(mode) for mode in modes}
 
-    def same(name: str, case: Case) -> str:
-        return function(name, {None: case})
+    def same(case: Case) -> Cases:
+        return {None: case}
 
-    parts = [
-        each("field", lambda m: rates[m]),
-        each("jacobian", lambda m: _slopes(rates[m], y)),
-        each("time_slope", lambda m: [e.diff(t) for e in rates[m]]),
-        each("guards", lambda m: guards[m]),
-        each("guard_slopes", lambda m: _slopes(guards[m], [*y, t])),
-        each("linear", lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
-        each("contact", lambda m: [closed(e) for e in _contact(modes[m])]),
-        each("power", lambda m: [closed(e) for e in modes[m].power]),
-        same("energy", [mechanics.energy]),
-        same("margins", margins),
-        same("diagram", _diagram(symbols, mechanics, closed)),
-        same("rest", _rest(symbols, modes)),
-        same("walls", mechanics.wall_rows()),
-    ]
+    parts = {
+        "field": each(lambda m: rates[m]),
+        "jacobian": each(lambda m: _slopes(rates[m], y)),
+        "time_slope": each(lambda m: [e.diff(t) for e in rates[m]]),
+        "guards": each(lambda m: guards[m]),
+        "guard_slopes": each(lambda m: _slopes(guards[m], [*y, t])),
+        "linear": each(lambda m: [linear_where([*rates[m], *guards[m]], [*y, t], flags)]),
+        "contact": each(lambda m: [closed(e) for e in _contact(modes[m])]),
+        "power": each(lambda m: [closed(e) for e in modes[m].power]),
+        "energy": same([mechanics.energy]),
+        "margins": same(margins),
+        "diagram": same(_diagram(symbols, mechanics, closed)),
+        "rest": same(_rest(symbols, modes)),
+        "walls": same(mechanics.wall_rows()),
+    }
     if quantities:
-        parts.append(each("field_slopes", lambda m: _slopes(rates[m], quantities)))
-        parts.append(each("guard_parameters", lambda m: _slopes(guards[m], quantities)))
-    return "\n\n".join(parts)
+        parts["field_slopes"] = each(lambda m: _slopes(rates[m], quantities))
+        parts["guard_parameters"] = each(lambda m: _slopes(guards[m], quantities))
+    return parts
 
 
 def _guards(
@@ -229,6 +232,7 @@ def _sizes(
     modes: Mapping[Mode, ModeEquations],
     switches: int,
     parameters: int,
+    constants: int,
 ) -> ModeSizes:
     return ModeSizes(
         coordinates=len(symbols.coordinates),
@@ -239,6 +243,7 @@ def _sizes(
         channels=len(mechanics.efforts),
         drives=len(symbols.drives),
         parameters=parameters,
+        constants=constants,
         walls=tuple((wall.coordinate, wall.side) for wall in mechanics.walls),
         can_stick=Mode.STICK in modes,
         can_lift=any(LIFT_OFF in equations.guards for equations in modes.values()),

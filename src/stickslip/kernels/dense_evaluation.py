@@ -4,6 +4,7 @@ from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.coordinates import state_seen
 from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.drive_segments import load_piece
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.model_interface import recorded
 from stickslip.kernels.questions import PREPARE, RESTORE, SERIES_FROM, ask, ask_here, ask_of
 from stickslip.kernels.state_layout import (
@@ -228,6 +229,7 @@ def play(
     columns = whole[N_COLUMNS]
     row = -1
     piece = 0
+    put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, log[0], w, whole)
     for i in range(len(times)):

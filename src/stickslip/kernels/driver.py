@@ -5,6 +5,7 @@ import math
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.drive_segments import enter_pieces, next_stop, rests_for_good
 from stickslip.kernels.enums import AT_REST, END_TIME, FULL, HELD, RUNNING, STEP_LIMIT, SWITCH, ZENO
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.error_scale import first_sizes
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.mode_transitions import (
@@ -282,6 +283,7 @@ def begin(table: Vector, t_end: float, w: Vector, whole: Wholes, events: Vector)
     """
     n_guards = whole[N_GUARDS]
     lowest = whole[LOWEST]
+    put_constants(w, whole)
     enter_pieces(table, w, whole)
     if whole[N_CONTACTS] > 0:
         ask_here(BEGIN, w, whole)

@@ -7,11 +7,12 @@ Where one contact rubs, they are the equations of each mode. Where several do, t
 the equations, which no mode enters: forces, mass matrix, loads, and each law once per structure.
 """
 
-from stickslip.kernels.backend import Vector, call_model
-from stickslip.kernels.state_layout import ADDRESS
+from stickslip.kernels.backend import Vector, Wholes, call_model
+from stickslip.kernels.state_layout import ADDRESS, CONSTANTS
 
 __all__ = [
     "CALLED",
+    "CONSTANTS_OF",
     "CONTACT",
     "EFFORTS",
     "ENERGY",
@@ -41,6 +42,7 @@ __all__ = [
     "TURNING",
     "WALLS_OF",
     "evaluate",
+    "put_constants",
 ]
 
 FIELD = 0
@@ -67,6 +69,7 @@ EFFORTS = 20
 LIMITS = 21
 TURNING = 22
 LOOPS_OF = 23
+CONSTANTS_OF = 24
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -92,6 +95,7 @@ CALLED: tuple[str, ...] = (
     "limits",
     "turning",
     "loops",
+    "constants",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000
@@ -128,3 +132,17 @@ def evaluate(name: int, mode: int, flags: int, t: float, w: Vector, at: int, to:
         Place of the result; its length is the function's.
     """
     call_model(w, ADDRESS, name, mode, flags, t, at, to)
+
+
+def put_constants(w: Vector, whole: Wholes) -> None:
+    """Write what the equations need of parameters alone, where there is such a thing.
+
+    Parameters
+    ----------
+    w : array (SIZE,)
+        Vector of the run, with its parameters.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    """
+    if whole[CONSTANTS] > 0:
+        evaluate(CONSTANTS_OF, 0, 0, 0.0, w, 0, whole[CONSTANTS])

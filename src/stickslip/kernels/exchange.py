@@ -12,6 +12,7 @@ from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import enter_pieces, load_piece, next_stop
 from stickslip.kernels.driver import begin, change, settle_all, turns_switch
 from stickslip.kernels.enums import END_TIME, HELD_FAST, RUNNING, SMOOTH, STEP_TOO_SMALL, STOP
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size, guard_values, note_sizes, reverses
 from stickslip.kernels.mode_transitions import settle
 from stickslip.kernels.model_interface import field, jacobian, recorded
@@ -218,6 +219,7 @@ def retune(w: Vector, whole: Wholes) -> None:
     Reads: TIME, Y, TURN, FOLLOWED, MODE, MODES, FOLLOWERS.
     Writes: Y, VALUES, ANSWER, CHANGED.
     """
+    put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, w[TIME], w, whole)
     take_over(whole[Y], w, whole)

@@ -33,6 +33,8 @@ class Sizes(ABC):
     """Drives."""
     parameters: int
     """Parameters of the mechanism, and of the law where the equations are those of modes."""
+    constants: int
+    """Numbers that the equations need of parameters alone."""
     rest_is_final: bool
     """Whether only drives can move what is held."""
 
@@ -115,6 +117,8 @@ def _header(sizes: Sizes) -> tuple[int, ...]:
     for slot, size in sizes._own().items():
         whole[slot] = size
     place = sizes.first_parameter + sizes.parameters
+    whole[at.CONSTANTS] = place if sizes.constants else 0
+    place += sizes.constants
     for slot, room in sizes._rooms().items():
         whole[slot] = place
         place += room
@@ -174,6 +178,7 @@ class ModeSizes(Sizes):
             "diagram": self.coordinates + 3,
             "rest": 3,
             "walls": len(self.walls) * (3 + self.coordinates),
+            "constants": self.constants,
             "field_slopes": n * quantities,
             "guard_parameters": guards * quantities,
         }
@@ -301,6 +306,7 @@ class ContactSizes(Sizes):
     def lengths(self) -> dict[str, int]:
         """Return how many numbers the functions of the equations write, by their names."""
         own = {
+            "constants": self.constants,
             "energy": 1,
             "power": 1,
             "margins": self.switches,
@@ -345,7 +351,7 @@ class ContactSizes(Sizes):
 
     def law_places(self) -> tuple[int, ...]:
         """Return the place in the vector of a run of the numbers of each law."""
-        place = self.first_parameter + self.parameters
+        place = self.first_parameter + self.parameters + self.constants
         found = []
         for number in self.numbers:
             found.append(place)

@@ -22,6 +22,7 @@ from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.lu import lu_factor, lu_solve
@@ -660,6 +661,7 @@ def sense(
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
         k += 1
+    put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, log[0], w, whole)
         turn_columns(now, m, 0, w, whole)

@@ -40,6 +40,7 @@ __all__ = [
     "CHANGES",
     "CHOLESKY",
     "CLOSED",
+    "CONSTANTS",
     "CONSTANT_LOADS",
     "CONSTANT_MASS",
     "DAMPING",
@@ -459,7 +460,10 @@ REACHED_SO_FAR = 143
 ASKED = 144
 """Place in `whole` of the mode in which each contact's law was asked last."""
 
-HEADER = 145
+CONSTANTS = 145
+"""Place in `w` of what the equations need of parameters alone; 0 if there is nothing."""
+
+HEADER = 146
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

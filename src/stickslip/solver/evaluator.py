@@ -8,6 +8,7 @@ from typing import Any
 from stickslip.formulation import Model
 from stickslip.kernels.dense_evaluation import piece_at
 from stickslip.kernels.drive_segments import load_piece
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.header import Sizes
 from stickslip.kernels.mode_transitions import set_flags
 from stickslip.kernels.state_layout import GIVEN, N_DRIVES, SIZE, Y
@@ -44,6 +45,7 @@ class Equations:
         self.lengths = _lengths(sizes)
         self.whole: list[int] = runner.whole()
         self.w: list[Any] = [*runner.working(inputs.p), *[0.0] * max(self.lengths.values())]
+        put_constants(self.w, self.whole)
         self.width = 1 + 3 * self.whole[N_DRIVES]
         self.load(0)
 

@@ -12,6 +12,7 @@ from stickslip.formatting import number, quantity
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.enums import FORWARD, HELD_FAST
+from stickslip.kernels.equations import put_constants
 from stickslip.kernels.model_interface import field
 from stickslip.kernels.questions import PREPARE, RESTORE, ask_here
 from stickslip.kernels.state_layout import (
@@ -93,6 +94,7 @@ class _Rates:
 
     def prepare(self) -> None:
         """Write what follows from the parameters and modes alone."""
+        put_constants(self.w, self.whole)
         if self.whole[N_CONTACTS] > 0:
             ask_here(PREPARE, self.w, self.whole)
             ask_here(RESTORE, self.w, self.whole)
