@@ -219,9 +219,11 @@ def test_two_instances_do_not_touch_each_other_and_reset_begins_anew(block, fold
 
 
 def test_states_and_parameters_can_be_set_before_the_simulation(block, folder):
-    slave = Slave(block, folder).begin({"v": 0.3, "mechanism.mass": 2.0})
-    other = SpringBlock(mass=2.0, stiffness=100.0, compression=0.1)
+    values = {"v": 0.3, "mechanism.mass": 2.0, "mechanism.incline": 0.2}
+    slave = Slave(block, folder).begin(values)
+    other = SpringBlock(mass=2.0, stiffness=100.0, compression=0.1, incline=0.2)
     run = simulate(other, COULOMB, t_end=END, y0={"v": 0.3})
+    assert slave.got("normal_force")[0] == run["normal_force"][0]
     slave.step(0.15)
     assert slave.got("x")[0] == run.at(np.array([0.15]))["x"][0]
     slave.close()
