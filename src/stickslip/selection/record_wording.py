@@ -438,7 +438,7 @@ def _measure_next(
     on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
-    lines = list(corrections(checks))
+    lines = list(corrections(checks, but=("drift",)))
     if fault:
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
@@ -449,11 +449,7 @@ def _measure_next(
         said = ", ".join(f"{titles.get(name, name)} {text}" for name, text in readings.items())
         lines.append(f"{one.what} Predicted {observed}: {said}.")
     lines += longer(checks)
-    if any(f.kind == "drift" for f in checks.findings):
-        lines.append(
-            "Repeat this record after an hour of running, to separate warm-up effects from the"
-            " friction law."
-        )
+    lines += [f"{one.measure}." for one in checks.of("drift")[:1]]
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
         lines.append(
             "Find what differs between the two records (load, temperature, lubrication, gains):"

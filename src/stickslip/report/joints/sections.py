@@ -307,7 +307,7 @@ def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
     return reproduced(
         verdict,
         origin,
-        lines=joint_lines(verdict),
+        lines=joint_lines(verdict, origin.file),
         law=laws_as_code(dict(fit.law.members)) if fit else "",  # type: ignore[attr-defined]
         laws=tuple(laws.values()),
     )
