@@ -343,6 +343,7 @@ def test_runs_that_ended_early_are_told_apart_from_the_others(results):
     ]  # fmt: skip
     way = plots.plot_ensemble(runs, Figure(), output="way")
     assert len(way.lines[0].get_xdata()) == 2 * len(runs)
+    assert (way.get_xlabel(), way.get_ylabel()) == ("kinetic coefficient", "way, m")
     with pytest.raises(UnknownNameError, match="fastest"):
         plots.plot_ensemble(runs, output="fastet")
     with pytest.raises(UnknownNameError):
