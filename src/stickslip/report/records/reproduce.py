@@ -94,8 +94,19 @@ def reproduced(
 def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
     """Return the lines of Python that make the selection again from its record.
 
-    A mechanism that is not all numbers is left to `load_rig` with the name of the rig file, if
-    there is one, and laws of one's own to oneself.
+    A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The selection.
+    rig : str
+        Name of the rig file; one is made up if empty.
+
+    Returns
+    -------
+    str
+        The lines, with prompts.
     """
     names = [one.name for one in verdict.candidates]
     usual = {*names} == {one.name for one in specifications(None)}
@@ -205,7 +216,20 @@ def _as_code(law: FrictionLaw) -> str:
 
 
 def joint_lines(verdict: JointVerdict, rig: str = "") -> str:
-    """Return the lines of Python that make a selection for several joints again."""
+    """Return the lines of Python that make a selection for several joints again.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        The selection.
+    rig : str
+        Name of the rig file; one is made up if empty.
+
+    Returns
+    -------
+    str
+        The lines, with prompts.
+    """
     first = next(iter(verdict.joints.values()))
     names = [one.name for one in first.candidates]
     return _lines(verdict, "None" if verdict.usual else _laws(names), (), rig)
