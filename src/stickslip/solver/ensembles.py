@@ -17,6 +17,7 @@ from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver.base import path_units
 from stickslip.solver.certify import passes
 from stickslip.solver.chunks import Chunk, Job, run_chunks
+from stickslip.solver.drive_schedule import refuse_turned
 from stickslip.solver.event_driven import EventDriven, status_of
 from stickslip.solver.initial_states import narrowest, starts_as_told, starts_within_stops
 from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
@@ -196,7 +197,7 @@ def _columns(
     if count == 0:
         raise InputError("parameters must contain at least one value each, got empty arrays.")
     columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
-    _check(mechanism, law, columns, known)
+    _check(mechanism, law, model, columns, known)
     return columns, count
 
 
@@ -244,6 +245,7 @@ def _numbers(path: str, values: ArrayLike) -> Array:
 def _check(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
+    model: Model,
     columns: Mapping[str, Array],
     known: Mapping[str, Quantity],
 ) -> None:
@@ -256,7 +258,11 @@ def _check(
             known[path].check(owner, name, float(value))
     rows = {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
     for row in sorted(rows | narrowest(mechanism, columns)):
-        _varied(mechanism, "mechanism", columns, row)
+        own = _varied(mechanism, "mechanism", columns, row)
+        try:
+            refuse_turned(own, model)
+        except InputError as error:
+            raise InputError(f"run {row}: {error}") from None
         _varied(law, "friction", columns, row)
     _check_order(law, "friction", columns)
 
