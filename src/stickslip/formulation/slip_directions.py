@@ -232,7 +232,7 @@ def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
     for one in mechanism.contacts():
         place = contacts.get(one.name, -1)
         factors = {} if isinstance(one.slip, str) else dict(one.slip)
-        moving = {name: float(x) for name, x in factors.items() if name in names}  # type: ignore[arg-type]
+        moving = {name: float(x) for name, x in factors.items() if name in names}
         if len(moving) > 1 and 0 <= place < len(names) and one.name not in sums:
             sums[one.name] = moving
             matrix[place] = [moving.get(name, 0.0) for name in names]
