@@ -61,7 +61,7 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     if ax is None:
         from matplotlib import pyplot as plt
 
-        # loads the backend: that of a notebook then sets that figures are shown after each cell, which
+        # loads the backend: that of a notebook sets that figures are shown after each cell, which
         # would be taken back with the style
         plt.draw_if_interactive()
         dpi = mpl.rcParams["figure.dpi"]  # the user's: the house style counts in CSS pixels
