@@ -7,8 +7,10 @@ from typing import Any, Final, Literal
 
 from typing_extensions import override
 
-__all__ = ["OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
+__all__ = ["OTHER_SPEEDS", "OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
 
+OTHER_SPEEDS: Final = "Measure at further velocities"
+"""What answers a motion at too few speeds."""
 OTHER_WAY: Final = "Measure in the other direction, too"
 """What answers a motion in one direction."""
 Severity = Literal["info", "warning", "error"]

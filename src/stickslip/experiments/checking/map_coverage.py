@@ -5,7 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import OTHER_WAY, TURN, Finding, Severity
+from stickslip.experiments.checking.finding import (
+    OTHER_SPEEDS,
+    OTHER_WAY,
+    TURN,
+    Finding,
+    Severity,
+)
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.formatting import count, percent, quantities, quantity
 
@@ -46,7 +52,7 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     text += f" from {low} to {high}"
     text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
     if distinct < FEW_SPEEDS:
-        yield _map("warning", text, numbers, measure="Measure at further velocities")
+        yield _map("warning", text, numbers, measure=OTHER_SPEEDS)
     else:
         yield _map("info", text, numbers)
     if velocity.min() >= 0 or velocity.max() <= 0:

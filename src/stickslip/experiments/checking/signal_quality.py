@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.checking.finding import OTHER_SPEEDS, Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Array, Measurement
@@ -77,7 +77,7 @@ def constant(record: Measurement) -> Iterator[Finding]:
             kind="constant",
             severity=severity,
             sentence=f"{NAMES[name].capitalize()} is constant{text.format(value)}",
-            measure="Measure at further velocities" if single else "",
+            measure=OTHER_SPEEDS if single else "",
             numbers={name: float(values[0])},
         )
 
