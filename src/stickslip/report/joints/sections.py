@@ -170,7 +170,7 @@ def _scales(verdict: JointVerdict) -> Mapping[str, Scale]:
     shown: dict[str, list[float]] = {}
     for own in verdict.joints.values():
         record = own.measurement.records()[0]
-        for name in ("position", "force"):
+        for name in {"position", "force"}.intersection(record.quantities()):
             values = np.abs(record.values(name))
             shown.setdefault(record.unit(name), []).append(float(np.max(values)))
     return {unit: scale_of(largest, unit) for unit, largest in shown.items()}
