@@ -224,8 +224,8 @@ def draw_basins(result: Basins) -> Draw:
         )  # fmt: skip
         axes.set_xlim(xs.min(), xs.max())
         axes.set_ylim(ys.min(), ys.max())
-        axes.set_xlabel(f"initial {across}")
-        axes.set_ylabel(f"initial {up}")
+        axes.set_xlabel(labelled(f"initial {across}", result.units[across]))
+        axes.set_ylabel(labelled(f"initial {up}", result.units[up]))
         for number, motion in enumerate(result.attractors):
             colour = POINT_COLOURS[number % len(POINT_COLOURS)]
             if {across, up} <= set(result.states):
