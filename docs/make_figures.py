@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.patches import FancyBboxPatch
 
 from stickslip import (
     Axis,
@@ -223,31 +224,32 @@ def cart() -> None:
 
 
 BOXES = (
-    # centre, half width, text, whether it is a question
-    (150, 30, "record and mechanism", False),
-    (150, 105, "Was friction itself\nmeasured?", True),
-    (440, 105, "Force map:\nthe law along the motion", False),
-    (150, 195, "Does a force or a\nreference drive it?", True),
-    (440, 195, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
-    (150, 295, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
+    # centre, text, whether it is a question
+    (130, 32, "record and mechanism", False),
+    (130, 107, "Was friction itself\nmeasured?", True),
+    (430, 107, "Force map:\nthe law along the motion", False),
+    (130, 192, "Does a force or a\nreference drive it?", True),
+    (430, 180, "Free decay: simulated segments\nof 1 s, 3 s, then the whole", False),
+    (130, 300, "Does Coulomb + viscous friction\npredict over half of the motion in\n1 s,"
      " with the mass and level of\ninverse dynamics within 1.5?", True),
-    (440, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\n"
+    (430, 262, "Simulated segments of 1 s; compared\nwith inverse dynamics where every\n"
      "law leaves over 5 % of the motion", False),
-    (440, 332, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
-    (720, 105, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
+    (430, 345, "Inverse dynamics; with several\ncoordinates: shorter segments", False),
+    (733, 107, "Fit every law, the simplest first;\nricher laws start from a grid over\n"
      "decades and from simpler fits", False),
-    (720, 205, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
+    (733, 202, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
      " above it", False),
-    (720, 295, "Richer law established? F test\non the record and held-out blocks", True),
-    (720, 375, "Best of the established laws,\nif it explains the record and\nholds on the second"
+    (733, 290, "Richer law established? F test\non the record and held-out blocks", True),
+    (733, 375, "Best of the established laws,\nif it explains the record and\nholds on the second"
      " one", False),
 )  # fmt: skip
+WIDTH, LINE, ROUND = 212, 15, 14
+"""Width of a box, height of its lines, and what is left above and below them."""
 ARROWS = (
-    (150, 44, 150, 75, ""), (245, 105, 335, 105, "yes"), (150, 135, 150, 165, "no"),
-    (245, 195, 335, 195, "no"), (150, 225, 150, 243, "yes"), (265, 275, 335, 268, "yes"),
-    (265, 315, 335, 328, "no"), (545, 105, 605, 105, ""), (545, 195, 605, 120, ""),
-    (545, 265, 605, 128, ""), (545, 332, 605, 136, ""), (720, 143, 720, 167, ""),
-    (720, 243, 720, 267, ""), (720, 323, 720, 338, ""),
+    # from one box to another, by their places above, and the answer that leads there
+    (0, 1, ""), (1, 2, "yes"), (1, 3, "no"), (3, 4, "no"), (3, 5, "yes"), (5, 6, "yes"),
+    (5, 7, "no"), (2, 8, ""), (4, 8, ""), (6, 8, ""), (7, 8, ""), (8, 9, ""), (9, 10, ""),
+    (10, 11, ""),
 )  # fmt: skip
 
 
@@ -258,21 +260,39 @@ def choices() -> None:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set(xlim=(20, 860), ylim=(425, 5))
         axes.axis("off")
+        halves = []
         for x, y, text, asked in BOXES:
-            style = "round,pad=0.5" if asked else "square,pad=0.5"
-            axes.text(
-                x,
-                y,
-                text,
-                ha="center",
-                va="center",
-                fontsize=8.5,
-                bbox={"boxstyle": style, "fc": "none", "ec": C1 if asked else DATA, "lw": 1.1},
+            lines = text.split("\n")
+            half = 0.5 * (LINE * len(lines) + ROUND)
+            halves.append(half)
+            style = "round,pad=0,rounding_size=7" if asked else "square,pad=0"
+            corner = (x - 0.5 * WIDTH, y - half)
+            axes.add_patch(
+                FancyBboxPatch(
+                    corner, WIDTH, 2 * half, boxstyle=style, fc="none", ec=C1 if asked else DATA
+                )
             )
-        for x, y, to_x, to_y, word in ARROWS:
-            axes.annotate("", (to_x, to_y), (x, y), arrowprops={"arrowstyle": "->", "color": DATA})
+            # each line is a text of its own: only those stay centred in other fonts
+            for k, line in enumerate(lines):
+                place = y + LINE * (k - 0.5 * (len(lines) - 1))
+                axes.text(x, place, line, ha="center", va="center_baseline", fontsize=11)
+        into = [to for _, to, _ in ARROWS]
+        for k, (first, to, word) in enumerate(ARROWS):
+            (x, y), (to_x, to_y) = BOXES[first][:2], BOXES[to][:2]
+            if x == to_x:
+                start, end = (x, y + halves[first]), (x, to_y - halves[to])
+            else:  # what meets at one box is spread along its side
+                shift = 9.0 * (into[:k].count(to) - 0.5 * (into.count(to) - 1))
+                start, end = (x + 0.5 * WIDTH, y), (to_x - 0.5 * WIDTH, to_y + shift)
+            look = {"arrowstyle": "->", "color": DATA, "shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", end, start, arrowprops=look)
             if word:
-                axes.text(0.5 * (x + to_x) + 4, 0.5 * (y + to_y) - 5, word, fontsize=8, ha="left")
+                place = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
+                aside = (8, 0) if x == to_x else (0, -11 if end[1] <= start[1] else 13)
+                axes.text(
+                    place[0] + aside[0], place[1] + aside[1], word, fontsize=10,
+                    ha="left" if x == to_x else "center", va="center_baseline",
+                )  # fmt: skip
 
     card(
         "choices.svg",

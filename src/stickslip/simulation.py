@@ -13,7 +13,7 @@ from stickslip.friction import (
     assigned,
     bristle_names,
 )
-from stickslip.mechanisms import Mechanism, refuse_too_many, slip_of
+from stickslip.mechanisms import Mechanism, checked_contacts, slip_of
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
@@ -265,16 +265,15 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
     Raises
     ------
     InputError
-        If one of them is of another kind.
+        If one of them is of another kind, or the contacts cannot be simulated.
     """
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
         raise no_law(law)
-    names = tuple(contact.name for contact in mechanism.contacts())
+    names = tuple(contact.name for contact in checked_contacts(mechanism))
     if not names:
         raise InputError(f"{type(mechanism).__name__} has no contacts: it must rub somewhere.")
-    refuse_too_many(mechanism)
     if len(names) > 1 and (len(set(names)) < len(names) or "" in names):
         raise InputError(
             f"{type(mechanism).__name__} has {len(names)} contacts, which need different names, got"

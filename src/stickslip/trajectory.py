@@ -428,6 +428,8 @@ class Ensemble(OnAxes):
     """Largest distance from its condition at which an event was located (n,)."""
     steps: "NDArray[np.int64]"
     """Accepted steps (n,)."""
+    units: Mapping[str, str]
+    """SI unit of each output and of each path that was varied, ``"1"`` where it has none."""
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -453,7 +455,7 @@ class Ensemble(OnAxes):
         return pd.DataFrame(columns | {"certified": self.certified})
 
     def to_xarray(self) -> "xr.Dataset":
-        """Return the same as an xarray Dataset over the runs.
+        """Return the same as an xarray Dataset over the runs, with units.
 
         Parameters are coordinates; an output with several numbers has a dimension of its own,
         ``"way_index"`` for ``"way"``.
@@ -466,13 +468,14 @@ class Ensemble(OnAxes):
         require_library("xarray", "xarray", "use to_dataframe")
         import xarray as xr
 
+        of = {name: {"units": unit} for name, unit in self.units.items()}
         columns: dict[str, Any] = {
-            name: (("run",) if values.ndim == 1 else ("run", f"{name}_index"), values)
+            name: (("run",) if values.ndim == 1 else ("run", f"{name}_index"), values, of[name])
             for name, values in self.outputs.items()
         }
         columns["status"] = ("run", [status.name for status in self.status])
         columns["certified"] = ("run", self.certified)
-        coordinates = {path: ("run", values) for path, values in self.parameters.items()}
+        coordinates = {path: ("run", v, of[path]) for path, v in self.parameters.items()}
         return xr.Dataset(columns, coordinates)
 
     @override

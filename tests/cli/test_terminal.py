@@ -255,7 +255,9 @@ class Interrupts:
     promise = ""
 
 
-def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch):
+@pytest.mark.parametrize("forced", ["", "1"], ids=["plain", "forced colour"])
+def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch, forced):
+    monkeypatch.setenv("FORCE_COLOR", forced)  # notebooks set it for the commands of their cells
     clock = Clock()
     monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
     names = ["coulomb", "viscous", "lugre", "dahl"]

@@ -106,7 +106,7 @@ def test_the_chain_leads_from_three_travels_to_the_page_of_a_cart(
 
 
 def test_what_the_demonstration_says_is_quoted() -> None:
-    quoted = re.search(r'`stickslip demo` says "(.*?)"', " ".join(README.split()))
+    quoted = re.search(r'`stickslip demo -o demo-report` says "(.*?)"', " ".join(README.split()))
     assert quoted is not None
     said = (ROOT / "tests" / "golden" / "paper" / "select.txt").read_text(encoding="utf-8")
     assert quoted[1] in " ".join(said.split())

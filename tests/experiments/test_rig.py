@@ -13,23 +13,41 @@ from typing import final
 import pytest
 
 from stickslip import (
+    Axis,
     Capsule,
+    ClutchTrain,
     Coulomb,
     Measurement,
     PendulumCart,
     Rig,
+    SerialArm,
     SpringBlock,
     TowedBlock,
+    TwoLinkArm,
+    TwoMassAxis,
     load_rig,
     simulate,
 )
-from stickslip.drives import Pulse, SevenStep, Sine, SineSwing, SplineSwing, Square, Sum, ThreePhase
+from stickslip.drives import (
+    PiecewiseAffine,
+    PiecewiseLinear,
+    Pulse,
+    Ramp,
+    Sampled,
+    SevenStep,
+    Sine,
+    SineSwing,
+    SplineSwing,
+    Square,
+    Sum,
+    ThreePhase,
+)
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import rig_schema
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS, Prescribed, Torque
+from stickslip.mechanisms import MECHANISMS, Lining, Link, Prescribed, Rotor, Torque
 
 MECHANISM = '[mechanism]\ntype = "spring-block"\nmass = 1\n'
 BUNDLED = files("stickslip.experiments").joinpath("paper_rig.toml").read_bytes()
@@ -221,8 +239,64 @@ def test_a_torque_is_read_with_its_drive_and_its_limit(read):
     ).mechanism
     motor = Torque(drive=Sine(amplitude=3.0, frequency=2.0), limit=2.0)
     assert found == Capsule(capsule_mass=1.0, inner_mass=0.2, drive=motor)
-    idle = dataclasses.replace(found, drive=Torque(limit=2.0))
-    assert read(rig_toml(found, NO_FRICTION)).mechanism == idle  # the drive is the record's
+    assert read(rig_toml(found, NO_FRICTION)).mechanism == found
+
+
+DRIVEN = [
+    Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=2.0)),
+    SpringBlock(
+        mass=1.0, drive=Pulse(level=2.0, duration=1.0) + Sine(amplitude=1.0, frequency=2.0)
+    ),
+    TowedBlock(mass=1.0, stiffness=2.0, speed=0.1, modulation=Ramp(rate=0.1)),
+    TwoMassAxis(
+        motor_inertia=1.0,
+        load_inertia=2.0,
+        stiffness=5.0,
+        drive=Sampled(times=[0, 1, 2], values=[1, 0, 2], hold="first"),
+    ),
+    TwoLinkArm(
+        upper_mass=0.6,
+        upper_length=0.2,
+        upper_centre=0.1,
+        upper_inertia=0.012,
+        lower_mass=0.5,
+        lower_centre=0.2,
+        lower_inertia=0.03,
+        elbow_drive=PiecewiseLinear(times=[0, 1], values=[0, 1]),
+    ),
+    PendulumCart(
+        cart_mass=1.0,
+        ball_mass=0.2,
+        length=0.3,
+        pendulum=Torque(drive=Square(high=0.5, low=-0.2, period=0.5) + Ramp(rate=0.1), limit=2.0),
+    ),
+    ClutchTrain(
+        rotors=(Rotor(inertia=1.0, torque=Ramp(rate=1.0)), Rotor(inertia=2.0)),
+        clutches=(Lining(radius=0.1, press=Pulse(level=2.0, duration=1.0)),),
+    ),
+]
+
+
+@pytest.mark.parametrize("mechanism", DRIVEN, ids=lambda one: one.name)
+def test_drives_of_mechanisms_motors_and_parts_are_written(read, mechanism):
+    text = rig_toml(mechanism, NO_FRICTION)
+    assert "left out" not in text
+    assert read(text).mechanism == mechanism
+
+
+def test_a_drive_that_no_rig_file_can_have_is_left_out_and_named(read):
+    steps = PiecewiseAffine(times=[0.0, 0.1], values=[1.0, 3.0], slopes=[5.0, 0.0])
+    motor = Torque(drive=Sine(amplitude=1.0, frequency=2.0) + steps)
+    text = rig_toml(Capsule(capsule_mass=1.0, inner_mass=0.2, drive=motor), NO_FRICTION)
+    assert text.startswith("# mechanism.drive.drive is left out: a rig file cannot have a Sum, so")
+    assert read(text).mechanism.drive == Torque()
+    link = Link(mass=1.0, length=0.3, centre=0.15, inertia=0.03)
+    arm = SerialArm(links=(link, dataclasses.replace(link, torque=steps)))
+    said, _, rest = rig_toml(arm, NO_FRICTION).partition("\n")
+    assert said.startswith("# mechanism.links.1.torque is left out: a rig file cannot have a Piece")
+    assert read(rest).mechanism.links[1].torque is None
+    moved = Axis(inertia=1.0, drive=ThreePhase(amplitude=1.0, fast=10.0, slow=5.0))
+    assert read(rig_toml(moved, NO_FRICTION)).mechanism == Axis(inertia=1.0)
 
 
 def test_a_motor_in_a_file_runs_as_it_does_in_python(read):

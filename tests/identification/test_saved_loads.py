@@ -109,3 +109,16 @@ def test_without_a_measured_load_the_mechanism_is_saved_as_it_was_given(tmp_path
     )
     assert found.remarks == ()
     assert saved(found, tmp_path).mechanism.load == 3.0
+
+
+def test_travels_at_several_settings_are_saved_with_the_first_and_the_file_says_so(tmp_path):
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    far = Measurement(travel=0.45, uncertainty=0.005, overrides={"mechanism.compression": 0.15})
+    near = Measurement(travel=0.20, uncertainty=0.005)
+    one, two = (
+        fit(block, Coulomb, Measurement(trials=trials)) for trials in ((near,), (far, near))
+    )
+    assert not one.to_toml().startswith("#")
+    assert two.to_toml().startswith("# The mechanism is that of the first of 2 settings.\n")
+    two.save(tmp_path / "law.toml")
+    assert load_rig(tmp_path / "law.toml").mechanism.compression == 0.15

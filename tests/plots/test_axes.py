@@ -343,6 +343,7 @@ def test_runs_that_ended_early_are_told_apart_from_the_others(results):
     ]  # fmt: skip
     way = plots.plot_ensemble(runs, Figure(), output="way")
     assert len(way.lines[0].get_xdata()) == 2 * len(runs)
+    assert (way.get_xlabel(), way.get_ylabel()) == ("kinetic coefficient", "way, m")
     with pytest.raises(UnknownNameError, match="fastest"):
         plots.plot_ensemble(runs, output="fastet")
     with pytest.raises(UnknownNameError):
@@ -454,3 +455,17 @@ def test_a_fit_or_verdict_without_a_plot_is_refused_by_name():
     )
     with pytest.raises(InputError, match=r"no law has a held-out error to plot\. One only\."):
         plots.plot_verdict(verdict)
+
+
+def test_what_a_backend_sets_as_it_is_loaded_outlasts_the_first_plot(tmp_path, monkeypatch):
+    """The backend of notebooks makes matplotlib interactive, or no later figure would be shown."""
+    lines = ["from matplotlib.backends.backend_agg import *", "import matplotlib"]
+    (tmp_path / "showing.py").write_text("\n".join([*lines, "matplotlib.interactive(True)"]))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(plt, "_backend_mod", None)
+    with mpl.rc_context():
+        mpl.rcParams["backend"] = "module://showing"
+        assert not mpl.is_interactive()
+        plt.close(plots.plot_law(LAW).figure)
+        assert mpl.is_interactive()
+    mpl.use("agg")

@@ -75,8 +75,9 @@ def test_basins_name_their_motions_and_leave_out_failed_starts():
     found = Basins(
         starts={"x": np.array([0.0, 1.0]), "v": np.array([0.0, 1.0])}, states=("x", "v"),
         index=np.array([[0, 0], [0, -1]]), attractors=(rest,),
-        status=np.full((2, 2), Status.END_TIME, dtype=object),
+        status=np.full((2, 2), Status.END_TIME, dtype=object), units={"x": "m", "v": "m/s"},
     )  # fmt: skip
     (axes,) = drawn(draw_basins(found))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("initial x, m", "initial v, m/s")
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["75 %, period 1"]
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1

@@ -1,5 +1,6 @@
 """The report of a selection on records holds for a simulated axis, and for a table of friction."""
 
+import ast
 import contextlib
 import dataclasses
 import math
@@ -568,7 +569,11 @@ def test_many_laws_are_wrapped_and_the_usual_ones_are_not_named(table_verdict):
 
 def test_a_mechanism_that_is_not_all_numbers_comes_from_its_rig_file(verdict):
     driven = dataclasses.replace(verdict, mechanism=Axis(inertia=2.0, drive=DRIVE))
-    assert "load_rig" in python_lines(driven)
+    assert 'load_rig("rig.toml").mechanism' in python_lines(driven)
+    for name in ("arm 2.toml", 'C:\\my "arm"\'s.toml', "a\n\udcff\u202e.toml"):
+        said = re.search(r"load_rig\((.*)\).mechanism", python_lines(driven, name))
+        assert ast.literal_eval(said[1]) == name
+        assert said[1].isprintable()
     assert "Axis(inertia=2.0)," in python_lines(verdict)
 
 

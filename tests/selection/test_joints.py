@@ -2,10 +2,11 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.arm_cases import GUESSED, JOINTS, LINEAR, QUICK, TRUTH, parts, record
+from tests.arm_cases import ARM, GUESSED, JOINTS, LINEAR, QUICK, TRUTH, motion, parts, record
 
 from stickslip import (
     CoulombViscous,
@@ -16,6 +17,9 @@ from stickslip import (
     select,
     write_report,
 )
+from stickslip.formatting import Scale
+from stickslip.formulation import JointTorques
+from stickslip.plots import plot_joints
 from stickslip.selection import joint_specifications
 
 LAWS = {
@@ -50,6 +54,28 @@ def test_each_joint_has_a_ranking_of_all_laws_and_a_control(verdict):
         assert own.control.score > 3.0 * own.closest.score
         assert own.unit == "N m"
         assert own.closest.score < 0.01  # noise of 0.01 N m, of which the filter leaves a tenth
+
+
+def test_one_multiple_of_a_unit_shows_errors_and_forces_of_all_joints():
+    light = replace(ARM, lower_mass=0.01, lower_inertia=4e-4, rotor_inertia=0.0)
+    t, q, v, a = motion(0, 4.0)
+    forces, _ = JointTorques.of(light, []).along(light, t, q, v, a)
+    forces += [15.0, 5e-3] * np.sign(v)
+    noise = np.random.default_rng(4).normal(size=forces.shape)
+    given = Measurement(
+        time=t,
+        position=dict(zip(JOINTS, q.T, strict=True)),
+        force=dict(zip(JOINTS, (forces + [3.0, 1e-3] * noise).T, strict=True)),
+    )
+    found = select(light, ["coulomb"], given, settings=QUICK)
+    errors = [found.joints[name].closest.score for name in JOINTS]
+    assert errors[0] > 100.0 * errors[1] > 0.0
+    assert {one.scale for one in (found, *found.joints.values())} == {Scale(1.0, "N m")}
+    texts = [found.words.lede, *(one.words.lede for one in found.joints.values())]
+    assert all("N m" in text and "mN m" not in text for text in texts)
+    assert "mN m" not in str(found.best.fit.score())
+    labels = [axes.get_ylabel() for axes in plot_joints(found.best.fit)]
+    assert labels == ["torque, N m"] * 2
 
 
 def test_held_out_errors_of_joints_add_up_to_that_of_their_combination(verdict):

@@ -72,6 +72,8 @@ def test_what_one_per_cent_costs_is_said_beside_what_is_needed_better():
     )
     (level,) = [e.estimate for e in same.expectations]
     assert 50.0 * (level.high - level.low) / level.value == pytest.approx(after, abs=0.06)
+    stated = next(one for one in same.preparations if one.path == K)
+    assert re.search(r"interval of \$mu_k\$ stays at ± [0-9.]+ % of the value", stated.rough)
 
 
 def percentages(text):

@@ -7,8 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, Measurement, RecordSettings, Viscous, select, write_report
+from stickslip import (
+    Axis,
+    Coulomb,
+    Measurement,
+    RecordSettings,
+    Viscous,
+    check,
+    select,
+    write_report,
+)
 from stickslip.cli.console import document, json_text
+from stickslip.experiments.checking import stationarity
 from stickslip.formatting import Scale
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.model_error import ModelError
@@ -20,6 +30,7 @@ from stickslip.selection.record_admissibility import objection
 from stickslip.selection.record_wording import first_of, record_wording
 from stickslip.selection.records import _on_second, verdict_on
 from stickslip.selection.verdict import score_text
+from stickslip.selection.wording import corrections
 
 AXIS = Axis(inertia=1.0)
 QUICK = RecordSettings(starts=1)
@@ -165,7 +176,10 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
     findings = confirmed.checks.findings
     assert all(one.kind != "drift" for one in findings)
     assert "after an hour" not in proposed(confirmed.checks)
-    drift = dataclasses.replace(findings[0], kind="drift", severity="info", sentence="It drifts.")
+    time, rng = np.arange(200.0), np.random.default_rng(3)
+    warm = np.where(time < 100, 5.0, 4.9) + 0.01 * rng.normal(size=200)
+    (drift,) = stationarity.drift([stationarity.Level("force", "force", warm, 5.0)])
+    assert drift.severity == "info"
     drifting = dataclasses.replace(confirmed.checks, findings=(*findings, drift))
     assert "after an hour" in proposed(drifting)
     wrong = dataclasses.replace(findings[0], severity="warning", sentence="A gain is wrong.")
@@ -180,6 +194,19 @@ def test_an_hour_of_running_is_proposed_only_where_something_drifts(confirmed):
     ).measure_next
     assert said[0] == "First correct the record: A gain is wrong."
     assert len(said) == 1 + len(confirmed.experiments[:1])  # what to measure comes after it
+
+
+def test_what_no_correction_answers_is_not_called_one():
+    v = np.linspace(0.01, 0.3, 30)
+    one_way = check(Measurement(velocity=v, friction=2.0 + v))
+    said = "All velocities are forward: friction level and offset cannot be separated."
+    assert corrections(one_way) == (f"Measure in the other direction, too: {said}",)
+    time = np.concatenate([np.arange(100), np.arange(140, 300)]) * 1e-3
+    moved = Measurement(time=time, position=0.1 * time, force=np.full(time.size, 2.0))
+    found = check(moved)
+    assert {one.kind for one in found.findings if one.severity == "warning"} > {"gap"}
+    (first,) = corrections(found)  # what can be corrected comes first
+    assert first.startswith("First correct the record: Gap of ")
 
 
 def test_few_independent_samples_ask_for_a_longer_record_and_not_for_a_correction(confirmed):

@@ -32,7 +32,7 @@ from stickslip import (
     mechanisms,
     simulate,
 )
-from stickslip.drives import Pulse, Ramp, Sampled
+from stickslip.drives import Drive, Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation import formulate
 from stickslip.friction import LAWS, Laws, assigned
@@ -532,6 +532,71 @@ def test_a_load_that_falls_to_zero_and_stays_there_opens_the_contact():
     falling = Sampled(times=(0.0, 0.4, 0.6), values=(0.0, 20.0, 0.0))
     run = run_of(dataclasses.replace(mechanism, second=falling), laws, 0.8, start)
     assert [e.reason for e in run.events if e.contact == "clutch-2"] == ["closes", "opens"]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Gated(Plain):
+    """Two unit masses with a contact each: a gate gives the first its force, or its load."""
+
+    name = "gated"
+    coordinates, rates, units = ("x1", "x2"), ("v1", "v2"), ("m", "m")
+
+    gate: Drive
+    nested: bool = False
+    on_load: bool = False
+    weak: bool = False
+
+    def drives(self):
+        return {"gate": self.gate}
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * (q_dot["x1"] * q_dot["x1"] + q_dot["x2"] * q_dot["x2"])
+
+    def forces(self, t, q, q_dot, drives):
+        if self.on_load:
+            return {"x1": 0.3}
+        gate = drives["gate"]
+        if self.weak:
+            return {"x1": where(gate > 0.5, 0.1 * gate, gate, ("gate opens", "gate shuts"))}
+        most = where(gate > 2.5, 3.0, 2.0, ("most", "less")) if self.nested else 2.0
+        return {"x1": where(gate > 0.5, most, 0.0, ("gate opens", "gate shuts"))}
+
+    def contacts(self):
+        return (Contact(slip="x1", load=1.0, name="a"), Contact(slip="x2", load=1.0, name="b"))
+
+    def loads(self, t, q, q_dot, drives):
+        return {"a": where(drives["gate"] > 0.5, 0.0, 1.0)} if self.on_load else {}
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+def test_a_switch_of_the_mechanism_turns_where_a_drive_jumps(tier):
+    solver = EventDriven(tier=tier)
+    gate = Pulse(level=1.0, duration=0.5, start=1.0)
+    run = simulate(Gated(gate=gate), HALF, t_end=3.0, solver=solver)
+    # 2 N against 0.5 N for 0.5 s, then friction alone: 0.75 m/s is lost in 1.5 s
+    assert [(e.t, e.reason) for e in run.events if e.reason.startswith("gate")] == [
+        (1.0, "gate opens"), (1.5, "gate shuts"),
+    ]  # fmt: skip
+    assert run["x1"][-1] == pytest.approx(0.75**2 / 3.0 + 0.75**2, rel=1e-12)
+    both = Gated(gate=dataclasses.replace(gate, level=3.0), nested=True)
+    run = simulate(both, HALF, t_end=4.5, solver=solver)
+    named = {e.reason: e.t for e in run.events if e.reason in {"most", "gate opens", "gate shuts"}}
+    assert named == {"most": 1.0, "gate opens": 1.0, "gate shuts": 1.5}
+    assert run["x1"][-1] == pytest.approx(1.25**2 / 5.0 + 1.25**2, rel=1e-12)
+    run = simulate(Gated(gate=gate, on_load=True), HALF, t_end=2.5, solver=solver)
+    # without its load 0.3 N move it for 0.5 s, which friction less that takes away in 0.75 s
+    assert [(e.t, e.reason) for e in run.events if e.contact == "a" and e.reason][:2] == [
+        (1.0, "opens"), (1.5, "closes"),
+    ]  # fmt: skip
+    assert run["x1"][-1] == pytest.approx(0.15**2 / 0.6 + 0.15**2 / 0.4, rel=1e-12)
+
+
+def test_the_force_before_a_switch_moves_nothing_where_drive_and_switch_jump_at_once():
+    gate = Pulse(level=3.0, duration=0.5, start=1.0)
+    run = run_of(Gated(gate=gate, weak=True), HALF, 3.0)
+    # 0.3 N are held; 3 N, had the gate not opened, would break away
+    assert [(e.t, e.reason) for e in run.events] == [(1.0, "gate opens"), (1.5, "gate shuts")]
+    assert np.all(run["x1"] == 0.0)
 
 
 def test_a_switch_of_the_mechanism_follows_a_rate_that_stops():

@@ -14,6 +14,7 @@ from stickslip import (
     Coulomb,
     EventDriven,
     FixedStep,
+    LuGre,
     PendulumCart,
     SpringBlock,
     TowedBlock,
@@ -24,7 +25,7 @@ from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
 from stickslip.mechanisms import Prescribed
-from stickslip.outputs import EventTimes, Final, Max, Mean, Samples
+from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
 from stickslip.quantities import vary
 from stickslip.results import Status
 from stickslip.solver import chunks
@@ -403,3 +404,31 @@ def test_rows_have_their_own_sines_of_an_incline():
         )
         assert x == alone["x"][-1]
     assert len(set(runs["x"])) == 3
+
+
+def test_outputs_and_parameters_have_their_units():
+    law = example_of(LuGre)
+    cart = PendulumCart(cart_mass=1.0, ball_mass=0.2, length=0.3)
+    varied = {
+        "mechanism.length": [0.3, 0.4],
+        "initial.theta": [0.1, 0.1],
+        "viscous_coefficient": [0.1, 0.1],
+    }
+    kept = {
+        "swing": Max("theta"),
+        "rate": Samples("omega", [0.1, 0.2]),
+        "bent": Final("z"),
+        "stops": EventTimes("stop"),
+        "count": EventCount("stop"),
+    }
+    runs = ensemble(cart, law, varied, t_end=0.3, outputs=kept)
+    assert runs.units == {
+        "mechanism.length": "m",
+        "initial.theta": "rad",
+        "friction.viscous_coefficient": "N s/m",
+        "swing": "rad",
+        "rate": "rad/s",
+        "bent": "m",
+        "stops": "s",
+        "count": "1",
+    }

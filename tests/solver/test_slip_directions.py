@@ -303,3 +303,52 @@ def test_multiples_of_a_slip_are_one_direction():
     # 1/2 kg of reduced mass, 0.5 + 2 * 0.25 N: rest after 0.5 s
     assert [(e.contact, e.from_mode) for e in run.events] == [("one", 1), ("two", -1)]
     assert run.events[0].t == pytest.approx(0.5, rel=1e-14)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offset(Plain):
+    """Two unit masses, of which contacts rub by sums with factors that are parameters."""
+
+    name: ClassVar[str] = "offset"
+    coordinates: ClassVar[tuple[str, ...]] = ("a", "b")
+    rates: ClassVar[tuple[str, ...]] = ("u", "v")
+    units: ClassVar[tuple[str, ...]] = ("m", "m")
+    r: Annotated[float, Quantity("r")]
+    s: Annotated[float, Quantity("s")] = 0.5
+    several: bool = False
+    inverse: bool = False
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * (q_dot["a"] * q_dot["a"] + q_dot["b"] * q_dot["b"])
+
+    def forces(self, t, q, q_dot, drives):
+        return {"a": 0.5}
+
+    def contacts(self):
+        factor = 1.0 / self.r if self.inverse else self.r
+        first = Contact(name="k", slip={"a": 1.0, "b": factor}, load=1.0)
+        second = Contact(name="l", slip={"a": 1.0, "b": self.s}, load=1.0)
+        return (first, second) if self.several else (first,)
+
+
+def test_a_factor_that_may_vanish_leaves_its_coordinate_in_place():
+    run = simulate(Offset(r=0.0), coulomb(0.1), t_end=1.0, y0={"u": 1.0}, solver=PLAIN)
+    assert (run["a"][-1], run["b"][-1]) == pytest.approx((1.2, 0.0), rel=1e-12)  # 0.5 N less 0.1 N
+
+
+def test_values_at_which_slips_take_no_places_of_coordinates_are_refused_by_name():
+    laws = {"k": coulomb(0.1), "l": coulomb(0.2)}
+    parallel = Offset(r=0.5, several=True)
+    said = r"Offset: .* slips .* places of coordinates: k \(1 a and 0.5 b\); l \(1 a and 0.5 b\)"
+    with pytest.raises(InputError, match=said):
+        simulate(parallel, laws, t_end=1.0)
+    with pytest.raises(InputError, match=f"run 1: {said}"):
+        ensemble(replace(parallel, r=2.0), laws, {"r": [1.0, 0.5]}, t_end=1.0)
+    near = simulate(replace(parallel, r=0.501), laws, t_end=0.1, y0={"u": 1.0}, solver=PLAIN)
+    assert near.certificate.certified
+    with pytest.raises(
+        InputError, match=r"Offset: the contacts cannot be worked out .*division by"
+    ):
+        simulate(Offset(r=0.0, inverse=True), coulomb(0.1), t_end=1.0)
+    with pytest.raises(InputError, match="slip of the contact 'k' has the factor inf for b"):
+        simulate(Offset(r=1e-320, inverse=True), coulomb(0.1), t_end=1.0)

@@ -88,9 +88,9 @@ def is_quiet() -> bool:
 
 
 def note(text: str) -> None:
-    """Say something beside the result."""
+    """Say something beside the result, in whole lines, as the result itself is."""
     if not is_quiet():
-        stderr().print(text, markup=False)
+        stderr().print(text, markup=False, soft_wrap=True)
 
 
 def show_table(

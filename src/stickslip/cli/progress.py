@@ -71,7 +71,8 @@ class _Shown:
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
         self._said: set[str] = set()
-        self._seen = bars.console.is_terminal
+        # FORCE_COLOR, as notebooks set it, makes a file a terminal, but draws nothing over there
+        self._seen = bars.console.is_terminal and bars.console.file.isatty()
         self._quiet = is_quiet()
         self._start = self._last = time.monotonic()
 

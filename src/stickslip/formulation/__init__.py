@@ -4,6 +4,7 @@ from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
 from stickslip.formulation.model import Model, formulate
 from stickslip.formulation.modes import PAINLEVE
+from stickslip.formulation.slip_directions import refuse_singular
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 
 __all__ = [
@@ -17,4 +18,5 @@ __all__ = [
     "collapsed",
     "expression",
     "formulate",
+    "refuse_singular",
 ]

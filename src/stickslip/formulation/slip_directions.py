@@ -9,9 +9,12 @@ closes a loop and has no coordinate of its own.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import symengine as se
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import joined, number
 from stickslip.formulation.closed_loops import (
     MOST_TRIALS,
     NO_LOOPS,
@@ -23,7 +26,10 @@ from stickslip.formulation.closed_loops import (
 from stickslip.formulation.trace import expression
 from stickslip.mechanisms import Contact, Mechanism, stops_of
 
-__all__ = ["SlipDirections", "direction_of", "slip_directions"]
+__all__ = ["SlipDirections", "direction_of", "refuse_singular", "slip_directions"]
+
+SINGULAR = 1e-12
+"""Volume of slips of length 1 below which they count as dependent: digits are gone by then."""
 
 Row = Mapping[int, se.Expr]
 Entries = tuple[se.Expr, ...]
@@ -178,8 +184,10 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
                 f" {' and '.join(names[i] for i in free)}, all of which have hard stops or"
                 " prescribed motions: use relative coordinates, of which the slip is one."
             )
-        slips[c] = replaced[-1]
-        found[replaced[-1]], echelon[replaced[-1]] = (row, name), free
+        # a number is never 0 here, and a parameter may be: what it takes the place of is lost then
+        i = ([i for i in replaced if free[i].is_Number] or replaced)[-1]
+        slips[c] = i
+        found[i], echelon[i] = (row, name), free
     changed = {i: row for i, (row, _) in found.items() if len(row) > 1}
     forward, backward = _change(changed, len(names))
     turned = [_turned(row, backward, len(names)) for row, _ in closing]
@@ -194,6 +202,62 @@ def slip_directions(mechanism: Mechanism, contacts: Sequence[Contact]) -> SlipDi
             " own."
         )
     return SlipDirections(tuple(slips), tuple(factors), forward, backward, loops)
+
+
+def refuse_singular(mechanism: Mechanism, contacts: Mapping[str, int]) -> None:
+    """Refuse values of parameters at which slips cannot take the places of coordinates.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Mechanism with its values.
+    contacts : mapping of str to int
+        Index of the coordinate that stands for the slip of each contact that rubs; an index beyond
+        all coordinates is that of a slip that follows from others.
+
+    Raises
+    ------
+    InputError
+        If the change of coordinates is singular.
+
+    Examples
+    --------
+    >>> from stickslip import DiscBrake
+    >>> from stickslip.mechanisms import Lining
+    >>> pad = Lining(radius=0.1, load=10.0)
+    >>> refuse_singular(DiscBrake(inertia=0.5, pads=(pad,)), {"pad-1": 0})
+    """
+    names = list(mechanism.coordinates)
+    matrix, sums = np.eye(len(names)), {}
+    for one in mechanism.contacts():
+        place = contacts.get(one.name, -1)
+        factors = {} if isinstance(one.slip, str) else dict(one.slip)
+        moving = {name: float(x) for name, x in factors.items() if name in names}
+        if len(moving) > 1 and 0 <= place < len(names) and one.name not in sums:
+            sums[one.name] = moving
+            matrix[place] = [moving.get(name, 0.0) for name in names]
+    if _is_regular(matrix):
+        return
+    said = (
+        f"{name} ({joined([f'{number(x)} {one}' for one, x in moving.items()])})"
+        for name, moving in sums.items()
+    )
+    raise InputError(
+        f"{type(mechanism).__name__}: at these values of its parameters the slips of its contacts"
+        f" cannot take the places of coordinates: {'; '.join(said)}. A factor is 0 or not finite,"
+        " or slips depend on each other that do not at other values. Change the parameters, or use"
+        " relative coordinates, of which the slips are some."
+    )
+
+
+def _is_regular(matrix: NDArray[np.float64]) -> bool:
+    """Whether a change of coordinates can be undone."""
+    if not np.isfinite(matrix).all():
+        return False
+    sizes = np.linalg.norm(matrix, axis=1)
+    if not sizes.all():
+        return False
+    return abs(float(np.linalg.det(matrix / sizes[:, None]))) > SINGULAR
 
 
 def _closing(row: Row, name: str, closing: list[tuple[Row, str]], n: int) -> tuple[int, se.Expr]:

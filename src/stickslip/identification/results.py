@@ -175,7 +175,10 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
         text = rig_toml(
             self.mechanism, self.law, title=f"{title}, fitted", estimates=self.law_estimates()
         )
-        return "".join(f"# {printable(remark)}\n" for remark in self.remarks) + text
+        said = list(self.remarks)
+        if self.settings > 1:
+            said.append(f"The mechanism is that of the first of {self.settings} settings.")
+        return "".join(f"# {printable(remark)}\n" for remark in said) + text
 
     @final
     def save(self, path: str | Path) -> None:
@@ -190,6 +193,11 @@ class Fit(OnAxes, Tabular, ABC, Generic[AnyLaw_co]):
     def rig_uncertainties(self) -> Sequence[tuple[Mechanism, Mapping[str, float]]]:
         """The mechanism of each trial, and what is stated of it: standard errors by path."""
         return ()
+
+    @property
+    def settings(self) -> int:
+        """In how many settings the mechanism was measured."""
+        return 1
 
     @property
     def readings(self) -> str:

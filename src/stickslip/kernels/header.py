@@ -468,8 +468,8 @@ class ContactSizes(Sizes):
 
     @property
     def _most_changes(self) -> int:
-        """Most events of an instant: of each contact, each stop, a switch, what ends the run."""
-        return self.contacts + len(self.walls) + 4
+        """Most events of an instant: of each contact, stop, switch, and what ends the run."""
+        return self.contacts + len(self.walls) + self.switches * self.switches + 4
 
     def _slope_rooms(self) -> dict[int, int]:
         n, c = self.coordinates, self.contacts

@@ -49,13 +49,13 @@ HOMES = {
 
 INSIDE = {
     "WHOLE": "drive_period",
+    "checked_contacts": "contacts",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "has_one_slip": "contacts",
     "joint_places": "rigid_bodies",
     "normal_of": "contacts",
     "only_contact": "contacts",
-    "refuse_too_many": "contacts",
     "repeats": "drive_period",
     "slip_among": "contacts",
     "slip_of": "contacts",

@@ -21,10 +21,10 @@ from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
 from stickslip.mechanisms.capsule import Capsule as _Capsule
 from stickslip.mechanisms.clutch_train import ClutchTrain as ClutchTrain
 from stickslip.mechanisms.clutch_train import Rotor as _Rotor
+from stickslip.mechanisms.contacts import checked_contacts as checked_contacts
 from stickslip.mechanisms.contacts import has_one_slip as has_one_slip
 from stickslip.mechanisms.contacts import normal_of as normal_of
 from stickslip.mechanisms.contacts import only_contact as only_contact
-from stickslip.mechanisms.contacts import refuse_too_many as refuse_too_many
 from stickslip.mechanisms.contacts import slip_among as slip_among
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of

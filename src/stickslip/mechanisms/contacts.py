@@ -1,15 +1,16 @@
 """Facts of the only contact of a mechanism: what slips there, and what presses at rest."""
 
+import math
 from collections.abc import Mapping
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.mechanisms.base import Contact, Mechanism
 
 __all__ = [
+    "checked_contacts",
     "has_one_slip",
     "normal_of",
     "only_contact",
-    "refuse_too_many",
     "slip_among",
     "slip_names",
     "slip_of",
@@ -23,25 +24,51 @@ MOST = 1000
 """Contacts for which equations are derived: the time grows with their square, to half a minute."""
 
 
-def refuse_too_many(mechanism: Mechanism) -> None:
-    """Refuse a mechanism with more contacts than can be simulated.
+def checked_contacts(mechanism: Mechanism) -> tuple[Contact, ...]:
+    """Return the contacts of a mechanism, if they can be simulated at its parameters.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+
+    Returns
+    -------
+    tuple of Contact
+        Its contacts.
 
     Raises
     ------
     InputError
-        With the largest number.
+        If there are too many, they cannot be worked out, or a slip has no finite factor.
 
     Examples
     --------
     >>> from stickslip import BlockChain
-    >>> refuse_too_many(BlockChain(blocks=100, mass=1.0, coupling=1.0))
+    >>> len(checked_contacts(BlockChain(blocks=100, mass=1.0, coupling=1.0)))
+    100
     """
-    count = len(mechanism.contacts())
-    if count > MOST:
+    owner = type(mechanism).__name__
+    try:
+        found = mechanism.contacts()
+    except ArithmeticError as error:
         raise InputError(
-            f"{type(mechanism).__name__} has {count} contacts, but no more than {MOST} can be"
-            " simulated: leave some out."
+            f"{owner}: the contacts cannot be worked out at these values of its parameters"
+            f" ({error}). Change the values, or write slips and loads that are finite there."
+        ) from error
+    if len(found) > MOST:
+        raise InputError(
+            f"{owner} has {len(found)} contacts, but no more than {MOST} can be simulated: leave"
+            " some out."
         )
+    for one in found:
+        for name, factor in {} if isinstance(one.slip, str) else one.slip.items():
+            if isinstance(factor, int | float) and not math.isfinite(factor):
+                raise InputError(
+                    f"{owner}: the slip of the contact {one.name!r} has the factor {factor} for"
+                    f" {name} at these values of its parameters: it must be finite."
+                )
+    return found
 
 
 def only_contact(mechanism: Mechanism) -> Contact:

@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Profile
 from stickslip.experiments import rig_toml
-from stickslip.formatting import number
+from stickslip.formatting import number, with_unit
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
@@ -156,11 +156,11 @@ class Optimum(Tabular):
 
     @override
     def __repr__(self) -> str:
-        head = f"{self.goal.title} {number(self.value, 6)} {self.goal.unit}"
-        if self.factor is not None:
+        head = f"{self.goal.title} {with_unit(number(self.value, 6), self.goal.unit)}"
+        if self.factor is not None and self.best is not self.three_phase:
             head += f", {number(self.factor, 4)} times the best three-phase motion"
         left = ", ".join(
-            f"{m.name} {number(m.reached, 5)} of {number(m.allowed, 5)} {m.unit}"
+            f"{m.name} {number(m.reached, 5)} of {with_unit(number(m.allowed, 5), m.unit)}"
             for m in self.margins
         )
         return f"<{head}\n {self.profile}\n {left}>"

@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
+from stickslip.plots.core.helpers import labelled
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import (
     C1,
@@ -102,7 +103,7 @@ def _curve(axes: Axes, result: VelocityMap, factor: float, label: str) -> None:
             color=INK,
             fontsize=11,
         )
-    axes.set_xlabel(_name(path, result.units[path]))
+    axes.set_xlabel(labelled(path, result.units[path]))
     axes.set_ylabel(label)
     axes.grid(axis="y")
 
@@ -127,8 +128,8 @@ def _colours(figure: Figure, axes: Axes, result: VelocityMap, factor: float, lab
     moving = np.ma.masked_where(~_judged(result), velocity)
     if min(velocity.shape) > 1 and moving.count() and moving.min() < 0.0 < moving.max():
         axes.contour(xs, ys, moving, levels=[0.0], colors=[INK], linewidths=1.0)
-    axes.set_xlabel(_name(across, result.units[across]))
-    axes.set_ylabel(_name(up, result.units[up]))
+    axes.set_xlabel(labelled(across, result.units[across]))
+    axes.set_ylabel(labelled(up, result.units[up]))
     bar = figure.colorbar(mesh, ax=axes, pad=0.02)
     bar.set_label(label)
     bar.outline.set_visible(False)
@@ -181,7 +182,7 @@ def draw_bifurcation(result: Bifurcation) -> Draw:
             axes.plot(places, points.ravel(), ".", color=colour, markersize=2.2, alpha=0.7)
         axes.margins(x=0.01, y=0.06)
         when = "once per cycle" if result.sample == "period" else f'at "{result.sample}"'
-        axes.set_xlabel(_name(result.path, result.path_unit))
+        axes.set_xlabel(labelled(result.path, result.path_unit))
         axes.set_ylabel(f"{result.state} {when}, {unit}")
         axes.grid(axis="y")
 
@@ -223,8 +224,8 @@ def draw_basins(result: Basins) -> Draw:
         )  # fmt: skip
         axes.set_xlim(xs.min(), xs.max())
         axes.set_ylim(ys.min(), ys.max())
-        axes.set_xlabel(f"initial {across}")
-        axes.set_ylabel(f"initial {up}")
+        axes.set_xlabel(labelled(f"initial {across}", result.units[across]))
+        axes.set_ylabel(labelled(f"initial {up}", result.units[up]))
         for number, motion in enumerate(result.attractors):
             colour = POINT_COLOURS[number % len(POINT_COLOURS)]
             if {across, up} <= set(result.states):
@@ -248,12 +249,6 @@ def _edges(values: Any) -> Any:
     middles = 0.5 * (values[1:] + values[:-1])
     ends = 1.5 * values[[0, -1]] - 0.5 * values[[1, -2]]
     return np.concatenate([ends[:1], middles, ends[1:]])
-
-
-def _name(path: str, unit: str) -> str:
-    """Return the last name of a path in words, with its unit."""
-    word = path.rpartition(".")[2].replace("_", " ")
-    return word if unit == "1" else f"{word}, {unit}"
 
 
 def plot_sweep(result: VelocityMap | Bifurcation | Basins, ax: Target = None) -> Axes:

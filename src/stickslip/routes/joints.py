@@ -7,7 +7,7 @@ from typing import Any, final
 from typing_extensions import override
 
 from stickslip.experiments import Measurement
-from stickslip.formatting import NO_VALUE, quantity
+from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.records import title_of
@@ -111,7 +111,8 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
         rows = []
         for name, one in own.joints.items():
             other = [] if second is None else [second.joints[name]]
-            rows.append([name, *(quantity(each.rms, each.unit) for each in (one, *other))])
+            scale = own.scales[one.unit]
+            rows.append([name, *(scale.quantity(each.rms) for each in (one, *other))])
         return FitSummary(
             heads=heads,
             rows=rows,

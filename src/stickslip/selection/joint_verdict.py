@@ -90,7 +90,9 @@ class JointVerdict(CrossValidatedVerdict[RecordCandidate]):
     @property
     def scale(self) -> Scale:
         """The multiple of the unit in which scores of combinations are shown."""
-        return score_scale([one.score for one in self.candidates], self.score_unit)
+        shown = {one.shown for one in self.joints.values()}
+        common = shown.pop() if len(shown) == 1 else None
+        return common or score_scale([one.score for one in self.candidates], self.score_unit)
 
     @override
     def _basis(self) -> str:

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias, cast, final
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Finding, Measurement
+from stickslip.formatting import Scale
 from stickslip.friction import BristleLaw, FrictionLaw, Laws
 from stickslip.identification import (
     LAW,
@@ -184,6 +185,8 @@ class _Descent:
     """Of each contact, what was fitted and validated of its joint, with the whole records."""
     usual: bool
     """Whether no laws were named."""
+    scales: Mapping[str, Scale]
+    """What errors of all joints are shown in, by their SI unit."""
     stopped: bool = False
     """Whether the search was ended early."""
 
@@ -226,6 +229,7 @@ class _Descent:
                 for joint, contact in fitter.contacts.items()
             },
             usual=usual,
+            scales=first.fit.score().scales,
         )
 
     def verdict(self) -> JointVerdict:
@@ -289,6 +293,7 @@ class _Descent:
             own[1][0] if len(own) > 1 else None,
             fault=self._fault(),
             material=APART,
+            shown=self.scales[own[0][0].unit("force")],
         )
 
     def _fault(self) -> str:

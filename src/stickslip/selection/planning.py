@@ -702,10 +702,11 @@ def _rough(
     worse = replace(bench, doubts={**(bench.doubts or {}), one.path: ROUGH * size})
     symbol, wanted = bench.width(laws[named], repeats)
     _, got = worse.width(laws[named], repeats)
-    said = (
-        f"If it is known only to 1 %, the 95 % interval of ${symbol}$ is ± {percent(got)} of the"
-        f" value instead of ± {percent(wanted)}"
-    )
+    said = f"If it is known only to 1 %, the 95 % interval of ${symbol}$ "
+    if percent(got) == percent(wanted):  # as it is stated to 1 %, say
+        said += f"stays at ± {percent(got)} of the value"
+    else:
+        said += f"is ± {percent(got)} of the value instead of ± {percent(wanted)}"
     told = [pair for pair in contrasts if pair.sigmas(bench.error, repeats) >= TELLING]
     lost = [
         f"{laws[pair.holds].title} from {laws[pair.rival].title}"

@@ -175,6 +175,8 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Estimates of the best law from the first and the second half of the record, by path."""
+    shown: Scale | None = None
+    """What scores are shown in beside those of other joints; None where they stand alone."""
 
     @property
     def model_errors(self) -> tuple[ModelError, ...]:
@@ -211,7 +213,7 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     @property
     def scale(self) -> Scale:
         """The multiple of the unit in which scores are shown: one for terminal, text and page."""
-        return score_scale([c.score for c in self.candidates], self.unit)
+        return self.shown or score_scale([c.score for c in self.candidates], self.unit)
 
     @property
     def missing(self) -> tuple[str, ...]:

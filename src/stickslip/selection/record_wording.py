@@ -177,6 +177,7 @@ def record_wording(
     fault: str = "",
     on_second: SecondRecord | None = None,
     trials: TrialComparison | None = None,
+    shown: Scale | None = None,
 ) -> Wording:
     """Put a selection on records into words.
 
@@ -202,6 +203,8 @@ def record_wording(
         What a second record says of the choice.
     trials : TrialComparison, optional
         Whether several trials share the best law.
+    shown : Scale, optional
+        What scores are shown in; their median chooses if not given.
 
     Returns
     -------
@@ -215,8 +218,9 @@ def record_wording(
         if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
     ]
     equal = [c for c in rivals if as_good(c, best)]
-    verdict = _verdict(best, equal, candidates, fault, on_second, trials)
-    lede = _lede(candidates, best, equal, without, scored, on_second, said=verdict)
+    scale = shown or _scale(candidates, best.fit)
+    verdict = _verdict(best, equal, candidates, fault, on_second, trials, scale)
+    lede = _lede(candidates, best, equal, without, scored, on_second, scale, said=verdict)
     return Wording(
         verdict=verdict,
         lede=lede + _trials_text(trials, verdict),
@@ -234,6 +238,7 @@ def _verdict(
     fault: str,
     on_second: SecondRecord | None,
     trials: TrialComparison | None,
+    scale: Scale,
 ) -> str:
     name = friction_of(best.title)
     if best.refuted:
@@ -244,8 +249,7 @@ def _verdict(
         return f"No candidate passes all checks; {name} fits best."
     if on_second is not None and not on_second.holds:
         other = next(c for c in candidates if c.name == on_second.rival)
-        assert best.fit is not None
-        own, rival = _second_errors(_scale(candidates, best.fit), on_second)
+        own, rival = _second_errors(scale, on_second)
         return (
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
@@ -324,6 +328,7 @@ def _lede(
     without: RecordCandidate | None,
     scored: str,
     on_second: SecondRecord | None,
+    scale: Scale,
     *,
     said: str,
 ) -> str:
@@ -331,13 +336,12 @@ def _lede(
     assert best.fit is not None
     assert best.validation is not None
     fit = best.fit
-    scale = _scale(candidates, fit)
     told = partial(
         distinct, scale, [c.score for c in candidates if c.name in {best.name, REFERENCE}]
     )
     text = held_out_text(scale, best.score, best.score_error, scored)
     if on_second is not None:
-        text += f" {_second_text(candidates, best, on_second)}"
+        text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
         text += f" Not all of its parameters are identified: {best.doubt}."
     if equal and _not_distinguished(equal) not in said:
@@ -368,11 +372,10 @@ def _lede(
 
 
 def _second_text(
-    candidates: Sequence[RecordCandidate], best: RecordCandidate, on_second: SecondRecord
+    candidates: Sequence[RecordCandidate], on_second: SecondRecord, scale: Scale
 ) -> str:
     """Return the error on the second record, and whether the choice holds there."""
-    assert best.fit is not None
-    own, other = _second_errors(_scale(candidates, best.fit), on_second)
+    own, other = _second_errors(scale, on_second)
     text = on_second_record(own)
     if SEVERAL <= on_second.ratio < math.inf:
         text += (
@@ -438,7 +441,7 @@ def _measure_next(
     on_second: SecondRecord | None,
 ) -> tuple[str, ...]:
     titles = {c.name: c.title for c in candidates}
-    lines = list(corrections(checks))
+    lines = list(corrections(checks, but=("drift",)))
     if fault:
         lines.append(
             "Before any further measurement, check the units, gains and signs of each column, the"
@@ -449,11 +452,7 @@ def _measure_next(
         said = ", ".join(f"{titles.get(name, name)} {text}" for name, text in readings.items())
         lines.append(f"{one.what} Predicted {observed}: {said}.")
     lines += longer(checks)
-    if any(f.kind == "drift" for f in checks.findings):
-        lines.append(
-            "Repeat this record after an hour of running, to separate warm-up effects from the"
-            " friction law."
-        )
+    lines += [f"{one.measure}." for one in checks.of("drift")[:1]]
     if on_second is not None and SEVERAL <= on_second.ratio < math.inf:
         lines.append(
             "Find what differs between the two records (load, temperature, lubrication, gains):"

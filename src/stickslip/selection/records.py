@@ -13,7 +13,7 @@ from stickslip.experiments import (
     Measurement,
     with_doubts,
 )
-from stickslip.formatting import quantity
+from stickslip.formatting import Scale, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     LAW,
@@ -532,6 +532,7 @@ def verdict_on(
     *,
     fault: str = "",
     material: float = 0.0,
+    shown: Scale | None = None,
 ) -> RecordVerdict:
     """Return the verdict on candidates that were judged.
 
@@ -557,6 +558,8 @@ def verdict_on(
         Why no law can be recommended, if that is known before.
     material : float
         Share of the residual that laws of their own must take off for trials to count as different.
+    shown : Scale, optional
+        What scores are shown in; their median chooses if not given.
 
     Returns
     -------
@@ -606,6 +609,7 @@ def verdict_on(
             fault=fault,
             on_second=on_second,
             trials=trials,
+            shown=shown,
         ),
         candidates=tuple(ordered),
         ranked=True,
@@ -622,6 +626,7 @@ def verdict_on(
         trials=trials,
         experiments=experiments,
         half_estimates=halves(closest.fit),
+        shown=shown,
     )
 
 

@@ -36,7 +36,7 @@ TOO_SHORT = "effective size"
 
 
 def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]:
-    """Return what to correct in a record before anything else is measured, if it was warned of.
+    """Return what to correct in a record before anything else is measured, or what to measure.
 
     Parameters
     ----------
@@ -48,7 +48,8 @@ def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]
     Returns
     -------
     tuple of str
-        The first warning, or nothing.
+        The first warning that a correction answers, else the first that a further measurement
+        answers, else nothing.
 
     Examples
     --------
@@ -56,13 +57,24 @@ def corrections(checks: Checks, *, but: Collection[str] = ()) -> tuple[str, ...]
     >>> gap = Finding(kind="gap", sentence="Gap of 0.3 s after 12.5 s.", severity="warning")
     >>> corrections(Checks(findings=(gap,)))
     ('First correct the record: Gap of 0.3 s after 12.5 s.',)
+    >>> short = Finding(
+    ...     kind="length",
+    ...     sentence="The record has only 15 samples.",
+    ...     severity="warning",
+    ...     measure="Record more samples",
+    ... )
+    >>> corrections(Checks(findings=(short,)))
+    ('Record more samples: The record has only 15 samples.',)
     """
-    warned = (
-        one.sentence
+    warned = [
+        one
         for one in checks.findings
         if one.severity == "warning" and one.kind not in (TOO_SHORT, *but)
+    ]
+    warned.sort(key=lambda one: bool(one.measure))  # what can be corrected comes first
+    return tuple(
+        f"{one.measure or 'First correct the record'}: {one.sentence}" for one in warned[:1]
     )
-    return tuple(f"First correct the record: {line}" for line in itertools.islice(warned, 1))
 
 
 def longer(checks: Checks) -> tuple[str, ...]:

@@ -32,6 +32,7 @@ INSIDE = {
     "gather": "drive_schedule",
     "notice": "compile.messages",
     "object_files": "compile.modules",
+    "path_units": "base",
     "reasons": "reducers",
     "run_ensemble": "ensembles",
     "status_of": "event_driven",

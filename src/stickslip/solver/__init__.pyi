@@ -5,6 +5,7 @@ from typing import final
 from stickslip.quantities import Given as _Given
 from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
+from stickslip.solver.base import path_units as path_units
 from stickslip.solver.compile.messages import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
 from stickslip.solver.compile.precompile import Progress as Progress

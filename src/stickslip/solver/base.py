@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Contact, Mechanism
-from stickslip.quantities import Parametrised, turned
+from stickslip.quantities import Parametrised, parameters, turned
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Solver", "column_units", "name_of_only_contact"]
+__all__ = ["Solver", "column_units", "name_of_only_contact", "path_units"]
 
 KINDS = {"friction": "N", "mode": "1"}
 """Units of columns of a contact that slips along a line; others are bristles [m]."""
@@ -81,6 +81,40 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         turns = turning.get(contact, False) if several else any(turning.values())
         own[column] = "N" if kind == "normal_force" else turned(KINDS.get(kind, "m"), turns)
     return units | own | efforts
+
+
+def path_units(
+    mechanism: Mechanism, law: FrictionLaw | Laws, bristles: Sequence[str] = ()
+) -> dict[str, str]:
+    """Return the unit of each initial state and parameter.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contacts.
+    bristles : sequence of str
+        Names of bristle states.
+
+    Returns
+    -------
+    dict of str to str
+        SI unit by full path, ``"1"`` where it has none.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Coulomb
+    >>> units = path_units(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0))
+    >>> units["mechanism.stiffness"], units["initial.v"]
+    ('N/m', 'm/s')
+    """
+    own = column_units(mechanism, bristles)
+    states = (*mechanism.coordinates, *mechanism.rates, *bristles)
+    units = {f"initial.{state}": own[state] for state in states}
+    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
+        units |= {path: quantity.unit for path, quantity, _ in parameters(root, prefix)}
+    return units
 
 
 def _turns(contact: Contact, units: Mapping[str, str]) -> bool:

@@ -14,12 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import BEGINNING, Drive, Piece, Sum
-from stickslip.formulation import Model
+from stickslip.formulation import Model, refuse_singular
 from stickslip.friction import FrictionLaw, Laws
+from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["Inputs", "Schedule", "gather", "schedule", "schedule_slopes", "values_of"]
+__all__ = [
+    "Inputs",
+    "Schedule",
+    "gather",
+    "refuse_turned",
+    "schedule",
+    "schedule_slopes",
+    "values_of",
+]
 
 IMAGINARY = 1e-30
 """A part so small that what it does is a derivative, exact but for rounding."""
@@ -100,7 +109,13 @@ def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: f
     -------
     Inputs
         Parameters in the order of the model, and what the drives do.
+
+    Raises
+    ------
+    InputError
+        If slips cannot take the places of coordinates at these parameters.
     """
+    refuse_turned(mechanism, model)
     values = values_of(mechanism, law)
     plan = _alone(tuple(mechanism.drives().values()), t_end)
     return Inputs(
@@ -109,6 +124,20 @@ def gather(mechanism: Mechanism, law: FrictionLaw | Laws, model: Model, t_end: f
         bounds=plan.bounds[0],
         time_scale=float(plan.time_scale[0]),
     )
+
+
+def refuse_turned(mechanism: Mechanism, model: Model) -> None:
+    """Refuse parameters at which the change of coordinates is singular, if it depends on any.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    model : Model
+        Its equations.
+    """
+    if model.turning and isinstance(model.sizes, ContactSizes):
+        refuse_singular(mechanism, dict(zip(model.contacts, model.sizes.slips, strict=True)))
 
 
 def _alone(drives: tuple[Drive, ...], t_end: float) -> Schedule:

@@ -14,11 +14,13 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
+from stickslip.solver.base import path_units
 from stickslip.solver.certify import passes
 from stickslip.solver.chunks import Chunk, Job, run_chunks
+from stickslip.solver.drive_schedule import refuse_turned
 from stickslip.solver.event_driven import EventDriven, status_of
 from stickslip.solver.initial_states import narrowest, starts_as_told, starts_within_stops
-from stickslip.solver.reducers import Final, Output, asked, is_gradient, value_of
+from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
 from stickslip.trajectory import Ensemble
 
 __all__ = ["run_ensemble"]
@@ -85,7 +87,10 @@ def run_ensemble(
 
     begun = starts_as_told(mechanism, columns, told)
     run_chunks(job, starts_within_stops(mechanism, begun, y0), executor, keep)
-    return parts.joined(columns)
+    bristles = model.states[2 * len(mechanism.coordinates) :]
+    units = path_units(mechanism, law, bristles)
+    units |= {state: units[f"initial.{state}"] for state in model.states}
+    return parts.joined(columns, units)
 
 
 class _Parts:
@@ -108,7 +113,7 @@ class _Parts:
         self.evidence[rows], self.gradients[rows] = chunk.evidence, chunk.gradients
         self.done += len(chunk.statuses)
 
-    def joined(self, columns: Mapping[str, Array]) -> Ensemble:
+    def joined(self, columns: Mapping[str, Array], units: Mapping[str, str]) -> Ensemble:
         """Return all of it."""
         wanted, evidence = self.job.outputs, self.evidence
         for name, output in wanted.items():
@@ -130,6 +135,10 @@ class _Parts:
             guard_violation=evidence[:, 1],
             event_residual=evidence[:, 2],
             steps=np.nan_to_num(evidence[:, 3]).astype(np.int64),
+            units={
+                **{path: units[path] for path in columns},
+                **{name: output_unit(one, units) for name, one in wanted.items()},
+            },
         )
 
 
@@ -188,7 +197,7 @@ def _columns(
     if count == 0:
         raise InputError("parameters must contain at least one value each, got empty arrays.")
     columns = {path: np.broadcast_to(values, count).copy() for path, values in given.items()}
-    _check(mechanism, law, columns, known)
+    _check(mechanism, law, model, columns, known)
     return columns, count
 
 
@@ -236,6 +245,7 @@ def _numbers(path: str, values: ArrayLike) -> Array:
 def _check(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
+    model: Model,
     columns: Mapping[str, Array],
     known: Mapping[str, Quantity],
 ) -> None:
@@ -248,7 +258,11 @@ def _check(
             known[path].check(owner, name, float(value))
     rows = {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
     for row in sorted(rows | narrowest(mechanism, columns)):
-        _varied(mechanism, "mechanism", columns, row)
+        own = _varied(mechanism, "mechanism", columns, row)
+        try:
+            refuse_turned(own, model)
+        except InputError as error:
+            raise InputError(f"run {row}: {error}") from None
         _varied(law, "friction", columns, row)
     _check_order(law, "friction", columns)
 

@@ -26,6 +26,7 @@ __all__ = [
     "Sensitivity",
     "asked",
     "is_gradient",
+    "output_unit",
     "reasons",
     "value_of",
 ]
@@ -284,6 +285,38 @@ class Sensitivity(Output):
 def is_gradient(output: Output) -> TypeIs[Sensitivity]:
     """Whether an output is a sensitivity, which needs the slopes of the equations."""
     return isinstance(output, Sensitivity)
+
+
+def output_unit(output: Output, units: Mapping[str, str]) -> str:
+    """Return the SI unit of an output.
+
+    Parameters
+    ----------
+    output : Output
+        What is kept.
+    units : mapping of str to str
+        SI units of states by name, and of what may vary by full path.
+
+    Returns
+    -------
+    str
+        The unit; ``"1"`` where it has none.
+
+    Examples
+    --------
+    >>> units = {"x": "m", "friction.kinetic_coefficient": "1", "mechanism.stiffness": "N/m"}
+    >>> output_unit(Sensitivity("x", "mechanism.stiffness"), units), output_unit(Max("x"), units)
+    ('m/(N/m)', 'm')
+    """
+    match output:
+        case EventTimes():
+            return "s"
+        case Sensitivity(state, parameter):
+            over = units[parameter]
+            return units[state] if over == "1" else f"{units[state]}/({over})"
+        case Final() | Max() | Min() | Mean() | Samples():
+            return units[output.state]
+    return "1"
 
 
 def _reason(model: Model, reason: str) -> int:

@@ -64,6 +64,8 @@ class Basins(OnAxes):
     """The motions, the one with the largest basin first."""
     status: NDArray[np.object_]
     """How each run ended, a `Status` each."""
+    units: Mapping[str, str]
+    """SI unit of each axis of the grid."""
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return a row for each start: its two states, the number of its attractor, its status."""
@@ -76,6 +78,8 @@ class Basins(OnAxes):
     def to_xarray(self) -> "xr.Dataset":
         """Return the number of the attractor and the status over the starts as an xarray Dataset.
 
+        The starts have their units.
+
         Raises
         ------
         InputError
@@ -86,7 +90,10 @@ class Basins(OnAxes):
 
         over = tuple(self.starts)
         columns = {"attractor": (over, self.index), "status": (over, names_of(self.status))}
-        return xr.Dataset(columns, dict(self.starts))
+        units = {name: {"units": unit} for name, unit in self.units.items()}
+        return xr.Dataset(
+            columns, {name: (name, x, units[name]) for name, x in self.starts.items()}
+        )
 
     @override
     def _summary(self) -> Summary:
@@ -213,6 +220,7 @@ def _gridded(
         index=index.reshape(shape),
         attractors=found,
         status=runs.status.reshape(shape),
+        units={name: runs.units[f"initial.{name}"] for name in begun},
     )
 
 

@@ -12,7 +12,7 @@ from stickslip.errors import InputError, ParameterError
 from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
-from stickslip.solver import EventDriven, as_numbers
+from stickslip.solver import EventDriven, as_numbers, path_units
 
 __all__ = [
     "Array",
@@ -130,14 +130,7 @@ def unit_of(mechanism: Mechanism, law: FrictionLaw | Laws, path: str) -> str:
     >>> unit_of(Axis(inertia=1.0), Coulomb(kinetic_coefficient=1.0), "mechanism.stiffness")
     'N/m'
     """
-    units = {
-        f"initial.{state}": unit
-        for names, rate in ((mechanism.coordinates, ""), (mechanism.rates, "/s"))
-        for state, unit in zip(names, (u + rate for u in mechanism.units), strict=True)
-    }
-    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        units |= {found: quantity.unit for found, quantity, _ in parameters(root, prefix)}
-    return units.get(path, "1")
+    return path_units(mechanism, law).get(path, "1")
 
 
 def product(axes: Mapping[str, Array]) -> dict[str, Array]:

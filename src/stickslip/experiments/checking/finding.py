@@ -7,8 +7,12 @@ from typing import Any, Final, Literal
 
 from typing_extensions import override
 
-__all__ = ["SEVERITIES", "TURN", "Finding", "Severity"]
+__all__ = ["OTHER_SPEEDS", "OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
 
+OTHER_SPEEDS: Final = "Measure at further velocities"
+"""What answers a motion at too few speeds."""
+OTHER_WAY: Final = "Measure in the other direction, too"
+"""What answers a motion in one direction."""
 Severity = Literal["info", "warning", "error"]
 TURN: Final = "set its gain to −1, or reverse the sign of its present gain"
 """Cure of a force that counts the other way; a gain that is given takes the place of another."""
@@ -34,6 +38,8 @@ class Finding:
     """``"error"`` where no fit should be made from the record as it is."""
     numbers: Mapping[str, float] = field(default_factory=dict)
     """The numbers of the sentence, SI."""
+    measure: str = ""
+    """What to measure, without a full stop, where a further measurement answers it; else empty."""
     record: str = ""
     """Name of the trial it is about, where there are several."""
 

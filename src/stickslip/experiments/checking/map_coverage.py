@@ -5,7 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import TURN, Finding, Severity
+from stickslip.experiments.checking.finding import (
+    OTHER_SPEEDS,
+    OTHER_WAY,
+    TURN,
+    Finding,
+    Severity,
+)
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array, Measurement
 from stickslip.formatting import count, percent, quantities, quantity
 
@@ -45,11 +51,14 @@ def coverage(record: Measurement) -> Iterator[Finding]:
     text = f"{count(velocity.size, 'point')} at {count(distinct, 'velocity', 'velocities')}"
     text += f" from {low} to {high}"
     text += f": a friction curve needs at least {FEWEST} velocities." if few else "."
-    yield _map("warning" if distinct < FEW_SPEEDS else "info", text, numbers)
+    if distinct < FEW_SPEEDS:
+        yield _map("warning", text, numbers, measure=OTHER_SPEEDS)
+    else:
+        yield _map("info", text, numbers)
     if velocity.min() >= 0 or velocity.max() <= 0:
         way = "forward" if velocity.max() > 0 else "backward"
         text = f"All velocities are {way}: friction level and offset cannot be separated."
-        yield _map("warning", text, numbers)
+        yield _map("warning", text, numbers, measure=OTHER_WAY)
     if distinct == velocity.size:
         text = "No velocity is repeated: scatter cannot be separated from the shape of the curve."
         yield _map("info", text, numbers)
@@ -101,8 +110,12 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
         )
 
 
-def _map(severity: Severity, sentence: str, numbers: dict[str, float]) -> Finding:
-    return Finding(kind="coverage", severity=severity, sentence=sentence, numbers=numbers)
+def _map(
+    severity: Severity, sentence: str, numbers: dict[str, float], *, measure: str = ""
+) -> Finding:
+    return Finding(
+        kind="coverage", severity=severity, sentence=sentence, numbers=numbers, measure=measure
+    )
 
 
 def _distinct(values: Array) -> int:
@@ -131,6 +144,7 @@ def settings(records: Sequence[Measurement]) -> Iterator[Finding]:
         kind="settings",
         severity="warning" if len(kinds) == 1 else "info",
         sentence=text,
+        measure="Measure at further settings" if len(kinds) == 1 else "",
         numbers={"readings": readings, "settings": len(kinds), "repeats": repeats},
     )
     bare = sum(not record.uncertainty for record in records)

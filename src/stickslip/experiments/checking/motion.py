@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.experiments.checking.finding import Finding
+from stickslip.experiments.checking.finding import OTHER_WAY, Finding
 from stickslip.experiments.differentiation import (
     CUTOFF,
     interval_of,
@@ -120,6 +120,7 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
                 " directions cannot be determined. Filter the position, or measure it with a finer"
                 " resolution."
             ),
+            measure="Measure faster or larger motions",
             numbers={"noise": motion.noise, "fastest": motion.fastest},
         )
         return
@@ -141,6 +142,7 @@ def reversals(motion: Motion, *, offset: bool = True) -> Iterator[Finding]:
         kind="reversals",
         severity="warning" if offset else "info",
         sentence=f"No reversals: the motion goes {way} only{one_number}.",
+        measure=OTHER_WAY if offset else "",
         numbers=numbers,
     )
 
@@ -167,6 +169,7 @@ def straight(record: Measurement) -> Iterator[Finding]:
         kind="line",
         severity="warning" if bent else "info",
         sentence=text,
+        measure="Record a straight motion, with the camera perpendicular to it" if bent else "",
         numbers={
             "tilt": line.tilt,
             "length": line.length,

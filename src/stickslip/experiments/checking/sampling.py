@@ -37,6 +37,7 @@ def length(time: Array) -> Iterator[Finding]:
         kind="length",
         severity="error" if n < FEWEST else "warning",
         sentence=f"The record has only {count(n, 'sample')}: {sentence}",
+        measure="Record more samples",
         numbers={"samples": n},
     )
 
@@ -71,6 +72,7 @@ def sampling(time: Array) -> Iterator[Finding]:
         kind="sampling",
         severity="warning" if typical > UNEVEN else "info",
         sentence=text,
+        measure="Record at even intervals" if typical > UNEVEN else "",
         numbers={
             "samples": time.size,
             "rate": rate,

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.experiments.checking.finding import Finding, Severity
+from stickslip.experiments.checking.finding import OTHER_SPEEDS, Finding, Severity
 from stickslip.experiments.checking.motion import Motion
 from stickslip.experiments.differentiation import noise_of, step_of
 from stickslip.experiments.measurement import QUANTITIES, SAMPLED, Array, Measurement
@@ -72,10 +72,12 @@ def constant(record: Measurement) -> Iterator[Finding]:
             continue
         value = quantity(float(values[0]), record.unit(name))
         text, severity = _never(name, float(values[0]))
+        single = name == "velocity" and severity == "warning"
         yield Finding(
             kind="constant",
             severity=severity,
             sentence=f"{NAMES[name].capitalize()} is constant{text.format(value)}",
+            measure=OTHER_SPEEDS if single else "",
             numbers={name: float(values[0])},
         )
 
@@ -207,6 +209,7 @@ def saturated(record: Measurement) -> Iterator[Finding]:
                     f" consecutive samples, {percent(share)} of the record: the amplifier or"
                     " sensor saturates, unless the drive was constant there."
                 ),
+                measure="Record within the range of amplifier and sensor",
                 numbers={"level": extreme, "longest": longest, "share": share},
             )
 
@@ -243,6 +246,7 @@ def cut_off(record: Measurement) -> Iterator[Finding]:
                     " without slowing down: the sensor is at the end of its range, unless the"
                     " motion was driven in this way."
                 ),
+                measure="Record within the range of the sensor",
                 numbers={"level": extreme, "longest": max(found), "times": len(found)},
             )
 
@@ -298,6 +302,7 @@ def quantised(record: Measurement) -> Iterator[Finding]:
             kind="quantisation",
             severity="warning" if coarse else "info",
             sentence=text + (": velocities derived from it are coarse." if coarse else "."),
+            measure="Record larger motions, or with a finer resolution" if coarse else "",
             numbers={"step": step, "levels": levels},
         )
 

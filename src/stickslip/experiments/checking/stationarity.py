@@ -122,6 +122,10 @@ def drift(found: list[Level]) -> Iterator[Finding]:
             kind="drift",
             severity="warning" if matters else "info",
             sentence=text,
+            measure=(
+                "Repeat this record after an hour of running, to separate warm-up effects from the"
+                " friction law"
+            ),
             numbers={
                 "first": means[0],
                 "second": means[1],

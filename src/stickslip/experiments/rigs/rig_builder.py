@@ -44,7 +44,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import FrictionLaw, Laws, laws
-from stickslip.mechanisms import Mechanism, mechanisms, refuse_too_many
+from stickslip.mechanisms import Mechanism, checked_contacts, mechanisms
 from stickslip.quantities import Quantity
 
 __all__ = ["read_rig"]
@@ -154,10 +154,9 @@ def _contacts(
         raise complaint(error, raw, file, overrides) from None
     mechanism = _mechanism(table, file, overrides)
     try:
-        refuse_too_many(mechanism)
+        found = checked_contacts(mechanism)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    found = mechanism.contacts()
     if isinstance(table.mechanism, UrdfTable):
         fill_friction(raw, table.mechanism, [one.name for one in found], file)
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))

@@ -1,12 +1,13 @@
 """Writes rig files."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import get_args, get_type_hints
 
-from stickslip.drives import DRIVES, PROFILES, Drive, Sum
+from stickslip.drives import DRIVES, PROFILES, Drive, Profile, Sum
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import Friction, FrictionLaw, Laws, assigned, laws
-from stickslip.mechanisms import MOTORS, Mechanism, Motor, mechanisms
+from stickslip.mechanisms import MOTORS, Mechanism, mechanisms
 from stickslip.quantities import Parametrised, fields_of
 
 __all__ = ["rig_toml"]
@@ -22,9 +23,9 @@ def rig_toml(
 ) -> str:
     """Return the text of a rig file with a mechanism, its friction and how well it is known, in SI.
 
-    Numbers, texts, truth values, motors, profiles and parts with their drives are written; a drive
-    of the mechanism itself is left out, which in an identified one is the record. What is in no
-    registry is named by its import path.
+    Numbers, texts, truth values, motors, profiles, drives and parts are written. A drive that a rig
+    file cannot have is left out, which a comment says. A mechanism or a law that is in no registry
+    is named by its import path.
 
     Parameters
     ----------
@@ -71,7 +72,11 @@ def rig_toml(
         document["run"] = {"t_end": float(t_end)}
     if estimates is not None:
         document["estimates"] = _estimates(estimates)
-    return tomlkit.dumps(document)
+    lost = "".join(
+        f"# {path} is left out: a rig file cannot have a {kind}, so that runs are without it.\n"
+        for path, kind in _unwritten(mechanism, "mechanism")
+    )
+    return lost + tomlkit.dumps(document)
 
 
 def _law(law: FrictionLaw) -> dict[str, object]:
@@ -88,14 +93,17 @@ def _by_contact(mechanism: Mechanism, found: Laws) -> dict[str, object]:
 
 
 def _table(root: Parametrised, kind: str) -> dict[str, object]:
-    """Return the plain values of a part, and the tables of motors and of profiles they follow."""
+    """Return the plain values of a part, and the tables of motors, drives and parts."""
     table: dict[str, object] = {"type": kind} if kind else {}
     for field in dataclasses.fields(root):
         value = getattr(root, field.name)
-        kinds: Mapping[str, type] = MOTORS if isinstance(value, Motor) else PROFILES
+        kinds: Mapping[str, type] = PROFILES if _is_profile(root, field.name) else MOTORS
         name = next((name for name, kind in kinds.items() if type(value) is kind), None)
         if name is not None:
             table[field.name] = _table(value, name)
+        elif isinstance(value, Drive):
+            drives = _drives(value)
+            table |= {field.name: drives[0] if len(drives) == 1 else drives} if drives else {}
         elif isinstance(value, (bool, str)):
             table[field.name] = value
         elif isinstance(value, (int, float)) and field.name in fields_of(type(root)):
@@ -103,26 +111,38 @@ def _table(root: Parametrised, kind: str) -> dict[str, object]:
         elif isinstance(value, tuple) and all(isinstance(x, float) for x in value):
             table[field.name] = list(value)
         elif isinstance(value, tuple):
-            table[field.name] = [_part(x) for x in value if isinstance(x, Parametrised)]
-        elif isinstance(value, Parametrised) and not isinstance(value, Drive):
-            table[field.name] = _part(value)
+            table[field.name] = [_table(x, "") for x in value if isinstance(x, Parametrised)]
+        elif isinstance(value, Parametrised):
+            table[field.name] = _table(value, "")
     return table
 
 
-def _part(part: Parametrised) -> dict[str, object]:
-    """Return the table of a part of a mechanism, its drives included."""
-    table = _table(part, "")
-    for field in dataclasses.fields(part):
-        value = getattr(part, field.name)
+def _is_profile(root: Parametrised, name: str) -> bool:
+    """Whether a field holds a motion, and no force."""
+    hint = get_type_hints(type(root))[name]
+    return Profile in (hint, *get_args(hint))
+
+
+def _drives(drive: Drive) -> list[dict[str, object]]:
+    """Return the tables of the parts of a drive; none where one of them cannot be written."""
+    parts = drive.parts if isinstance(drive, Sum) else (drive,)
+    names = {kind: name for name, kind in DRIVES.items()}
+    known = all(type(one) in names for one in parts)
+    return [_table(one, names[type(one)]) for one in parts] if known else []
+
+
+def _unwritten(root: Parametrised, path: str) -> Iterator[tuple[str, str]]:
+    """Yield path and class of each drive that a rig file cannot have."""
+    for field in dataclasses.fields(root):
+        value, own = getattr(root, field.name), f"{path}.{field.name}"
         if isinstance(value, Drive):
-            drives = value.parts if isinstance(value, Sum) else (value,)
-            table[field.name] = [_table(one, kind) for one in drives for kind in _drive_kind(one)]
-    return table
-
-
-def _drive_kind(drive: Drive) -> list[str]:
-    """Return the ``type`` of a drive; none where it is in no registry and cannot be written."""
-    return [name for name, kind in DRIVES.items() if type(drive) is kind]
+            if not _is_profile(root, field.name) and not _drives(value):
+                yield own, type(value).__name__
+            continue
+        several = isinstance(value, tuple)
+        for index, part in enumerate(value if several else (value,)):
+            if isinstance(part, Parametrised):
+                yield from _unwritten(part, f"{own}.{index}" if several else own)
 
 
 def _estimates(known: LawEstimates) -> dict[str, object]:

@@ -20,7 +20,8 @@ from stickslip.experiments import (
     refuse_lack,
     refuse_unused,
 )
-from stickslip.formatting import quantity
+from stickslip.formatting import Scale, quantity
+from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
@@ -141,12 +142,22 @@ class Score:
         """SI unit."""
         return turned(QUANTITIES[self.quantity].unit, self.turning)
 
+    @property
+    def scales(self) -> Mapping[str, Scale]:
+        """What errors of joints are shown in, by SI unit; the largest of each unit chooses."""
+        units = {one.unit for one in self.joints.values()}
+        return {
+            unit: shown_in([one.rms for one in self.joints.values() if one.unit == unit], unit)
+            for unit in units
+        }
+
     @override
     def __str__(self) -> str:
         """Return the error and what it is of, in one line; that of each joint, if there are any."""
         error = quantity(self.rms, self.unit)
         if self.joints:
-            each = (f"{name} {quantity(one.rms, one.unit)}" for name, one in self.joints.items())
+            scales = self.scales
+            each = (f"{n} {scales[one.unit].quantity(one.rms)}" for n, one in self.joints.items())
             error = ", ".join(each)
         return (
             f"{error} ({self.quantity}, {len(self.blocks)} segments of"

@@ -124,6 +124,11 @@ class TravelFit(Fit[Law_co]):
 
     @property
     @override
+    def settings(self) -> int:
+        return len({trial.mechanism for trial in self.trials})
+
+    @property
+    @override
     def readings(self) -> str:
         return "the readings" if len(self.trials) > 1 else "the reading"
 

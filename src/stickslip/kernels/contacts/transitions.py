@@ -30,6 +30,7 @@ from stickslip.kernels.enums import (
 from stickslip.kernels.equations import LOADS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size
 from stickslip.kernels.hard_stops import wall_coordinate
+from stickslip.kernels.mode_transitions import UNMOVED
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     BEFORE,
@@ -179,6 +180,23 @@ def set_own_flags(w: Vector, whole: Wholes) -> None:
             whole[FLAGS] |= 1 << j
 
 
+def turn_own_switches(w: Vector, whole: Wholes) -> None:
+    """Turn the mechanism's own switches whose margins jumped with the drives, nested ones included.
+
+    Reads: TIME, Y, REACHED, WALLS, SLIP_FACTORS, FLAGS, CHANGED, MODES, LAW_FLAGS, OPEN, BEFORE,
+    CLOSED.
+    Writes: VALUES, CHANGES, FLAGS, CHANGED.
+    """
+    values, first = whole[VALUES], first_own_switch(whole)
+    for _ in range(whole[N_SWITCHES]):
+        for j in range(whole[N_SWITCHES]):
+            evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+            margin = w[values + j] if whole[FLAGS] & (1 << j) else -w[values + j]
+            if margin < -UNMOVED * w[whole[REACHED] + first + j]:
+                whole[FLAGS] ^= 1 << j
+                write_unchanged(first + j, 0, w, whole)
+
+
 def remember(whole: Wholes) -> None:
     """Keep the modes and openings before a change.
 
@@ -219,6 +237,7 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
     solved = decide(w, whole)
+    # loads that are given leave one answer; what trials without it left falls by its guard at once
     if whole[N_REACTIONS] > 0 and (not solved or w[PIVOT] < LEAST_PIVOT):
         whole[STATUS] = LIMITED
     for i in range(whole[N_COORDINATES] if whole[N_WALLS] > 0 else 0):
@@ -306,7 +325,7 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
     Writes: TIME, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS,
     FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING,
     BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, MOTION_POINT, FOLLOWED, PROJECTED,
-    BORNE, SHARES, REACHED_SO_FAR, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
+    BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
     LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, KEPT, FOLLOWERS.
 
     Parameters
@@ -318,6 +337,7 @@ def settle_contacts(w: Vector, whole: Wholes) -> None:
     """
     whole[CHANGED] = 0
     remember(whole)
+    turn_own_switches(w, whole)
     open_and_close(w, whole)
     none_forced(whole)
     settle_modes(w, whole)

@@ -61,6 +61,9 @@ def on_panels(draw: Draw, ax: PanelTarget, size: Size) -> Panels:
     if ax is None:
         from matplotlib import pyplot as plt
 
+        # loads the backend: that of a notebook sets that figures are shown after each cell, which
+        # would be taken back with the style
+        plt.draw_if_interactive()  # type: ignore[no-untyped-call]  # of matplotlib
         dpi = mpl.rcParams["figure.dpi"]  # the user's: the house style counts in CSS pixels
         with theme.house_style():
             inches = (size[0] / PER_INCH, size[1] / PER_INCH)

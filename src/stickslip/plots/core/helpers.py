@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, UnknownNameError
+from stickslip.formatting import unit_text
 from stickslip.plots.core.svg import Size
 from stickslip.plots.core.theme import C1, C2, C3, C4, INK, MUTED
 from stickslip.trajectory import Trajectory
@@ -21,6 +22,7 @@ __all__ = [
     "dense",
     "grouped",
     "horizon",
+    "labelled",
     "looks",
     "motion_names",
     "wrapped",
@@ -37,6 +39,30 @@ MOST_STEPS: Final = 20_000
 """Steps of a run up to which jumps are looked for at each."""
 JUMP: Final = 1e-3
 """Share of its largest size by which a force jumps, or more."""
+
+
+def labelled(name: str, unit: str) -> str:
+    """Return the label of an axis: what it shows in words, with its unit if it has one.
+
+    Parameters
+    ----------
+    name : str
+        Name of a quantity, or the path of a parameter, of which the last name is shown.
+    unit : str
+        Its unit; ``"1"`` where it has none.
+
+    Returns
+    -------
+    str
+        The label.
+
+    Examples
+    --------
+    >>> labelled("friction.stribeck_velocity", "m/s"), labelled("v", "m/s"), labelled("share", "1")
+    ('stribeck velocity, m/s', 'v, m/s', 'share')
+    """
+    word, shown = name.rpartition(".")[2].replace("_", " "), unit_text(unit)
+    return f"{word}, {shown}" if shown else word
 
 
 class Sizes(TypedDict):

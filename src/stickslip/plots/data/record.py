@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.formatting import scale_of
+from stickslip.formatting import Scale, scale_of
 from stickslip.plots.core.helpers import Array, Sizes
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, INK, MUTED, SLIP_BACK, shade
@@ -28,6 +28,8 @@ class Channel(NamedTuple):
     """Times (n,) [s]."""
     values: Array
     """Values (n,) [SI]."""
+    scale: Scale | None = None
+    """What they are shown in; the largest chooses if not given."""
 
 
 def record_sizes(count: int) -> Sizes:
@@ -60,7 +62,7 @@ def draw_record(channels: Sequence[Channel], reverse: Sequence[tuple[float, floa
     def draw(figure: Figure, narrow: bool) -> None:  # noqa: ARG001
         panels = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, channel in zip(panels, channels, strict=True):
-            factor, unit = scale_of(channel.values, channel.unit)
+            factor, unit = channel.scale or scale_of(channel.values, channel.unit)
             shade(axes, reverse, colour=SLIP_BACK)
             axes.plot(channel.t, factor * channel.values, color=INK, linewidth=1.1)
             axes.set_title(f"{channel.name}, {unit}", color=MUTED)

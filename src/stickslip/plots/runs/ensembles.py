@@ -10,6 +10,7 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
+from stickslip.plots.core.helpers import labelled
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C1, C2
 from stickslip.quantities import full_path
@@ -55,9 +56,9 @@ def draw_ensemble(runs: Ensemble, output: str, parameter: str | None) -> Draw:
         if early.any():
             axes.legend()
         axes.grid(axis="y")
-        word = "run" if parameter is None else parameter.rpartition(".")[2]
-        axes.set_xlabel(word.replace("_", " "))
-        axes.set_ylabel(output.replace("_", " "))
+        over = "run" if parameter is None else labelled(parameter, runs.units[parameter])
+        axes.set_xlabel(over)
+        axes.set_ylabel(labelled(output, runs.units[output]))
 
     return draw
 
@@ -103,6 +104,8 @@ def plot_ensemble(
     >>> ax = plot_ensemble(runs, Figure(), output="x")
     >>> ax.get_xlabel(), len(ax.lines[0].get_xdata())
     ('kinetic coefficient', 3)
+    >>> ax.get_ylabel()
+    'x, m'
     """
     check_type("runs", runs, Ensemble)
     if not runs.outputs:

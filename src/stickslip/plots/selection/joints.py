@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import scale_of
+from stickslip.formatting import Scale, scale_of
 from stickslip.identification import Prediction, RecordFit
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
@@ -87,13 +87,19 @@ def joint_figure(
         Draws on a figure, for a phone or not.
     """
     seen = fit.predict(measurement)
-    units = dict(zip(fit.mechanism.coordinates, fit.mechanism.units, strict=True))
+    turning = [unit == "rad" for unit in fit.mechanism.units]
+    units = dict(zip(fit.mechanism.coordinates, (turned("N", t) for t in turning), strict=True))
+    shown: dict[str, list[NDArray[np.float64]]] = {}
+    for name, unit in units.items():
+        own = seen.of(name)
+        shown.setdefault(unit, []).append(own.measured[own.record == record])
+    scales = {unit: scale_of(np.concatenate(values), unit) for unit, values in shown.items()}
 
     def draw(figure: Figure, narrow: bool) -> None:
         panels = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
         for axes, (name, unit) in zip(panels, units.items(), strict=True):
             own = seen.of(name)
-            _draw_one(axes, own, own.record == record, turned("N", unit == "rad"))
+            _draw_one(axes, own, own.record == record, unit, scales[unit])
             axes.set_title(name, loc="left", fontsize="medium")
         panels[0].legend(
             loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False,
@@ -105,9 +111,11 @@ def joint_figure(
     return draw
 
 
-def _draw_one(axes: Axes, own: Prediction, rows: NDArray[np.bool_], unit: str) -> None:
+def _draw_one(
+    axes: Axes, own: Prediction, rows: NDArray[np.bool_], unit: str, scale: Scale
+) -> None:
     """Draw the force of one joint."""
-    factor, shown = scale_of(own.measured[rows], unit)
+    factor, shown = scale
     order = own.t[rows].argsort()
     t = own.t[rows][order]
     axes.plot(t, factor * own.measured[rows][order], color=DATA, linewidth=2.2, label="measured")

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.formatting import scale_of
-from stickslip.plots.core.helpers import Array, Sizes, looks
+from stickslip.plots.core.helpers import Array, Sizes, labelled, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import DATA, LINE, MUTED
 
@@ -79,18 +79,14 @@ def draw_pieces(pieces: Sequence[Piece], quantity: str, unit: str, *, chosen: st
                 above.plot(one.t, factor * y, **style)
                 below.plot(one.t, by * (one.measured - y), **style)
             above.set_title(one.name, color=MUTED)
-            above.set_ylabel(_label(quantity, shown))
-            below.set_ylabel(_label("error", small))
+            above.set_ylabel(labelled(quantity, shown))
+            below.set_ylabel(labelled("error", small))
             below.axhline(0.0, color=LINE, linewidth=0.8, zorder=0)
             below.set_xlabel("time, s")
             below.margins(x=0.01, y=0.3)
         _name(below, {name: look[name].colour for name in look}, chosen)
 
     return draw
-
-
-def _label(name: str, unit: str) -> str:
-    return name if unit == "1" else f"{name}, {unit}"
 
 
 def _places(figure: Figure, count: int, narrow: bool) -> list[tuple[Axes, Axes]]:

@@ -3,12 +3,14 @@
 What is said of one joint is made by the sections of the page of one contact.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from stickslip.formatting import capital, count, in_words, joined
+import numpy as np
+
+from stickslip.formatting import Scale, capital, count, in_words, joined, scale_of
 from stickslip.plots import inline_svg, joint_figure, joint_sizes
 from stickslip.report.core.blocks import Block, Figure, KeyValue, KeyValues, Paragraph, Subheading
 from stickslip.report.core.checks import check_items
@@ -78,11 +80,12 @@ def joint_sections(
     tuple of callable
         Functions without arguments, each of which makes a section.
     """
+    scales = _scales(verdict)
     return (
         partial(opening_section, verdict, origin.data, remark),
         partial(forces_section, verdict),
         *(
-            partial(joint_section, own, name, number)
+            partial(joint_section, own, name, number, scales)
             for number, (name, own) in enumerate(verdict.joints.items(), 1)
         ),
         partial(mechanism_section, verdict),
@@ -162,7 +165,20 @@ def _errors(verdict: JointVerdict) -> str:
     return joined(said)
 
 
-def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
+def _scales(verdict: JointVerdict) -> Mapping[str, Scale]:
+    """Return what positions and forces of all joints are shown in, by SI unit."""
+    shown: dict[str, list[float]] = {}
+    for own in verdict.joints.values():
+        record = own.measurement.records()[0]
+        for name in {"position", "force"}.intersection(record.quantities()):
+            values = np.abs(record.values(name))
+            shown.setdefault(record.unit(name), []).append(float(np.max(values)))
+    return {unit: scale_of(largest, unit) for unit, largest in shown.items()}
+
+
+def joint_section(
+    verdict: RecordVerdict, name: str, number: int, scales: Mapping[str, Scale]
+) -> Section:
     """Return the section of one joint.
 
     Parameters
@@ -173,6 +189,8 @@ def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
         Name of the joint.
     number : int
         Its number, which keeps what the figures define apart.
+    scales : mapping of str to Scale
+        What positions and forces are shown in, by SI unit.
 
     Returns
     -------
@@ -184,7 +202,8 @@ def joint_section(verdict: RecordVerdict, name: str, number: int) -> Section:
     blocks: list[Block] = [Paragraph(text=typeset(text, symbols))]
     for part in made_sections(*(partial(make, verdict) for make in OF_A_JOINT)):
         blocks += [Subheading(text=part.heading), *part.blocks]
-    figure = record_figure(verdict, verdict.closest.fit) if verdict.closest.fit else None
+    fit = verdict.closest.fit
+    figure = record_figure(verdict, fit, scales=scales) if fit else None
     blocks += [Subheading(text="The record"), figure] if figure else []
     return Section(
         id=f"joint-{number}",
@@ -307,7 +326,7 @@ def reproduce_section(verdict: JointVerdict, origin: Origin) -> Section:
     return reproduced(
         verdict,
         origin,
-        lines=joint_lines(verdict),
+        lines=joint_lines(verdict, origin.file),
         law=laws_as_code(dict(fit.law.members)) if fit else "",  # type: ignore[attr-defined]
         laws=tuple(laws.values()),
     )

@@ -1,10 +1,10 @@
 """Towards the end of the report: dropped laws, the record, and what to measure next."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from stickslip.formatting import in_words, number, significant, with_unit
+from stickslip.formatting import Scale, in_words, number, significant, with_unit
 from stickslip.identification import RecordFit
 from stickslip.plots import Channel, draw_record, inline_svg, record_sizes, speeds_of, thinned
 from stickslip.report.core.blocks import Block, Figure, KeyValues
@@ -90,7 +90,9 @@ def record_section(verdict: RecordVerdict) -> Section | None:
     return Section(id="record", nav="Record and checks", heading=heading, blocks=tuple(blocks))
 
 
-def record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
+def record_figure(
+    verdict: RecordVerdict, fit: RecordFit, *, scales: Mapping[str, Scale] | None = None
+) -> Figure | None:
     """Return the first record against time, None where it has no times.
 
     Parameters
@@ -99,6 +101,8 @@ def record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
         The selection.
     fit : RecordFit
         A fit to the records.
+    scales : mapping of str to Scale, optional
+        What quantities are shown in, by SI unit; the values of each choose if not given.
 
     Returns
     -------
@@ -118,9 +122,9 @@ def record_figure(verdict: RecordVerdict, fit: RecordFit) -> Figure | None:
             t, values = record.time, np.asarray(record.values(name), dtype=float)
         else:
             continue
-        channels.append(
-            Channel(names.get(name, name), record.unit(name), *thinned(t, values, LINES))
-        )
+        unit = record.unit(name)
+        scale = None if scales is None else scales.get(unit)
+        channels.append(Channel(names.get(name, name), unit, *thinned(t, values, LINES), scale))
     if not channels:
         return None
     spans = _reverse(*moving) if moving is not None else []

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.formatting import quantity, significant, with_unit
+from stickslip.formatting import Scale, quantity, significant, with_unit
 from stickslip.friction import BristleLaw, DirectionDependent
 from stickslip.identification import RecordFit
 from stickslip.plots import (
@@ -67,15 +67,15 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     v, force = characteristic(law, points.load, fastest)
     slow = float(force[np.flatnonzero(v > 0.0)[0]])
     fast = float(force[-1])
-    unit = fit.measurement.unit("friction")
+    shown = Scale(1.0, fit.measurement.unit("friction"))  # as on the axis of the map
     speed = quantity(fastest, fit.measurement.unit("velocity"))
     by = f"In the {in_sentence(best.title)} law, friction"
     if abs(fast - slow) <= 0.02 * max(abs(fast), abs(slow)):
-        return f"{by} is {quantity(fast, unit)} at all speeds"
+        return f"{by} is {shown.quantity(fast)} at all speeds"
     if abs(slow) <= 0.01 * abs(fast):
-        return f"{by} grows from 0 to {quantity(fast, unit, 2)} at {speed}"
+        return f"{by} grows from 0 to {shown.quantity(fast, 2)} at {speed}"
     turn = "grows" if fast > slow else "falls"
-    start, end = quantity(slow, unit, 2), quantity(fast, unit, 2)
+    start, end = shown.quantity(slow, 2), shown.quantity(fast, 2)
     return f"{by} {turn} from {start} near rest to {end} at {speed}"
 
 

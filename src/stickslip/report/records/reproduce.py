@@ -41,7 +41,7 @@ def reproduce_section(verdict: RecordVerdict, origin: Origin) -> Section:
     return reproduced(
         verdict,
         origin,
-        lines=python_lines(verdict),
+        lines=python_lines(verdict, origin.file),
         law=_as_code(fit.law) if fit else "",
         laws=[c.law for c in verdict.candidates if c.law is not None],
     )
@@ -91,28 +91,52 @@ def reproduced(
     return reproduce(origin, code=code, items=_data(verdict), references=law_references(laws, {}))
 
 
-def python_lines(verdict: RecordVerdict) -> str:
+def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
     """Return the lines of Python that make the selection again from its record.
 
     A mechanism that is not all numbers is left to `load_rig`, and laws of one's own to oneself.
+
+    Parameters
+    ----------
+    verdict : RecordVerdict
+        The selection.
+    rig : str
+        Name of the rig file; one is made up if empty.
+
+    Returns
+    -------
+    str
+        The lines, with prompts.
     """
     names = [one.name for one in verdict.candidates]
     usual = {*names} == {one.name for one in specifications(None)}
-    return _lines(verdict, "None" if usual else _laws(names), _asked(verdict))
+    return _lines(verdict, "None" if usual else _laws(names), _asked(verdict), rig)
 
 
-def _lines(verdict: RecordVerdict | JointVerdict, laws: str, asked: Sequence[str]) -> str:
+def _lines(verdict: RecordVerdict | JointVerdict, laws: str, asked: Sequence[str], rig: str) -> str:
     """Return the same from the laws and what was asked, as one would write them."""
     built = _built(verdict.mechanism)
     kind = type(verdict.mechanism).__name__
     names = [*sorted([kind if built else "load_rig", "RecordSettings"]), "select"]
-    parts = [built or 'load_rig("rig.toml").mechanism', laws, "record"]
+    parts = [built or f"load_rig({_quoted(rig or 'rig.toml')}).mechanism", laws, "record"]
     parts += [*_varied(verdict), *asked]
     parts.append(f"settings={_settings(verdict.settings)}")
     parts += ["validate=second"] if verdict.second is not None else []
     lines = [_imported(*names), ">>> verdict = select("]
     lines += [f"...     {part}," for part in parts]
     return "\n".join([*lines, "... )"])
+
+
+def _quoted(text: str) -> str:
+    """Return a text as one would write it in Python.
+
+    Examples
+    --------
+    >>> print(_quoted("arm.toml"), _quoted('my "arm".toml'))
+    "arm.toml" 'my "arm".toml'
+    """
+    plain = text.isprintable() and not {'"', "\\"} & {*text}
+    return f'"{text}"' if plain else repr(text)
 
 
 def _imported(*names: str) -> str:
@@ -191,11 +215,24 @@ def _as_code(law: FrictionLaw) -> str:
     return "\n".join([_imported(kind), f">>> law = {kind}(", *values, "... )"])
 
 
-def joint_lines(verdict: JointVerdict) -> str:
-    """Return the lines of Python that make a selection for several joints again."""
+def joint_lines(verdict: JointVerdict, rig: str = "") -> str:
+    """Return the lines of Python that make a selection for several joints again.
+
+    Parameters
+    ----------
+    verdict : JointVerdict
+        The selection.
+    rig : str
+        Name of the rig file; one is made up if empty.
+
+    Returns
+    -------
+    str
+        The lines, with prompts.
+    """
     first = next(iter(verdict.joints.values()))
     names = [one.name for one in first.candidates]
-    return _lines(verdict, "None" if verdict.usual else _laws(names), ())
+    return _lines(verdict, "None" if verdict.usual else _laws(names), (), rig)
 
 
 def laws_as_code(laws: Mapping[str, FrictionLaw]) -> str:
