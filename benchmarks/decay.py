@@ -28,7 +28,7 @@ T_END = 3.0
 ERROR = 1e-9
 WORK = "spring-block decay, 4 swings, error 1e-9"
 WHY = (
-    "18 steps, of which 4 are rejected: values of the series, most of them for the certificate, are"
+    "16 steps, of which 3 are rejected: values of the series, most of them for the certificate, are"
     " a fifth of the time, the series another, the roots of guards a quarter"
 )
 
