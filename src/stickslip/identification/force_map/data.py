@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
-from stickslip.formatting import joined, number
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 
@@ -106,6 +107,8 @@ class MotionSegment:
     None where positions count from where the mechanism's do."""
     weighed: bool = False
     """Whether the load is the weight of the mechanism's mass."""
+    response: SensorResponse = PROMPT
+    """How the sensor shows friction that was measured; the motion is moved by its delay."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""
@@ -115,6 +118,8 @@ class MotionSegment:
 
     def seen(self, force: Array) -> Array:
         """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
+        if self.response.lag:
+            return self.response.filtered(self.path.time, force)
         return smoothed(force, self.passed) if self.passed else force
 
     def loaded(self, factor: float) -> "MotionSegment":
@@ -154,6 +159,7 @@ def stretches_of(
     *,
     segment: float | None = None,
     samples: float = np.inf,
+    response: SensorResponse = PROMPT,
 ) -> tuple[MotionSegment, ...]:
     """Return the stretches of a measurement of friction.
 
@@ -168,6 +174,8 @@ def stretches_of(
     samples : float
         Samples of a record at most; of more, every second, third and so on is picked. The motion
         between them is kept.
+    response : SensorResponse
+        How the sensor shows friction; without delay if not given.
 
     Returns
     -------
@@ -195,13 +203,14 @@ def stretches_of(
     found: list[MotionSegment] = []
     for index, record in enumerate(measurement.records()):
         _check(record)
+        _check_response(record, response)
         set_up = vary(mechanism, "mechanism", record.overrides)
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
             found.append(_table(index, record, load, count))
         else:
-            found.extend(_series(index, record, load, count, segment, samples))
+            found.extend(_series(index, record, load, count, segment, samples, response))
     return tuple(found)
 
 
@@ -225,6 +234,24 @@ def _check(record: Measurement) -> None:
     size = len(np.atleast_1d(record.values("friction")))
     if size < LEAST:
         raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
+
+
+def _check_response(record: Measurement, response: SensorResponse) -> None:
+    """Refuse a delay of what has no time, or one that is as long as the record."""
+    if not response:
+        return
+    if record.time is None:
+        raise InputError(
+            "friction_delay and friction_lag need friction in time; a table of friction against"
+            " velocity has none: leave them out."
+        )
+    span = float(np.ptp(record.time))
+    for name, value in (("friction_delay", response.delay), ("friction_lag", response.lag)):
+        if abs(value) >= span:
+            raise InputError(
+                f"{name} must be shorter than the record of {quantity(span, 's')}, got"
+                f" {quantity(value, 's')}: give it in seconds."
+            )
 
 
 def _other_way(record: Measurement) -> str:
@@ -372,6 +399,7 @@ def _series(
     first: int,
     segment: float | None,
     samples: float,
+    response: SensorResponse,
 ) -> Iterator[MotionSegment]:
     """Yield the stretches of a record in time, leaving out those too short to use."""
     time = np.asarray(record.time, dtype=float)
@@ -383,7 +411,7 @@ def _series(
     for rows in np.split(np.arange(len(time)), cuts):
         if len(rows) < LEAST:
             continue
-        position, velocity, slowness = _motion(record, time, rows)
+        position, velocity, slowness = _motion(record, time, rows, response)
         picked = slice(None, None, every)
         t = time[rows][picked]
         span = float(t[-1] - t[0])
@@ -400,15 +428,21 @@ def _series(
             friction=friction[rows][picked],
             segment=first + share,
             resting=velocity[picked] == 0.0,
-            held=friction[rows][picked],
+            # what held the body is shown late
+            held=np.interp(t + response.lag, time[rows], friction[rows]),
             slack=BEYOND * noise_of(friction[rows]),
             slowness=slowness,
+            response=response,
         )
         first += count
 
 
-def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array, float]:
+def _motion(
+    record: Measurement, time: Array, rows: NDArray[np.intp], response: SensorResponse
+) -> tuple[Array, Array, float]:
     """Return position and velocity of a stretch, each measured or from the other one.
+
+    They are those that the force of a sample came with, earlier by its delay.
 
     Velocities are 0 where none is resolved (`_resolved`). The third value is the speed [m/s] that
     they may have there.
@@ -418,7 +452,7 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     """
     known, t = record.quantities(), time[rows]
     if "velocity" in known:
-        velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
+        velocity = response.moved(t, np.asarray(record.values("velocity"), dtype=float)[rows])
         doubt = _noise_beside_motion(velocity)
         fast = usual_top_speed(velocity)
     if "position" not in known:
@@ -426,7 +460,7 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
         position = np.concatenate([[0.0], np.cumsum(steps)])
         unsure = min(BEYOND * doubt, SLOWEST * fast)
         return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
-    position = np.asarray(record.values("position"), dtype=float)[rows]
+    position = response.moved(t, np.asarray(record.values("position"), dtype=float)[rows])
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position)
