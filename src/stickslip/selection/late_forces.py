@@ -6,11 +6,11 @@ So laws without memory are fitted again with the delay, or the lag, that their r
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from typing import TypeAlias
+from dataclasses import dataclass, replace
+from typing import TypeAlias, final
 
 from stickslip.errors import StickslipError
-from stickslip.formatting import capital, scale_of, with_unit, within
+from stickslip.formatting import scale_of, with_unit, within
 from stickslip.friction import BristleLaw
 from stickslip.identification import (
     LateSensor,
@@ -43,6 +43,20 @@ response promises too little."""
 LEAST = 0.10
 """Share of the squared residuals that a response must predict to be fitted."""
 
+
+@final
+@dataclass(frozen=True)
+class _Late:
+    """A candidate that was fitted with a late force channel."""
+
+    candidate: RecordCandidate
+    response: SensorResponse
+    interval: tuple[float, float]
+    """95 % interval of its time [s]."""
+    share: float
+    """Share of the squared residuals that it promised to take off."""
+
+
 Refit: TypeAlias = Callable[[RecordCandidate, RecordSettings], RecordCandidate]
 
 
@@ -52,7 +66,7 @@ def late_force(
     settings: RecordSettings,
     refit: Refit,
 ) -> ModelError | None:
-    """Return that a late force channel explains a record no worse than presliding, if it does.
+    """Return that a late force channel explains a record no worse than presliding alone, if so.
 
     Parameters
     ----------
@@ -72,36 +86,43 @@ def late_force(
     """
     if closest.fit is None or not isinstance(closest.fit.law, BristleLaw):
         return None
-    rivals = [
+    promises = [
         (c.residual**2 * (1.0 - min(late.share, 1.0)), number, c, late)
         for number, c in enumerate(scored)
         if c.fit is not None and not isinstance(c.fit.law, BristleLaw)
         for late in late_sensors(c.fit)
         if late.share >= LEAST
     ]
-    rivals = [one for one in rivals if one[0] <= PROMISED * closest.residual**2]
-    rivals.sort(key=lambda one: one[:2])
+    promises = [one for one in promises if one[0] <= PROMISED * closest.residual**2]
+    promises.sort(key=lambda one: one[:2])
     tried = [
-        (*found, late)
-        for left, _, simple, late in rivals[:MOST]
-        if left <= SIMILAR * rivals[0][0]
+        found
+        for left, _, simple, late in promises[:MOST]
+        if left <= SIMILAR * promises[0][0]
         if (found := _settled(simple, late, settings, refit)) is not None
     ]
+    own = max(late_sensors(closest.fit), key=lambda one: one.share, default=None)
+    if own is not None and own.share >= LEAST:
+        promised = closest.residual**2 * (1.0 - min(own.share, 1.0))
+        if all(promised < one.candidate.score**2 for one in tried):
+            found = _settled(closest, own, settings, refit)
+            tried += [] if found is None else [found]
     if not tried:
         return None
-    rival, response, late = min(tried, key=lambda one: one[0].score)
+    best = min(tried, key=lambda one: one.candidate.score)
+    rival = best.candidate
     better = rival.score < closest.score and not as_good(closest, rival)
-    if not better and not as_good(rival, closest):
+    if not better and (rival.name == closest.name or not as_good(rival, closest)):
         return None
-    return _error(closest, rival, late, response, better=better)
+    return _error(closest, best, better=better)
 
 
 def _settled(
     simple: RecordCandidate, late: LateSensor, settings: RecordSettings, refit: Refit
-) -> tuple[RecordCandidate, SensorResponse] | None:
-    """Return a candidate fitted with the response that its residuals ask for, and this."""
-    response, best = settings.response, None
-    more = late.response
+) -> _Late | None:
+    """Return a candidate fitted with the response that its residuals ask for."""
+    response, more = settings.response, late.response
+    best: _Late | None = None
     for _ in range(ROUNDS):
         response = SensorResponse(
             delay=response.delay + more.delay, lag=max(response.lag + more.lag, 0.0)
@@ -113,9 +134,11 @@ def _settled(
             break
         if rival.fit is None or rival.validation is None:
             break
-        if best is not None and rival.score >= best[0].score:
+        if best is not None and rival.score >= best.candidate.score:
             break
-        best = rival, response
+        shift = response.late - late.response.late
+        ends = late.interval[0] + shift, late.interval[1] + shift
+        best = _Late(rival, response, ends, late.share)
         left = [one for one in late_sensors(rival.fit) if one.kind == late.kind]
         if (
             not left
@@ -127,41 +150,29 @@ def _settled(
     return best
 
 
-def _error(
-    closest: RecordCandidate,
-    rival: RecordCandidate,
-    late: LateSensor,
-    response: SensorResponse,
-    *,
-    better: bool,
-) -> ModelError:
+def _error(closest: RecordCandidate, late: _Late, *, better: bool) -> ModelError:
     assert closest.fit is not None
-    shift = response.late - late.response.late
-    low, high = late.interval[0] + shift, late.interval[1] + shift
-    size = _sized(response.late, low, high)
+    rival, response = late.candidate, late.response
+    size = _sized(response.late, *late.interval)
     unit = closest.fit.measurement.unit("friction")
     scale = score_scale([closest.score, rival.score], unit)
-    what = (
-        f"a delay of {size}" if late.kind == "delay" else f"a filter with a time constant of {size}"
-    )
-    against = (
-        f"held-out error {scale.error(rival.score)},"
-        f" {friction_of(closest.title)} {scale.error(closest.score)}"
-    )
+    what = "a filter" if response.lag else "a delay"
+    size = f"with a time constant of {size}" if response.lag else f"of {size}"
     finding = (
-        f"{friction_of(rival.title)} with {what} of the force channel explains the record"
-        f" {'better than presliding does' if better else 'as well'} ({against})."
+        f"With {what} of the force channel {size}, {friction_of(rival.title)} explains the record"
+        f" {'better' if better else 'as well'}: held-out error {scale.error(rival.score)},"
+        f" {friction_of(closest.title)} without it {scale.error(closest.score)}."
     )
     return ModelError(
         kind=PRESLIDING,
-        finding=capital(finding),
+        finding=finding,
         consequence=(
             "After a reversal, presliding ends at a displacement, and a late channel after a time:"
             " reversals at other accelerations, or a step of force on the sensor alone, tell them"
             f" apart. {cure_of(response)}"
         ),
         effect=response.late,
-        interval=(low, high),
+        interval=late.interval,
         share=late.share,
     )
 
