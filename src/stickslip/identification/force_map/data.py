@@ -22,6 +22,7 @@ __all__ = [
     "SEGMENTS",
     "TIMELESS",
     "MotionSegment",
+    "blur_of",
     "check_loads",
     "load_along",
     "reach_of",
@@ -102,6 +103,9 @@ class MotionSegment:
     """Speed [m/s] that samples at rest may have without memory of it: it was not resolved."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
+    blur: float = 0.0
+    """Weight of both neighbours of a sample in the mean force that second differences see. A
+    triangle from one original sample before to one after has a variance of a sixth of a step."""
     zeros: Array | None = None
     """What a unit of the zero of each position adds to derived friction (n, m), filtered as it is;
     None where positions count from where the mechanism's do."""
@@ -120,7 +124,11 @@ class MotionSegment:
         """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
         if self.response.lag:
             return self.response.filtered(self.path.time, force)
-        return smoothed(force, self.passed) if self.passed else force
+        if not self.passed:
+            return force
+        padded = np.concatenate([force[:1], force, force[-1:]])
+        bend = padded[:-2] - 2.0 * force + padded[2:]
+        return smoothed(force + self.blur * bend, self.passed)
 
     def loaded(self, factor: float) -> "MotionSegment":
         """Return the same motion with a multiple of its load."""
@@ -147,6 +155,17 @@ class MotionSegment:
             applied=_first(self.applied, count),
             zeros=_first(self.zeros, count),
         )
+
+
+def blur_of(every: int) -> float:
+    """Return `MotionSegment.blur` where every so many original samples one was picked.
+
+    Examples
+    --------
+    >>> 2.0 * blur_of(1), 2.0 * blur_of(3) * 3**2  # the variance, in squared original steps
+    (0.16666666666666666, 0.16666666666666666)
+    """
+    return 1.0 / (12.0 * every**2)
 
 
 def _first(rows: Array | None, count: int) -> Array | None:

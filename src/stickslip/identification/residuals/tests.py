@@ -238,7 +238,7 @@ def _shown(balances: Sequence[Balance], fit: Fitted) -> Iterator[ModelError]:
         tests = (
             one
             for b, own, slopes in zip(balances, columns, fitted, strict=True)
-            for one in _all_tested(b, slopes, looked_for, own, responses=measured)
+            for one in _all_tested(b, slopes, looked_for, own, responses=measured and _sees(b, fit))
             if one.effect.kind not in named
         )
         shown = [one for one in tests if _is_shown(one, estimates, tried[one.effect.kind])]
@@ -258,6 +258,16 @@ def _shown(balances: Sequence[Balance], fit: Fitted) -> Iterator[ModelError]:
             np.column_stack([slopes, b.white(b.seen([known])[0])])
             for b, slopes in zip(balances, fitted, strict=True)
         ]
+
+
+def _sees(b: Balance, fit: Fitted) -> bool:
+    """Whether delays are looked for in residuals of one kind.
+
+    White ones tell most of what is fast. Bristles have a knee of their own there, which no first
+    order in its exponent follows: on the tribometer's record, 84 % of the white squares went with a
+    lag, which took 2 % off the residuals of a fit with it.
+    """
+    return not (len(b.memory) and isinstance(fit.law, BristleLaw))
 
 
 def _all_tested(
