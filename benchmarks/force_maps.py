@@ -2,8 +2,9 @@
 
 ``python -m benchmarks.force_maps --numbers 0 24``; results are appended to a file line by line.
 
-Each record is made up: a law, a motion, sampling, noise, and one of these faults of the force channel: none, a
-delay of 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20 to 60 % of the level.
+Each record is made up: a law, a motion, sampling, noise, and one of these faults of the force
+channel: none, a delay of 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20
+to 60 % of the level.
 """
 
 import argparse
@@ -161,13 +162,13 @@ def judged(number: int, seed: int) -> dict[str, Any]:
 
 
 def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    lines = []
-    for row in rows:
-        lines.append(
-            f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15} {row['motion']:8} {row['rate']:5.0f} "
-            f"{row['seconds']:5.1f}s {row.get('refused') or row['verdict']} {row.get('wrong')} {row.get('checks')}"
-        )
-    return lines
+    """Return a line for each record."""
+    return [
+        f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15}"
+        f" {row['motion']:8} {row['rate']:5.0f} {row['seconds']:5.1f}s"
+        f" {row.get('refused') or row['verdict']} {row.get('wrong')} {row.get('checks')}"
+        for row in rows
+    ]
 
 
 def main() -> None:

@@ -1,12 +1,12 @@
 """Records of made-up arms with known laws, and with faults: do intervals hold, is something said?
 
-``python -m benchmarks.joints --kinds clean swapped --numbers 0 40``; ``--select 10`` compares laws instead of fitting the
-true ones. Results are appended to a file line by line.
+``python -m benchmarks.joints --kinds clean late --numbers 0 40``; ``--select`` compares laws
+instead of fitting the true ones. Results are appended to a file line by line.
 
-Each arm has two links with random lengths, masses and inertias, and each joint a random law; both are moved by sums of
-sines. Faults: positions or forces of two joints swapped, positions of one joint in degrees, forces of one joint in mN m,
-a joint that hardly moves, forces cut off at 60 % of the largest, a force channel that is late, a force with the wrong
-sign, a drifting offset of one force.
+Each arm has two links with random lengths, masses and inertias, and each joint a random law; both
+are moved by sums of sines. Faults: positions or forces of two joints swapped, positions of one
+joint in degrees, forces of one joint in mN m, a joint that hardly moves, forces cut off at 60 % of the
+largest, a force channel that is late, a force with the wrong sign, a drifting offset of one force.
 """
 
 import argparse
@@ -54,22 +54,36 @@ def _column(values: Array, at: int, of: Callable[[Array], Array]) -> Array:
     return found
 
 
+def _one_force(of: Callable[[Array], Array]) -> Callable[[Recorded, Random], Recorded]:
+    """Return what changes the force of one joint."""
+    return lambda r, x: replace(r, force=_column(r.force, int(x.integers(2)), of))
+
+
+def _in_degrees(r: Recorded, random: Random) -> Recorded:
+    return replace(r, position=_column(r.position, int(random.integers(2)), np.degrees))
+
+
+def _clipped(force: Array) -> Array:
+    most = 0.6 * float(np.abs(force).max())
+    return np.clip(force, -most, most)
+
+
+def _drifting(force: Array) -> Array:
+    return np.asarray(force + np.std(force) * np.linspace(0.0, 1.0, len(force)))
+
+
 FAULTS: Mapping[str, Callable[[Recorded, Random], Recorded]] = {
     "clean": lambda r, _: r,
     "swapped positions": lambda r, _: replace(r, position=r.position[:, ::-1]),
     "swapped forces": lambda r, _: replace(r, force=r.force[:, ::-1]),
-    "degrees": lambda r, x: replace(r, position=_column(r.position, int(x.integers(2)), np.degrees)),
-    "millinewtons": lambda r, x: replace(r, force=_column(r.force, int(x.integers(2)), lambda f: 1e3 * f)),
+    "degrees": _in_degrees,
+    "millinewtons": _one_force(lambda force: 1e3 * force),
     "still": lambda r, _: r,
-    "clipped": lambda r, x: replace(
-        r, force=_column(r.force, int(x.integers(2)), lambda f: np.clip(f, -0.6 * np.abs(f).max(), 0.6 * np.abs(f).max()))
-    ),
+    "clipped": _one_force(_clipped),
     "late": _late,
-    "sign": lambda r, x: replace(r, force=_column(r.force, int(x.integers(2)), np.negative)),
-    "drift": lambda r, x: replace(
-        r, force=_column(r.force, int(x.integers(2)), lambda f: f + np.std(f) * np.linspace(0.0, 1.0, len(f)))
-    ),
-}  # fmt: skip
+    "sign": _one_force(np.negative),
+    "drift": _one_force(_drifting),
+}
 """What is done to a record, by name."""
 
 
@@ -80,7 +94,8 @@ def _arm(random: Random) -> TwoLinkArm:
     # about the joint: at least mass times the square of the centre's distance
     inertias = [m * c * c * random.uniform(1.1, 1.6) for m, c in zip(masses, centres, strict=True)]
     return TwoLinkArm(
-        upper_mass=masses[0], upper_length=upper, upper_centre=centres[0], upper_inertia=inertias[0],
+        upper_mass=masses[0], upper_length=upper, upper_centre=centres[0],
+        upper_inertia=inertias[0],
         lower_mass=masses[1], lower_centre=centres[1], lower_inertia=inertias[1],
         rotor_inertia=float(random.uniform(0.0, 2e-4)), gear_ratio=6.0,
     )  # fmt: skip
@@ -129,8 +144,8 @@ def drawn(
         position=dict(zip(JOINTS, found.position.T, strict=True)),
         force=dict(zip(JOINTS, found.force.T, strict=True)),
     )
-    row = {"kind": kind, "number": number, "seed": seed, "rate": rate, "noise": noise, "torque": torque, "laws": names}
-    return arm, laws, record, row
+    row = {"kind": kind, "number": number, "seed": seed, "rate": rate, "laws": names}
+    return arm, laws, record, row | {"noise": noise, "torque": torque}
 
 
 def _guess(arm: TwoLinkArm) -> TwoLinkArm:
@@ -175,7 +190,9 @@ def fitted(kind: str, number: int, seed: int) -> dict[str, Any]:
         if one.low <= true <= one.high:
             held += 1
         else:
-            wrong.append(f"{one.path} {one.value:.4g} [{one.low:.4g}, {one.high:.4g}] not {true:.4g}")
+            wrong.append(
+                f"{one.path} {one.value:.4g} [{one.low:.4g}, {one.high:.4g}] not {true:.4g}"
+            )
     return row | {
         "bounded": held + len(wrong),
         "estimates": len(found.estimates),
@@ -214,9 +231,10 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         share = held / bounded if bounded else math.nan
         silent = sum(not row["said"] and not row["checks"] for row in fits)
         refused = sum("refused" in row for row in own)
+        free = sum(row["estimates"] for row in fits) - bounded
         lines.append(
-            f"{kind:18} {len(own):3} records, {refused} refused, {silent} with nothing said; intervals hold {held} of"
-            f" {bounded} ({100.0 * share:.1f} %), {sum(row['estimates'] for row in fits) - bounded} not bounded"
+            f"{kind:18} {len(own):3} records, {refused} refused, {silent} with nothing said;"
+            f" intervals hold {held} of {bounded} ({100.0 * share:.1f} %), {free} not bounded"
         )
     return lines
 
@@ -238,8 +256,11 @@ def main() -> None:
                 rows.append(row)
                 file.write(json.dumps(row) + "\n")
                 file.flush()
-                shown = row.get("refused") or row.get("verdict") or f"{row['held']}/{row['bounded']}"
-                print(f"{kind} {number} {row['seconds']:.1f} s {row['laws']}: {shown} {row.get('wrong', '')} {row.get('said', '')} {row.get('checks', '')}", flush=True)
+                shown = (
+                    row.get("refused") or row.get("verdict") or f"{row['held']}/{row['bounded']}"
+                )
+                more = (row.get(name, "") for name in ("wrong", "said", "checks"))
+                print(f"{kind} {number} {row['laws']}: {shown}", *more, flush=True)
     print("\n".join(summary(rows)) if not given.select else "")
 
 

@@ -85,9 +85,19 @@ class SensorResponse:
         return np.asarray(force[:1] + lfilter(weights, [1.0, -a], force - force[:1], axis=0))
 
     def moved(self, time: Array, values: Array) -> Array:
-        """Return what was measured (n,) of a motion when the force was that which is shown.
+        """Return what was measured of a motion when the force was that which is shown.
 
-        Before the first sample, and after the last, nothing moves.
+        Parameters
+        ----------
+        time : array (n,)
+            Times of the samples [s].
+        values : array (n,)
+            Positions or velocities at the samples.
+
+        Returns
+        -------
+        array (n,)
+            The same, earlier by the delay; before the first sample, and after the last, constant.
         """
         return np.interp(time - self.delay, time, values) if self.delay else values
 

@@ -267,12 +267,8 @@ class ForceMap(RecordProblem):
     ) -> _Local:
         """Return one stretch linearised, of the rows in a mask (n,)."""
         offset = self.offset if own.offset is None else own.offset
-        # a filter, or motion that is shown late, sees what comes later, too
-        last = (
-            len(mask)
-            if one.passed or one.response.delay < 0.0
-            else int(np.flatnonzero(mask)[-1]) + 1
-        )
+        # a filter sees what comes later, too
+        last = len(mask) if one.passed else int(np.flatnonzero(mask)[-1]) + 1
         one = one.until(last)
         weighed = one.weighed and bool(self.linear)
         if weighed:  # by the only parameter, which is the mass

@@ -325,7 +325,7 @@ def _signals(parts: Sequence[dict[str, Array]]) -> Signals:
     """Return the signals of stretches end to end."""
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     edges = (0, *itertools.accumulate(len(part["time"]) for part in parts))
-    return Signals(edges=edges, **{"acceleration": None, **columns})
+    return Signals(edges=edges, acceleration=columns.pop("acceleration", None), **columns)
 
 
 def _resting(one: MotionSegment) -> NDArray[np.bool_]:

@@ -41,7 +41,20 @@ class Profile:
 
 
 def response_of(kind: str, value: float) -> SensorResponse:
-    """Return the response of a kind that shows the motion later than the force by a value [s]."""
+    """Return the response of a sensor that leaves the motion later than the force.
+
+    Parameters
+    ----------
+    kind : {"delay", "lag"}
+        What the sensor does.
+    value : float
+        Time [s] by which the motion is later; below 0 if the force is.
+
+    Returns
+    -------
+    SensorResponse
+        The response.
+    """
     return SensorResponse(lag=-value) if kind == "lag" else SensorResponse(delay=-value)
 
 
