@@ -5,8 +5,9 @@ instead of fitting the true ones. Results are appended to a file line by line.
 
 Each arm has two links with random lengths, masses and inertias, and each joint a random law; both
 are moved by sums of sines. Faults: positions or forces of two joints swapped, positions of one
-joint in degrees, forces of one joint in mN m, a joint that hardly moves, forces cut off at 60 % of
-the largest, a force channel that is late, a force with the wrong sign, a drifting offset of one force.
+joint in degrees, forces of one joint in mN m, a joint that hardly moves, forces cut off at 60 %
+of the largest, a force channel that is late, a force with the wrong sign, a drifting offset of
+one force.
 """
 
 import argparse
