@@ -189,7 +189,7 @@ def test_a_route_with_a_misspelt_option_is_refused_where_it_is_defined():
         class Other(Route):
             uses = frozenset({"jobs"})
 
-    with pytest.raises(TypeError, match=r"Next.settings has 'start', which is no .*; known: hold"):
+    with pytest.raises(TypeError, match=r"Next.settings has 'start', which is no .*: .*hold"):
 
         class Next(Route):
             uses, settings = frozenset(), frozenset({"start"})

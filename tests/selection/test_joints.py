@@ -13,6 +13,7 @@ from stickslip import (
     DirectionDependent,
     Measurement,
     Stribeck,
+    fit,
     load_rig,
     select,
     write_report,
@@ -127,6 +128,22 @@ def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
     assert "The forces of shoulder and elbow seem to be exchanged" in found.sentence
     assert found.checks.findings[0].severity == "warning"
     assert "exchanged" in found.words.measure_next[0]
+
+
+@pytest.mark.parametrize(
+    ("what", "factor", "said"),
+    [
+        ("position", 180.0 / np.pi, "The positions of elbow seem to be in degrees"),
+        ("force", 1e3, "The forces of elbow seem to be in mN m"),
+        ("force", -1.0, "The forces of elbow seem to count the other way"),
+    ],
+)
+def test_a_column_of_another_unit_or_sign_is_named(what, factor, said):
+    t, places, forces = parts(record(0, span=4.0))
+    columns = {"position": dict(places), "force": dict(forces)}
+    columns[what]["elbow"] = factor * np.asarray(columns[what]["elbow"])
+    found = fit(GUESSED, "coulomb", Measurement(time=t, **columns), vary=LINEAR, settings=QUICK)
+    assert any(one.startswith(said) for one in found.sentences)
 
 
 def test_a_search_that_is_stopped_names_what_it_has():

@@ -20,6 +20,8 @@ from stickslip.cli.options import (
     Force,
     FormerFree,
     FormerUnknown,
+    FrictionDelay,
+    FrictionLag,
     Gain,
     Hold,
     Horizon,
@@ -107,6 +109,8 @@ def select(
     starts: Starts = None,
     seed: Seed = None,
     position_zeros: PositionZeros = False,
+    friction_delay: FrictionDelay = None,
+    friction_lag: FrictionLag = None,
     jobs: Jobs = None,
     output: Folder = Path("stickslip-report"),
     force: Force = False,
@@ -136,6 +140,8 @@ def select(
     fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
         position_zeros=position_zeros or None,
+        friction_delay=friction_delay,
+        friction_lag=friction_lag,
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
         horizon=horizon,
         route=route,
@@ -235,6 +241,8 @@ def fit(
     starts: Starts = None,
     seed: Seed = None,
     position_zeros: PositionZeros = False,
+    friction_delay: FrictionDelay = None,
+    friction_lag: FrictionLag = None,
     output: LawFile = None,
     force: Force = False,
     as_json: Json = False,
@@ -266,6 +274,8 @@ def fit(
         starts=starts,
         seed=seed,
         position_zeros=position_zeros or None,
+        friction_delay=friction_delay,
+        friction_lag=friction_lag,
     )
     asked = CommandInputs(
         data=data or [],

@@ -69,6 +69,10 @@ class FitOptions:
     """Seed of the random numbers."""
     position_zeros: bool | None = None
     """Whether positions of each record count from an unknown place."""
+    friction_delay: float | None = None
+    """Time by which measured friction is recorded after the motion [s]."""
+    friction_lag: float | None = None
+    """Time constant of a first-order filter of measured friction [s]."""
 
     def __post_init__(self) -> None:
         """Check lengths of time and the hold; other names are checked where they are used."""

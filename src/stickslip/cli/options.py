@@ -329,6 +329,20 @@ PositionZeros = Annotated[
         " as where encoders were set to 0 at rest.",
     ),
 ]
+FrictionDelay = Annotated[
+    float | None,
+    typer.Option(
+        "--friction-delay",
+        help="For measured friction: how long after the motion it is recorded [s] (default 0).",
+    ),
+]
+FrictionLag = Annotated[
+    float | None,
+    typer.Option(
+        "--friction-lag",
+        help="For measured friction: time constant of a first-order filter of it [s] (default 0).",
+    ),
+]
 Purpose = Annotated[
     str | None,
     typer.Option(

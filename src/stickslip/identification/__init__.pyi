@@ -61,6 +61,8 @@ from stickslip.identification.records.joint_fitting import JointFitter as JointF
 from stickslip.identification.records.joint_fitting import fit_joints as fit_joints
 from stickslip.identification.records.joint_views import joint_record as joint_record
 from stickslip.identification.records.joint_views import joint_view as joint_view
+from stickslip.identification.records.late_sensors import LateSensor as LateSensor
+from stickslip.identification.records.late_sensors import late_sensors as late_sensors
 from stickslip.identification.records.level_units import reads_as_forces as reads_as_forces
 from stickslip.identification.records.posterior import Posterior as Posterior
 from stickslip.identification.records.posterior import sample_posterior as sample_posterior
@@ -77,10 +79,12 @@ from stickslip.identification.records.route_choice import to_compare as to_compa
 from stickslip.identification.residuals.trends import has_trend as has_trend
 from stickslip.identification.residuals.trends import ljung_box as ljung_box
 from stickslip.identification.residuals.trends import noise_floor as noise_floor
+from stickslip.identification.residuals.wording import cure_of as cure_of
 from stickslip.identification.results import Estimate as Estimate
 from stickslip.identification.results import Fit as Fit
 from stickslip.identification.results import READINGS as READINGS
 from stickslip.identification.results import far_above_dry as far_above_dry
+from stickslip.identification.sensor_response import SensorResponse as SensorResponse
 from stickslip.identification.series.applied_force import driven as driven
 from stickslip.identification.series.applied_force import inside as inside
 from stickslip.identification.series.inverse_dynamics import InverseDynamics as InverseDynamics

@@ -1,10 +1,12 @@
 """How records are fitted."""
 
+import math
 import numbers
 from dataclasses import dataclass, fields
 from typing import Literal, TypeAlias, get_args
 
 from stickslip.errors import ParameterError, UnknownNameError, not_whole
+from stickslip.identification.sensor_response import SensorResponse
 from stickslip.quantities import Quantity
 
 __all__ = ["LEAST", "RESOLUTION", "Hold", "RecordSettings"]
@@ -43,6 +45,16 @@ class RecordSettings:
     """Whether positions of each record count from a place that is not known, as where encoders are
     set to 0 wherever an arm rests. Of records of several joints; constant forces are then 0."""
 
+    friction_delay: float = 0.0
+    """Time [s] by which measured friction is recorded after the motion; below 0 if before it."""
+    friction_lag: float = 0.0
+    """Time constant [s] of a first-order filter of measured friction."""
+
+    @property
+    def response(self) -> SensorResponse:
+        """How the force channel shows friction that was measured."""
+        return SensorResponse(delay=self.friction_delay, lag=self.friction_lag)
+
     @property
     def changed(self) -> tuple[str, ...]:
         """Names of the settings that differ from the usual ones."""
@@ -52,6 +64,9 @@ class RecordSettings:
         """Check all: a hold that is not known would pass for ``"zero"``."""
         segment = Quantity("segment", "s", above=0).check("RecordSettings", "segment", self.segment)
         object.__setattr__(self, "segment", segment)
+        for name, low in (("friction_delay", -math.inf), ("friction_lag", 0.0)):
+            value = Quantity(name, "s", low=low).check("RecordSettings", name, getattr(self, name))
+            object.__setattr__(self, name, value)
         for name, least in (("resolution", LEAST), ("starts", 1), ("seed", 0)):
             value = getattr(self, name)
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)

@@ -57,6 +57,8 @@ WITHOUT_EFFECT = {
     "force-map": frozenset({"segment", "resolution", "hold"}),
 }
 """Settings that a way to fit records has no use for."""
+OF_MEASURED = frozenset({"friction_delay", "friction_lag"})
+"""Settings that are of measured friction alone."""
 
 
 @final
@@ -104,8 +106,13 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
             own = choice.settings
             if any(getattr(settings, one) != getattr(own, one) for one in settings.changed):
                 return "has no effect beside a `RouteChoice`: give settings to `choose_route`."
+        why = f", because {choice.reason}" if choice.reason else ""
+        if name in OF_MEASURED and choice.route != "force-map":
+            return (
+                "applies to measured friction (route force-map); here the route is"
+                f" {choice.route}{why}: leave it out."
+            )
         if name in WITHOUT_EFFECT[choice.route]:
-            why = f", because {choice.reason}" if choice.reason else ""
             return (
                 "applies to simulated segments (route shooting); here the route is"
                 f" {choice.route}, which fits friction along the measured motion{why}: leave it"

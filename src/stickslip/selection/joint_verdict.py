@@ -141,10 +141,10 @@ def joint_wording(
     Wording
         Verdict, reasons, what is open and what to measure next.
     """
-    exchanged = checks.of("exchanged joints")
+    wrong = checks.of("joint columns")
     verdict = " ".join(f"{short_verdict(name, one)}." for name, one in verdicts.items())
-    if exchanged:
-        verdict = f"No law is recommended. {exchanged[0].sentence}"
+    if wrong:
+        verdict = f"No law is recommended. {wrong[0].sentence}"
     return Wording(
         verdict=verdict,
         lede=_lede(verdicts, sweeps, settled=settled, compared=compared),

@@ -153,8 +153,8 @@ def select_joints(
         settings=settings,
         bristles=any(map(_has_bristles, specs)),
     )
-    if fitter.exchanged:
-        found = Finding(kind="exchanged joints", sentence=fitter.exchanged, severity="warning")
+    if fitter.wrong_columns:
+        found = Finding(kind="joint columns", sentence=fitter.wrong_columns, severity="warning")
         checks = replace(checks, findings=(found, *checks.findings))
     descent = _Descent.of(fitter, specs, validate, checks, progress, executor, usual=laws is None)
     return descent.verdict()
@@ -298,7 +298,7 @@ class _Descent:
 
     def _fault(self) -> str:
         """Return why no law can be recommended at any joint; empty if nothing is known."""
-        text = self.fitter.exchanged
+        text = self.fitter.wrong_columns
         return text[:1].lower() + text[1:].rstrip(".")
 
     def _alone(self, one: RecordCandidate, joint: str, contact: str) -> RecordCandidate:

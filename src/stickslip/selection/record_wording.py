@@ -23,6 +23,7 @@ from stickslip.selection.candidates import REFERENCE
 from stickslip.selection.choice import as_good
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import settled_estimates
+from stickslip.selection.late_forces import PRESLIDING
 from stickslip.selection.limits import limit_of
 from stickslip.selection.record_verdict import RecordCandidate, SecondRecord
 from stickslip.selection.verdict import Wording, score_scale
@@ -261,6 +262,8 @@ def _verdict(
         return f"{found}, but {lower_first(outcome)}"
     if best.fit is not None and best.fit.model_errors:
         finding = best.fit.model_errors[0].finding
+        if best.fit.model_errors[0].kind == PRESLIDING:
+            return f"{found}, but {lower_first(finding)}"
         return f"{found}, but the model does not hold: {lower_first(finding)}"
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:

@@ -18,6 +18,7 @@ from stickslip.friction import FrictionLaw
 from stickslip.identification import (
     LAW,
     FittedLaw,
+    ModelError,
     Parameters,
     RecordFit,
     RecordRouteName,
@@ -55,6 +56,7 @@ from stickslip.selection.choice import (
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.given_levels import refuted_by_record
+from stickslip.selection.late_forces import late_force
 from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import fitted_side_by_side, takes_long
@@ -86,6 +88,7 @@ __all__ = [
 ]
 
 
+LateForce: TypeAlias = Callable[[RecordCandidate, Sequence[RecordCandidate]], ModelError | None]
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
 PURPOSES: Mapping[PurposeName, float] = {"simulate": 4.0, "position": 1.0, "compensate": 1.0}
 """Horizon [s] of what is predicted, by what the law is for."""
@@ -167,7 +170,24 @@ def select_records(
     controlled = partial(_control, fitted, work) if _has_control(fits[0]) else None
     judged, without = _all_judged(work, tried, controlled, progress, executor)
     judged = with_contained(judged, chosen)
-    found = verdict_on(mechanism, measurement, judged, without, plan, purpose, checks, validate)
+
+    def refit(one: RecordCandidate, settings: RecordSettings) -> RecordCandidate:
+        own = next(spec for spec in chosen if spec.name == one.name)
+        return work(
+            _candidate(
+                own,
+                parameters=parameters,
+                measurement=measurement,
+                route=choice.route,
+                reason="",
+                settings=settings,
+            )
+        )
+
+    late = partial(late_force, settings=choice.settings, refit=refit)
+    found = verdict_on(
+        mechanism, measurement, judged, without, plan, purpose, checks, validate, late=late
+    )
     return replace(found, settings=choice.settings)
 
 
@@ -533,6 +553,7 @@ def verdict_on(
     fault: str = "",
     material: float = 0.0,
     shown: Scale | None = None,
+    late: LateForce | None = None,
 ) -> RecordVerdict:
     """Return the verdict on candidates that were judged.
 
@@ -560,6 +581,8 @@ def verdict_on(
         Share of the residual that laws of their own must take off for trials to count as different.
     shown : Scale, optional
         What scores are shown in; their median chooses if not given.
+    late : callable, optional
+        Returns whether a late force channel explains the record as well as a candidate does.
 
     Returns
     -------
@@ -577,6 +600,8 @@ def verdict_on(
     sound = [c for c in searched if not c.refuted]
     closest = choose(sound or searched or scored, uncertainty=least)
     closest = _doubted(closest, scored)
+    if late is not None:
+        closest = _with_error(closest, late(closest, scored))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
     ordered = [closest if c.name == closest.name else c for c in ordered]
     what = Purpose(name=purpose, horizon=plan.horizon, scored=_scored(closest, plan))
@@ -628,6 +653,14 @@ def verdict_on(
         half_estimates=halves(closest.fit),
         shown=shown,
     )
+
+
+def _with_error(candidate: RecordCandidate, error: ModelError | None) -> RecordCandidate:
+    """Return a candidate whose fit names a further error of the model first."""
+    if error is None or candidate.fit is None:
+        return candidate
+    errors = (error, *candidate.fit.model_errors)
+    return replace(candidate, fit=replace(candidate.fit, model_errors=errors))
 
 
 def _alike(trials: TrialComparison, residual: float, material: float) -> bool:

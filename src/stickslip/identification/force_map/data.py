@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
-from stickslip.formatting import joined, number
+from stickslip.formatting import joined, number, quantity
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary
 
@@ -21,6 +22,7 @@ __all__ = [
     "SEGMENTS",
     "TIMELESS",
     "MotionSegment",
+    "blur_of",
     "check_loads",
     "load_along",
     "reach_of",
@@ -101,11 +103,16 @@ class MotionSegment:
     """Speed [m/s] that samples at rest may have without memory of it: it was not resolved."""
     passed: float = 0.0
     """What the filter of derived friction passes, over half the sampling frequency; 0 if none."""
+    blur: float = 0.0
+    """Weight of both neighbours of a sample in the mean force that second differences see. A
+    triangle from one original sample before to one after has a variance of a sixth of a step."""
     zeros: Array | None = None
     """What a unit of the zero of each position adds to derived friction (n, m), filtered as it is;
     None where positions count from where the mechanism's do."""
     weighed: bool = False
     """Whether the load is the weight of the mechanism's mass."""
+    response: SensorResponse = PROMPT
+    """How the sensor shows friction that was measured; the motion is moved by its delay."""
 
     def rows_of(self, segments: Sequence[int] | None) -> NDArray[np.bool_]:
         """Return which samples (n,) are of some segments; all if none are given."""
@@ -115,7 +122,13 @@ class MotionSegment:
 
     def seen(self, force: Array) -> Array:
         """Return forces (n,) or (n, copies) as the friction of the stretch shows them: filtered."""
-        return smoothed(force, self.passed) if self.passed else force
+        if self.response.lag:
+            return self.response.filtered(self.path.time, force)
+        if not self.passed:
+            return force
+        padded = np.concatenate([force[:1], force, force[-1:]])
+        bend = padded[:-2] - 2.0 * force + padded[2:]
+        return smoothed(force + self.blur * bend, self.passed)
 
     def loaded(self, factor: float) -> "MotionSegment":
         """Return the same motion with a multiple of its load."""
@@ -144,6 +157,17 @@ class MotionSegment:
         )
 
 
+def blur_of(every: int) -> float:
+    """Return `MotionSegment.blur` where every so many original samples one was picked.
+
+    Examples
+    --------
+    >>> 2.0 * blur_of(1), 2.0 * blur_of(3) * 3**2  # the variance, in squared original steps
+    (0.16666666666666666, 0.16666666666666666)
+    """
+    return 1.0 / (12.0 * every**2)
+
+
 def _first(rows: Array | None, count: int) -> Array | None:
     return None if rows is None else rows[:count]
 
@@ -154,6 +178,7 @@ def stretches_of(
     *,
     segment: float | None = None,
     samples: float = np.inf,
+    response: SensorResponse = PROMPT,
 ) -> tuple[MotionSegment, ...]:
     """Return the stretches of a measurement of friction.
 
@@ -168,6 +193,8 @@ def stretches_of(
     samples : float
         Samples of a record at most; of more, every second, third and so on is picked. The motion
         between them is kept.
+    response : SensorResponse
+        How the sensor shows friction; without delay if not given.
 
     Returns
     -------
@@ -195,13 +222,14 @@ def stretches_of(
     found: list[MotionSegment] = []
     for index, record in enumerate(measurement.records()):
         _check(record)
+        _check_response(record, response)
         set_up = vary(mechanism, "mechanism", record.overrides)
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
             found.append(_table(index, record, load, count))
         else:
-            found.extend(_series(index, record, load, count, segment, samples))
+            found.extend(_series(index, record, load, count, segment, samples, response))
     return tuple(found)
 
 
@@ -225,6 +253,24 @@ def _check(record: Measurement) -> None:
     size = len(np.atleast_1d(record.values("friction")))
     if size < LEAST:
         raise InputError(f"a force map needs at least {LEAST} samples, and {label} has {size}.")
+
+
+def _check_response(record: Measurement, response: SensorResponse) -> None:
+    """Refuse a delay of what has no time, or one that is as long as the record."""
+    if not response:
+        return
+    if record.time is None:
+        raise InputError(
+            "friction_delay and friction_lag need friction in time; a table of friction against"
+            " velocity has none: leave them out."
+        )
+    span = float(np.ptp(record.time))
+    for name, value in (("friction_delay", response.delay), ("friction_lag", response.lag)):
+        if abs(value) >= span:
+            raise InputError(
+                f"{name} must be shorter than the record of {quantity(span, 's')}, got"
+                f" {quantity(value, 's')}: give it in seconds."
+            )
 
 
 def _other_way(record: Measurement) -> str:
@@ -372,6 +418,7 @@ def _series(
     first: int,
     segment: float | None,
     samples: float,
+    response: SensorResponse,
 ) -> Iterator[MotionSegment]:
     """Yield the stretches of a record in time, leaving out those too short to use."""
     time = np.asarray(record.time, dtype=float)
@@ -383,7 +430,7 @@ def _series(
     for rows in np.split(np.arange(len(time)), cuts):
         if len(rows) < LEAST:
             continue
-        position, velocity, slowness = _motion(record, time, rows)
+        position, velocity, slowness = _motion(record, time, rows, response)
         picked = slice(None, None, every)
         t = time[rows][picked]
         span = float(t[-1] - t[0])
@@ -400,15 +447,21 @@ def _series(
             friction=friction[rows][picked],
             segment=first + share,
             resting=velocity[picked] == 0.0,
-            held=friction[rows][picked],
+            # what held the body is shown late
+            held=np.interp(t + response.lag, time[rows], friction[rows]),
             slack=BEYOND * noise_of(friction[rows]),
             slowness=slowness,
+            response=response,
         )
         first += count
 
 
-def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[Array, Array, float]:
+def _motion(
+    record: Measurement, time: Array, rows: NDArray[np.intp], response: SensorResponse
+) -> tuple[Array, Array, float]:
     """Return position and velocity of a stretch, each measured or from the other one.
+
+    They are those that the force of a sample came with, earlier by its delay.
 
     Velocities are 0 where none is resolved (`_resolved`). The third value is the speed [m/s] that
     they may have there.
@@ -418,7 +471,7 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
     """
     known, t = record.quantities(), time[rows]
     if "velocity" in known:
-        velocity = np.asarray(record.values("velocity"), dtype=float)[rows]
+        velocity = response.moved(t, np.asarray(record.values("velocity"), dtype=float)[rows])
         doubt = _noise_beside_motion(velocity)
         fast = usual_top_speed(velocity)
     if "position" not in known:
@@ -426,7 +479,7 @@ def _motion(record: Measurement, time: Array, rows: NDArray[np.intp]) -> tuple[A
         position = np.concatenate([[0.0], np.cumsum(steps)])
         unsure = min(BEYOND * doubt, SLOWEST * fast)
         return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
-    position = np.asarray(record.values("position"), dtype=float)[rows]
+    position = response.moved(t, np.asarray(record.values("position"), dtype=float)[rows])
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position)

@@ -29,6 +29,7 @@ from stickslip.identification.force_map.data import (
     SEGMENTS,
     SLOW,
     MotionSegment,
+    blur_of,
     check_loads,
     load_along,
     reach_of,
@@ -249,6 +250,7 @@ def _stretch(
         held=rest[picked],
         resolution=motion.resolution,
         passed=passed * every,
+        blur=blur_of(every),
         weighed=weighs(mechanism, record),
     )
 
@@ -410,12 +412,25 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
         known = resting & (ways[number] == ways[number + 1])
         v = np.where(known & (ways[number] != 0.0), ways[number] * np.abs(v), v)
         resting &= edges[number + 1] - edges[number] > SHORT / passed
+        resting = _lasting(resting, max(SHORT / passed, 1.0))
     return FilteredMotion(
         position=x,
         velocity=np.where(resting, 0.0, v),
         resting=resting,
         resolution=2.0 * reach,
     )
+
+
+def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+    """Return rests (n,) of more than so many samples: shorter ones are reversals.
+
+    There a body accelerates, while friction at rest is what balances forces without acceleration.
+    """
+    runs = np.flatnonzero(np.diff(resting, prepend=False, append=False)).reshape(-1, 2)
+    found = np.zeros(len(resting), dtype=bool)
+    for first, end in runs[runs[:, 1] - runs[:, 0] > least].tolist():
+        found[first:end] = True
+    return found
 
 
 def _followed(x: Array, reach: float) -> Array:

@@ -19,7 +19,12 @@ from stickslip.identification.estimation.problem import (
     ResidualJacobian,
 )
 from stickslip.identification.force_map.bristle_integration import Path
-from stickslip.identification.force_map.data import SEGMENTS, MotionSegment, smoothed
+from stickslip.identification.force_map.data import (
+    SEGMENTS,
+    MotionSegment,
+    blur_of,
+    smoothed,
+)
 from stickslip.identification.force_map.force_balance import (
     FEWEST,
     HIGHEST,
@@ -326,6 +331,7 @@ class _Piece:
             ),
             resolution=motion.resolution,
             passed=passed * every,
+            blur=blur_of(every),
         )
 
 

@@ -29,6 +29,7 @@ from stickslip.identification.estimation.levenberg_marquardt import OptimizeResu
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.features.features import FEATURES
+from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
 from stickslip.identification.records.level_units import by_joint, in_forces, turned_as
 from stickslip.identification.records.problems import (
@@ -455,16 +456,25 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
 
     Residuals that are the noise of the sensor show none, whatever a test finds in them.
     """
-    if fit.friction_was_measured:  # no force that inertia would balance
-        return fit
-    if drives_itself(fit.mechanism, fit.measurement):  # nor one that was recorded
+    if drives_itself(fit.mechanism, fit.measurement):  # no force that was recorded
         return fit
     if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
         return fit
     errors = model_errors(
-        fit.mechanism, fit.law, fit.measurement, fit.free_parameters, fit.estimates, hold=hold
+        fit.mechanism,
+        fit.law,
+        fit.measurement,
+        fit.free_parameters,
+        fit.estimates,
+        hold=hold,
+        measured=_force_map(fit) if fit.friction_was_measured else None,
     )
     return replace(fit, model_errors=errors)
+
+
+def _force_map(fit: RecordFit) -> ForceMap:
+    assert isinstance(fit.problem, ForceMap)
+    return fit.problem
 
 
 def widened_search(

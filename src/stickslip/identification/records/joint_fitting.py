@@ -1,7 +1,8 @@
 """Fits laws to several joints at once, from one record of positions and forces."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, cast, final
 
@@ -66,10 +67,15 @@ JOINTS = "joints"
 UNEXPLAINED = 0.8
 """Residual over the variation of the force of a joint above which the record is doubted."""
 DOUBTED, BETTER = 0.5, 0.5
-"""Residual of a regression over the spread of a force from which exchanged joints are looked for,
-and how much less it must be with the exchange."""
+"""Residual of a regression over the spread of a force from which wrong columns are looked for, and
+how much less it must be without what is wrong."""
 SIGNALS = {"positions": ("position", "velocity"), "forces": ("force",)}
 """What may be exchanged, and the quantities of a record that it is."""
+OTHER_UNITS: Mapping[str, Mapping[str, tuple[str, float]]] = {
+    "rad": {"positions": ("degrees", math.pi / 180.0), "forces": ("mN m", 1e-3)},
+    "m": {"positions": ("millimetres", 1e-3), "forces": ("mN", 1e-3)},
+}
+"""Units that columns may be in by mistake, and what they are in SI, by the unit of a joint."""
 ALIKE = 1e-6
 """Singular value of scaled slopes below which parameters do the same to all forces."""
 BENDS = 20
@@ -306,8 +312,8 @@ class JointFitter:
     """Starts, seed and hold."""
     motion: _Motion
     """What the records say whatever the laws are."""
-    exchanged: str = ""
-    """Which joints the positions seem to be exchanged of, as a sentence; empty if none are."""
+    wrong_columns: str = ""
+    """Which columns seem to be exchanged, or of another sign or unit, as a sentence; or empty."""
 
     @classmethod
     def of(
@@ -354,7 +360,7 @@ class JointFitter:
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
         with with_doubts(measurement, asked.mechanism):
             motion = _Motion.of(asked, measurement, settings.hold, bristles=bristles)
-            exchanged = _exchanged(asked, measurement, settings.hold, motion)
+            wrong_columns = _wrong_columns(asked, measurement, settings.hold, motion)
         return cls(
             mechanism=mechanism,
             measurement=measurement,
@@ -362,7 +368,7 @@ class JointFitter:
             fixed=fixed,
             settings=settings,
             motion=motion,
-            exchanged=exchanged,
+            wrong_columns=wrong_columns,
         )
 
     @property
@@ -418,7 +424,7 @@ class JointFitter:
             own = [_of_contact(one, changed) for one in contained]
             kind = type(fit.law[changed])
             failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
-        said: tuple[str, ...] = (self.exchanged,) if self.exchanged else ()
+        said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
         sentences = (
             *said,
             *unexplained(fit, said),
@@ -502,8 +508,8 @@ class JointFitter:
         return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
 
 
-def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
-    """Return which signals of two joints would explain the forces if exchanged, as a sentence.
+def _wrong_columns(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
+    """Return which signals would explain the forces if exchanged or converted, as a sentence.
 
     Looked for where a regression leaves much of the force of some joint.
     """
@@ -512,23 +518,60 @@ def _exchanged(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _M
     if share < DOUBTED:
         return ""
     found = []
-    for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
-        if units[i] != units[j]:
-            continue
-        other = _with_exchanged(measurement, names[i], names[j], SIGNALS[what])
+    for finding, other in _suspected(measurement, names, units):
         try:
             seen = _Motion.of(asked, other, hold, bristles=False)
         except InputError:
             continue
-        found.append((float(np.max(seen.share)), what, names[i], names[j]))
-    left, what, first, second = min(found, default=(np.inf, "", "", ""))
-    if left > BETTER * share:
+        found.append((float(np.max(seen.share)), finding))
+    left, finding = min(found, default=(np.inf, ""))
+    if left > min(BETTER * share, DOUBTED):
         return ""
-    return (
-        f"The {what} of {first} and {second} seem to be exchanged: with the one as the other, what"
-        f" the mechanism does not explain of the forces falls from {percent(share)}"
-        f" to {percent(left)}. Check which column is of which joint."
+    falls = (
+        f"what the mechanism does not explain of the forces falls from {percent(share)}"
+        f" to {percent(left)}"
     )
+    return finding.replace("{falls}", falls)
+
+
+def _suspected(
+    measurement: Measurement, names: Sequence[str], units: Sequence[str]
+) -> Iterator[tuple[str, Measurement]]:
+    """Yield what may be wrong with columns, as a sentence, and the records without it."""
+    for (i, j), what in itertools.product(itertools.combinations(range(len(names)), 2), SIGNALS):
+        if units[i] == units[j]:
+            yield (
+                f"The {what} of {names[i]} and {names[j]} seem to be exchanged: with the one as the"
+                " other, {falls}. Check which column is of which joint.",
+                _with_exchanged(measurement, names[i], names[j], SIGNALS[what]),
+            )
+    for name, unit in zip(names, units, strict=True):
+        for what, signals in SIGNALS.items():
+            yield (
+                f"The {what} of {name} seem to count the other way: with the other sign, {{falls}}."
+                " Check the sign of the column.",
+                _multiplied(measurement, name, signals, -1.0),
+            )
+        for what, (scale, factor) in OTHER_UNITS.get(unit, {}).items():
+            yield (
+                f"The {what} of {name} seem to be in {scale}: as such, {{falls}}. Check the unit of"
+                " the column.",
+                _multiplied(measurement, name, SIGNALS[what], factor),
+            )
+
+
+def _multiplied(
+    measurement: Measurement, name: str, signals: Sequence[str], factor: float
+) -> Measurement:
+    """Return records in which some signals of a joint are multiplied by a factor."""
+    records = []
+    for record in measurement.records():
+        own = record.joints[name]
+        known = {one: factor * getattr(own, one) for one in signals if one in own.quantities()}
+        offset = {one: factor * size if one in known else size for one, size in own.offset.items()}
+        joints = {**record.joints, name: replace(own, **known, offset=offset)}
+        records.append(replace(record, joints=joints))
+    return replace(measurement, trials=tuple(records)) if measurement.trials else records[0]
 
 
 def _with_exchanged(

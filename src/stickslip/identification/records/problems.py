@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Generic, Literal, TypeAlias
 
 import numpy as np
@@ -20,6 +21,7 @@ from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
 from stickslip.identification.records.fit import ProblemBuilder
 from stickslip.identification.records.scanning import scanned_scales, surplus_starts
+from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
 from stickslip.identification.series.inverse_dynamics import mass_of
@@ -145,12 +147,16 @@ class _ForceMapBuilder:
 
     mechanism: Mechanism
     problem: ForceMap
+    response: SensorResponse
 
     def __call__(self, record: Measurement, length: float | None) -> RecordProblem:
-        return self.problem.along(stretches_of(self.mechanism, record, segment=length), record)
+        own = stretches_of(self.mechanism, record, segment=length, response=self.response)
+        return self.problem.along(own, record)
 
     def fitted(self, record: Measurement, length: float | None) -> RecordProblem:
-        own = stretches_of(self.mechanism, record, segment=length, samples=SAMPLES)
+        own = stretches_of(
+            self.mechanism, record, segment=length, samples=SAMPLES, response=self.response
+        )
         return self.problem.along(own, record)
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "_ForceMapBuilder":
@@ -282,18 +288,19 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
             f"measured friction does not depend on {', '.join(wanted.unknown)}: vary parameters of"
             " the law only, or fit another record with motion and force."
         )
-    mechanism = wanted.mechanism
+    mechanism, response = wanted.mechanism, wanted.settings.response
+    along = partial(stretches_of, mechanism, wanted.measurement, response=response)
     problem, starts = map_along(
         wanted.law,
-        stretches_of(mechanism, wanted.measurement, samples=SAMPLES),
-        stretches_of(mechanism, wanted.measurement, samples=FEW),
+        along(samples=SAMPLES),
+        along(samples=FEW),
         free=wanted.free,
         known=wanted.known,
         held=[path for path in wanted.held if path == "mechanism.offset"],
         beside=constant_of(mechanism),
     )
     problem = problem.with_free_parameters(problem.free_parameters.starting_at(starts[0]))
-    build = _ForceMapBuilder(mechanism, problem)
+    build = _ForceMapBuilder(mechanism, problem, response)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
 
 

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 
 SAMPLES = 4_000
 """Samples of a record, unless its filter asks for more."""
+TURNING = 2
+"""Samples at rest that are no more than a reversal."""
 OVERSAMPLED = (0.25, 0.5)
 """Most that the filter passes over half the frequency of the rows: where residuals are made white,
 rows that hardly differ would say nothing."""
@@ -51,6 +53,8 @@ class Fitted:
     """Their values and intervals, in the same order."""
     hold: Hold
     """Whether a force keeps its value until the next sample."""
+    measured: ForceMap | None = None
+    """Friction that was measured; None where it is derived."""
 
     @property
     def values(self) -> dict[str, float]:
@@ -159,6 +163,8 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
     InputError
         If the record has no such balance.
     """
+    if fit.measured is not None:
+        return _measured(fit, fit.measured, order)
     mechanism, measurement = fit.mechanism, fit.measurement
     stretched = partial(
         balanced,
@@ -176,13 +182,82 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
             step = 1e-4 * max(abs(value), 1e-6)
             moved = stretched(vary(mechanism, "mechanism", {path: value + step}))
             slopes[:, i] = (_kept(stretches) - _kept(moved)) / step
-    friction = float(np.sqrt(np.mean((_kept(stretches) - residual) ** 2)))
     widest = max(one.passed for one in stretches)
     every = max(1, int(OVERSAMPLED[bool(order)] / widest))
-    edges = (0, *itertools.accumulate(len(one.path.time) for one in stretches))
     kept = np.flatnonzero(np.concatenate([one.rows_of(None) for one in stretches]))
-    chosen = kept % every == 0
-    rows = _with_rows_before(kept[chosen], edges, every, order)
+    return _of_rows(
+        stretches,
+        residual=residual,
+        slopes=slopes,
+        friction=float(np.sqrt(np.mean((_kept(stretches) - residual) ** 2))),
+        kept=(kept, kept % every == 0),
+        every=every,
+        order=order,
+        passed=0.5 * widest / float(np.mean(np.diff(stretches[0].path.time))),
+        signals=_signals([_part(one, measurement, mechanism) for one in stretches]),
+    )
+
+
+def _measured(fit: Fitted, problem: ForceMap, order: int) -> Balance:
+    """Return what a law leaves of friction that was measured in time.
+
+    Nothing was filtered. Rows at rest are left out of laws without memory, which may have any
+    friction there.
+    """
+    stretches = problem.stretches
+    if not all(one.timed for one in stretches):
+        raise InputError("a table has no order in time.")
+    seen = problem.linearise(np.array([fit.values[path] for path in problem.free_parameters.paths]))
+    rows = np.concatenate([one.rows_of(None) for one in stretches])
+    resting = np.concatenate([_resting(one) for one in stretches])
+    slips = rows if isinstance(fit.law, BristleLaw) else rows & ~resting
+    predicted = np.concatenate([one.friction for one in stretches])
+    if not (rows.all() and len(seen.residual) == len(predicted)):
+        raise InputError("not all rows are compared.")
+    predicted = predicted - seen.residual
+    steps = float(np.median(np.concatenate([np.diff(one.path.time) for one in stretches])))
+    parts = [_part_of_map(one, fit.measurement) for one in stretches]
+    return _of_rows(
+        stretches,
+        residual=seen.residual,
+        slopes=seen.slopes,
+        friction=float(np.sqrt(np.mean(predicted**2))),
+        kept=(np.arange(len(rows)), slips),
+        every=1,
+        order=order,
+        passed=0.5 / steps,
+        signals=replace(_signals(parts), force=_through_reversals(predicted, resting)),
+    )
+
+
+def _through_reversals(predicted: Array, resting: NDArray[np.bool_]) -> Array:
+    """Return predictions (n,) that go straight through reversals: rests of a sample or two.
+
+    What a law without memory has there is the measurement, late as that may be.
+    """
+    edges = np.flatnonzero(np.diff(resting, prepend=False, append=False)).reshape(-1, 2)
+    alone = np.zeros(len(resting), dtype=bool)
+    for first, end in edges[edges[:, 1] - edges[:, 0] <= TURNING].tolist():
+        alone[first:end] = True
+    at = np.arange(len(predicted))
+    return np.where(alone, np.interp(at, at[~alone], predicted[~alone]), predicted)
+
+
+def _of_rows(
+    stretches: tuple[MotionSegment, ...],
+    *,
+    residual: Array,
+    slopes: Array,
+    friction: float,
+    kept: tuple[NDArray[np.intp], NDArray[np.bool_]],
+    every: int,
+    order: int,
+    passed: float,
+    signals: Signals,
+) -> Balance:
+    """Return the balance of samples that have rows, of which some are looked at."""
+    picked, chosen = kept[0][kept[1]], kept[1]
+    rows = _with_rows_before(picked, signals.edges, every, order)
     residual, slopes = residual[chosen], slopes[chosen]
     if not (np.isfinite(residual).all() and np.isfinite(slopes).all()):
         raise InputError("the law does not predict friction over the whole motion.")
@@ -191,10 +266,10 @@ def balance_of(fit: Fitted, wider: float, order: int) -> Balance:
         residual=whitened(residual, rows, memory),
         slopes=whitened(slopes, rows, memory),
         friction=friction,
-        passed=0.5 * widest / float(np.mean(np.diff(stretches[0].path.time))),
-        signals=_signals(stretches, measurement, mechanism, edges),
+        passed=passed,
+        signals=signals,
         stretches=stretches,
-        picked=kept[chosen],
+        picked=picked,
         rows=rows,
         memory=memory,
     )
@@ -246,32 +321,40 @@ def _autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Arra
     return np.asarray(np.linalg.lstsq(past, residual[rows], rcond=1e-8)[0])
 
 
-def _signals(
-    stretches: Sequence[MotionSegment],
-    measurement: Measurement,
-    mechanism: Mechanism,
-    edges: tuple[int, ...],
-) -> Signals:
-    parts = [_part(one, measurement, mechanism) for one in stretches]
+def _signals(parts: Sequence[dict[str, Array]]) -> Signals:
+    """Return the signals of stretches end to end."""
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    return Signals(edges=edges, **columns)
+    edges = (0, *itertools.accumulate(len(part["time"]) for part in parts))
+    return Signals(edges=edges, acceleration=columns.pop("acceleration", None), **columns)
+
+
+def _resting(one: MotionSegment) -> NDArray[np.bool_]:
+    """Return at which samples (n,) the sensor resolves no motion."""
+    known = one.resting is not None
+    return np.asarray(one.resting) if known else np.zeros(len(one.path.time), dtype=bool)
 
 
 def _part(one: MotionSegment, measurement: Measurement, mechanism: Mechanism) -> dict[str, Array]:
-    """Return the signals of a stretch."""
+    """Return the signals of a stretch of derived friction."""
+    assert one.regressors is not None
+    acceleration = one.regressors[:, 0]
+    own = _part_of_map(one, measurement)
+    force = one.friction + mass_of(mechanism) * acceleration
+    return {**own, "force": force, "acceleration": acceleration}
+
+
+def _part_of_map(one: MotionSegment, measurement: Measurement) -> dict[str, Array]:
+    """Return the signals of a stretch; the force is that of friction."""
     record = measurement.records()[one.record]
     t, v = one.path.time, one.path.velocity
     way = np.concatenate([[0.0], np.cumsum(np.abs(one.path.travel))])
     turned = np.concatenate([[0], np.flatnonzero(np.diff(np.sign(v)) != 0) + 1])
     last = turned[np.searchsorted(turned, np.arange(len(t)), side="right") - 1]
-    assert one.regressors is not None
-    acceleration = one.regressors[:, 0]
     return {
         "time": t - float(np.asarray(record.time)[0]),
         "position": np.interp(t, np.asarray(record.time), positions_of(record)),
         "velocity": v,
         "level": np.sign(v) * one.path.load,
         "since": way - way[last],
-        "force": one.friction + mass_of(mechanism) * acceleration,
-        "acceleration": acceleration,
+        "force": one.friction,
     }

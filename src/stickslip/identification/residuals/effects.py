@@ -9,7 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Effect", "Signals", "delay_of", "effects"]
+from stickslip.identification.sensor_response import SensorResponse
+
+__all__ = ["Effect", "Signals", "delay_of", "effects", "shown_by"]
 
 Array = NDArray[np.float64]
 
@@ -39,9 +41,10 @@ class Signals:
     since: Array
     """Way since the last reversal [m]."""
     force: Array
-    """Filtered force that inertia and friction take [N]."""
-    acceleration: Array
-    """Filtered as well."""
+    """Filtered force that inertia and friction take [N]; friction by the law where it was
+    measured."""
+    acceleration: Array | None
+    """Filtered as well; None where friction was measured."""
     edges: tuple[int, ...]
     """Where stretches begin, and the end."""
 
@@ -98,6 +101,8 @@ class Effect:
 def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     """Yield the errors that are looked for, those with fewer coefficients first.
 
+    Delays of a friction sensor are not among them: they are found by their profile (`delays.py`).
+
     Parameters
     ----------
     s : Signals
@@ -116,9 +121,11 @@ def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
         yield delay_of(0.0)
         yield Effect("clock", lambda s: (s.time * s.rate,), filtered=True)
         yield Effect("flexibility", lambda s: (s.bend,), filtered=True)
+    if driven or s.acceleration is None:
         for limit in np.quantile(np.abs(s.force), LIMITS).tolist():
             yield Effect("force limit", partial(_beyond, limit), limit)
-    yield Effect("inertia", lambda s: (s.acceleration,), filtered=True)
+    if s.acceleration is not None:
+        yield Effect("inertia", _of_acceleration, filtered=True)
     yield Effect("offset", lambda s: (np.ones_like(s.time),))
     yield Effect("drift of the level", lambda s: (s.course * s.level,))
     yield Effect("drift of the offset", lambda s: (s.course,))
@@ -133,7 +140,8 @@ def effects(s: Signals, passed: float, *, driven: bool) -> Iterator[Effect]:
     )
     for way in (share * s.stroke for share in WAYS):
         yield Effect("after reversals", partial(_after_reversals, _level, way), way)
-        yield Effect("after reversals", partial(_after_reversals, _acceleration, way), way)
+        if s.acceleration is not None:
+            yield Effect("after reversals", partial(_after_reversals, _acceleration, way), way)
     # of finer waves, the filter leaves nothing at the usual speed
     speeds = np.abs(s.velocity)
     usual = float(np.percentile(speeds, 75.0))
@@ -155,7 +163,12 @@ def _level(s: Signals) -> Array:
 
 
 def _acceleration(s: Signals) -> Array:
+    assert s.acceleration is not None
     return s.acceleration
+
+
+def _of_acceleration(s: Signals) -> tuple[Array, ...]:
+    return (_acceleration(s),)
 
 
 def _squared(s: Signals) -> Array:
@@ -192,3 +205,12 @@ def delay_of(delay: float) -> Effect:
         return (s.each(lambda t, force: (force - np.interp(t - delay, t, force)) / delay),)
 
     return Effect("delay", columns, delay, filtered=True)
+
+
+def shown_by(response: SensorResponse) -> Effect:
+    """Return what a friction sensor with a response leaves, over the time that it is late."""
+
+    def columns(s: Signals) -> tuple[Array, ...]:
+        return (s.each(lambda t, force: (force - response.shown(t, force)) / response.late),)
+
+    return Effect("lag" if response.lag else "delay", columns, -response.late, filtered=True)

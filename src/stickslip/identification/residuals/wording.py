@@ -13,9 +13,10 @@ from stickslip.formatting import (
     within,
 )
 from stickslip.identification.residuals.effects import Effect
+from stickslip.identification.sensor_response import SensorResponse
 from stickslip.quantities import turned
 
-__all__ = ["finding_of"]
+__all__ = ["cure_of", "finding_of"]
 
 HALF = (0.35, 0.65)
 """Delays over the step of time which are those of a wrong setting of hold."""
@@ -31,6 +32,12 @@ SAID: Mapping[str, tuple[str, str, str]] = {
         " position sensor, or two unsynchronised clocks.",
         "The recorded force lags the motion by {size}{half} a delay or filter of the force sensor,"
         " or two unsynchronised clocks.",
+    ),
+    "lag": (
+        "s",
+        "",
+        "The recorded force follows friction through a filter with a time constant of {size}: one"
+        " of the force sensor or its amplifier.",
     ),
     "clock": (
         "s",
@@ -154,6 +161,22 @@ def finding_of(
     )
 
 
+def cure_of(response: SensorResponse) -> str:
+    """Return how to fit friction that a sensor shows late.
+
+    Examples
+    --------
+    >>> cure_of(SensorResponse(lag=0.012)).partition(": ")[2]
+    'RecordSettings(friction_lag=0.012), or --friction-lag 0.012.'
+    """
+    name, value = ("lag", response.lag) if response.lag else ("delay", response.delay)
+    shown = f"{value:.3g}"
+    return (
+        "If the channel is late, correct for it:"
+        f" RecordSettings(friction_{name}={shown}), or --friction-{name} {shown}."
+    )
+
+
 def _sized(
     value: float, ends: tuple[float, float], unit: str, measurement: Measurement
 ) -> tuple[str, str]:
@@ -174,6 +197,8 @@ def _sized(
 
 def _half_sample(delay: float, measurement: Measurement) -> str:
     """Return that a delay [s] may be a wrong setting: a held force is half a sample late."""
+    if "friction" in measurement.quantities():
+        return ":"
     step = max(float(np.median(np.diff(np.asarray(r.time)))) for r in measurement.records())
     if not HALF[0] <= abs(delay) / step <= HALF[1]:
         return ":"

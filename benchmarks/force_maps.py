@@ -1,0 +1,189 @@
+"""Records of measured friction with a faulty force channel: what does a selection say of them?
+
+``python -m benchmarks.force_maps --numbers 0 24``; results are appended to a file line by line.
+
+Each record is made up: a law, a motion, sampling, noise, and one of these faults of the force
+channel: none, a delay of 5 to 50 ms, a first-order lag of 5 to 20 ms, an offset that drifts by 20
+to 60 % of the level.
+"""
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from benchmarks.rigs import Array, Random, between
+from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck, select
+from stickslip.errors import StickslipError
+from stickslip.friction import BristleLaw
+from stickslip.identification.force_map.bristle_integration import Path as Motion
+from stickslip.identification.force_map.bristle_integration import follow
+
+RESULTS = "force_maps.jsonl"
+FINE = 10
+"""Samples of the true motion for each one of the record."""
+FAULTS = ("none", "delay", "lag", "drift")
+TRUTHS = ("coulomb-viscous", "stribeck", "dahl")
+MOTIONS = ("sine", "sines", "strokes", "moves")
+AXIS = Axis(inertia=1.0)
+CANDIDATES = ("coulomb", "coulomb-viscous", "power-viscous", "stribeck", "dahl")
+
+
+def _law(name: str, random: Random, level: float, speed: float, stroke: float) -> FrictionLaw:
+    viscous = level / speed * float(random.uniform(0.1, 1.0))
+    if name == "coulomb-viscous":
+        return CoulombViscous(kinetic_coefficient=level, viscous_coefficient=viscous)
+    if name == "stribeck":
+        return Stribeck(
+            kinetic_coefficient=level,
+            static_coefficient=level * float(random.uniform(1.2, 1.6)),
+            stribeck_velocity=between(random, 0.03, 0.2) * speed,
+            viscous_coefficient=viscous,
+        )
+    return Dahl(
+        kinetic_coefficient=level,
+        bristle_stiffness=level / (between(random, 2e-3, 2e-2) * stroke),
+        viscous_coefficient=viscous,
+    )
+
+
+def _position(kind: str, random: Random, t: Array, speed: float) -> Array:
+    """Return positions [m] of a motion whose speed is about the one given."""
+    w = 2.0 * math.pi * float(random.uniform(0.3, 1.0))
+    if kind == "sine":
+        return speed / w * np.sin(w * t + 1.0)
+    if kind == "sines":
+        rates = w * np.array([1.0, *random.uniform(0.3, 3.0, 2)])
+        parts = [np.sin(r * t + p) / r for r, p in zip(rates, random.uniform(0, 6, 3), strict=True)]
+        return 0.5 * speed * np.sum(parts, axis=0)
+    step = float(t[1] - t[0])
+    phase = (w * t / (2.0 * math.pi)) % 1.0
+    if kind == "strokes":  # constant speeds with ramps between them
+        ramp = float(random.uniform(0.02, 0.1))
+        v = np.clip(np.sin(2.0 * math.pi * phase) / (2.0 * math.pi * ramp), -1.0, 1.0)
+    else:  # moves with holds between them, of random speeds
+        number = np.floor(w * t / math.pi).astype(int)
+        speeds = random.uniform(0.2, 1.0, number.max() + 1)
+        half = (w * t / math.pi) % 1.0
+        v = (
+            speeds[number]
+            * np.where(number % 2, -1.0, 1.0)
+            * np.maximum(np.sin(math.pi * (half * 1.4)), 0.0)
+            * (half < 1 / 1.4)
+        )
+    return speed * np.cumsum(v) * step
+
+
+def _friction(law: FrictionLaw, t: Array, x: Array, v: Array, random: Random) -> Array:
+    load = np.ones(len(t))
+    if isinstance(law, BristleLaw):
+        path = Motion(time=t, velocity=v, load=load, travel=np.diff(x))
+        z = follow(law, path, np.zeros((1, 1)))[..., 0]
+        return np.asarray(law.force(v, tuple(z), load))
+    sign = np.sign(v) * (np.abs(v) > 1e-9)
+    moving = np.asarray(law.force(np.where(sign == 0.0, 1.0, v), load))
+    rest = sign == 0.0
+    began = np.cumsum(np.diff(rest.astype(int), prepend=0) == 1)
+    held = random.uniform(-0.9, 0.9, int(began.max(initial=0)) + 1)
+    return np.where(rest, held[began] * float(law.break_away(1.0)), moving)
+
+
+def drawn(number: int, seed: int) -> tuple[dict[str, Any], FrictionLaw, Measurement]:
+    """Return what a record is of, the true law, and the record."""
+    random = np.random.default_rng([seed, number])
+    fault = FAULTS[number % 4]
+    truth = TRUTHS[number // 4 % 3]
+    motion = MOTIONS[int(random.integers(4))]
+    level, speed = between(random, 0.1, 1000.0), between(random, 0.005, 0.5)
+    rate = float(random.choice((100.0, 250.0, 1000.0)))
+    step = 1.0 / (FINE * rate)
+    fine = np.arange(0.0, 16.0, step)
+    x = _position(motion, random, fine, speed)
+    law = _law(truth, random, level, speed, float(np.ptp(x)))
+    f = _friction(law, fine, x, np.gradient(x, step), random)
+    size = 0.0
+    if fault == "delay":
+        size = between(random, 0.005, 0.05)
+        f = np.interp(fine - size, fine, f)
+    elif fault == "lag":
+        size = between(random, 0.005, 0.02)
+        a = math.exp(-step / size)
+        f = lfilter([1.0 - a], [1.0, -a], f)
+    elif fault == "drift":
+        size = float(random.uniform(0.2, 0.6) * random.choice((-1.0, 1.0)))
+        f = f + size * level * fine / 16.0
+    t, x, f = fine[::FINE], x[::FINE], f[::FINE]
+    f = f + 0.02 * level * random.normal(size=len(t))
+    x = x + float(10.0 ** random.uniform(-6.0, -4.5)) * float(np.ptp(x)) * random.normal(
+        size=len(t)
+    )
+    row = {
+        "number": number,
+        "seed": seed,
+        "fault": fault,
+        "truth": truth,
+        "motion": motion,
+        "rate": rate,
+        "size": size,
+    }
+    return row, law, Measurement(time=t, position=x, friction=f, load=1.0)
+
+
+def judged(number: int, seed: int) -> dict[str, Any]:
+    """Return what a selection says of a record."""
+    row, law, record = drawn(number, seed)
+    began = time.process_time()
+    try:
+        verdict = select(AXIS, CANDIDATES, record)
+    except StickslipError as error:
+        return row | {"refused": str(error), "seconds": time.process_time() - began}
+    closest = verdict.best or verdict.not_recommended
+    wrong = []
+    if closest.name == row["truth"]:
+        for one in closest.fit.estimates:
+            true = getattr(law, one.path.partition(".")[2], 0.0 if "offset" in one.path else None)
+            if true is not None and one.bounded and not one.low <= true <= one.high:
+                wrong.append(f"{one.path} {one.value / true if true else one.value:.3g}")
+    return row | {
+        "closest": closest.name,
+        "used": verdict.best is not None,
+        "verdict": verdict.words.verdict,
+        "wrong": wrong,
+        "said": [one.kind for one in closest.fit.model_errors],
+        "checks": [one.kind for one in verdict.checks.findings if one.severity == "warning"],
+        "seconds": time.process_time() - began,
+    }
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each record."""
+    return [
+        f"{row['number']:3} {row['fault']:6}{row['size']:7.3f} {row['truth']:15}"
+        f" {row['motion']:8} {row['rate']:5.0f} {row['seconds']:5.1f}s"
+        f" {row.get('refused') or row['verdict']} {row.get('wrong')} {row.get('checks')}"
+        for row in rows
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.force_maps")
+    parser.add_argument("--numbers", type=int, nargs=2, default=[0, 24])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--results", type=Path, default=Path(RESULTS))
+    given = parser.parse_args()
+    with given.results.open("a", encoding="utf-8") as file:
+        for number in range(*given.numbers):
+            row = judged(number, given.seed)
+            file.write(json.dumps(row) + "\n")
+            file.flush()
+            print("\n".join(summary([row])), flush=True)
+
+
+if __name__ == "__main__":
+    main()

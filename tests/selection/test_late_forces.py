@@ -1,0 +1,157 @@
+"""A late force channel is told from presliding, named with its size, and corrected for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, CoulombViscous, Dahl, Measurement, RecordSettings, fit, select
+from stickslip.errors import InputError, ParameterError
+from stickslip.identification import SensorResponse
+from stickslip.identification.force_map.bristle_integration import Path, follow
+
+LEVEL, VISCOUS, RATE = 2.0, 3.0, 200.0
+AXIS = Axis(inertia=1.0)
+LAWS = ["coulomb-viscous", "dahl"]
+QUICK = RecordSettings(starts=1)
+
+
+def record(response=None, *, law=None, drift=0.0, seed=0):
+    """Friction along a sum of sines, as a force channel shows it."""
+    t = np.arange(0.0, 8.0, 0.1 / RATE)
+    x = 0.03 * np.sin(4.0 * t) + 0.01 * np.sin(11.3 * t + 1.0)
+    v = np.gradient(x, t)
+    if law is None:
+        friction = LEVEL * np.sign(v) + VISCOUS * v
+    else:
+        path = Path(time=t, velocity=v, load=np.ones(len(t)), travel=np.diff(x))
+        friction = law.force(v, tuple(follow(law, path, np.zeros((1, 1)))[..., 0]), 1.0)
+    if response is not None:
+        friction = response.shown(t, friction)
+    rng = np.random.default_rng(seed)
+    rows = slice(None, None, 10)
+    t, x, friction = t[rows], x[rows], friction[rows] + drift * t[rows] / t[-1]
+    return Measurement(
+        time=t,
+        position=x + 1e-6 * rng.normal(size=len(t)),
+        friction=friction + 0.02 * LEVEL * rng.normal(size=len(t)),
+        load=1.0,
+    )
+
+
+LATE = SensorResponse(delay=0.02)
+SLOW = SensorResponse(lag=0.012)
+
+
+@pytest.fixture(scope="module")
+def late():
+    return select(AXIS, LAWS, record(LATE), settings=QUICK)
+
+
+def test_friction_that_is_recorded_late_is_not_called_presliding(late):
+    assert late.closest.name == "dahl"  # which fits it best, as without a delay
+    assert not late.sentence.startswith("Use")
+    assert "with a delay of the force channel of" in late.sentence
+    assert "Coulomb + viscous friction explains the record better" in late.sentence
+
+
+def test_the_delay_has_an_interval_and_a_cure(late):
+    error = late.model_errors[0]
+    assert error.kind == "delay or presliding"
+    assert error.interval[0] < 0.02 < error.interval[1]
+    # samples are 4 ms apart, and reversals are seen to a part of that
+    assert error.effect == pytest.approx(0.02, abs=1e-3)
+    assert "RecordSettings(friction_delay=0.0" in error.consequence
+
+
+def test_with_its_delay_a_record_is_that_of_the_true_law():
+    own = replace(QUICK, friction_delay=0.02)
+    found = select(AXIS, LAWS, record(LATE), settings=own)
+    assert found.sentence.startswith("Use Coulomb + viscous friction")
+    values = {e.path: e for e in found.best.fit.estimates}
+    assert values["friction.kinetic_coefficient"].value == pytest.approx(LEVEL, rel=0.01)
+    assert found.model_errors == ()
+
+
+def test_true_presliding_is_presliding():
+    law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
+    found = select(AXIS, LAWS, record(law=law), settings=QUICK)
+    assert found.sentence.startswith("Use Dahl friction")
+    assert found.model_errors == ()
+
+
+@pytest.mark.slow
+def test_presliding_that_is_recorded_late_is_named_with_its_delay():
+    law = Dahl(kinetic_coefficient=LEVEL, bristle_stiffness=LEVEL / 3e-4, viscous_coefficient=3.0)
+    found = select(AXIS, LAWS, record(LATE, law=law), settings=QUICK)
+    assert "with a delay of the force channel of 20" in found.sentence
+    assert "Dahl friction explains the record better" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("response", "kind"), [(LATE, "delay"), (SensorResponse(delay=-0.02), "delay"), (SLOW, "lag")]
+)
+def test_residuals_of_a_law_without_memory_show_how_late_its_friction_is(response, kind):
+    found = fit(AXIS, CoulombViscous, record(response), settings=QUICK)
+    error = found.model_errors[0]
+    assert error.kind == kind
+    # of a motion that is 20 ms late the sign is the other one; 15 %: beside biased estimates
+    assert error.effect == pytest.approx(-response.late, rel=0.15)
+    assert "Presliding, which this law lacks, looks alike" in error.consequence
+
+
+@pytest.mark.parametrize("response", [LATE, SensorResponse(delay=-0.02), SLOW])
+def test_what_the_channel_does_is_taken_off(response):
+    own = replace(QUICK, friction_delay=response.delay, friction_lag=response.lag)
+    found = fit(AXIS, CoulombViscous, record(response), settings=own)
+    level, viscous, _ = (estimate.value for estimate in found.estimates)
+    # when the direction changes within a sample is not known, which a filter spreads
+    assert level == pytest.approx(LEVEL, rel=0.01)
+    assert viscous == pytest.approx(VISCOUS, rel=0.08)
+    assert found.model_errors == ()
+    assert found.rms < 2.0 * 0.02 * LEVEL
+
+
+def test_a_drifting_force_sensor_is_named():
+    found = fit(AXIS, CoulombViscous, record(drift=0.5 * LEVEL), settings=QUICK)
+    (error,) = found.model_errors
+    assert error.kind == "drift of the offset"
+    assert error.effect == pytest.approx(0.5 * LEVEL, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_prompt_channel_shows_no_error(seed):
+    assert fit(AXIS, CoulombViscous, record(seed=seed), settings=QUICK).model_errors == ()
+
+
+def test_a_lag_shows_a_ramp_late_by_its_time_constant():
+    t = np.linspace(0.0, 1.0, 501)
+    shown = SensorResponse(lag=0.05).shown(t, 3.0 * t)
+    # the closed form of a first-order system, which is exact for forces that are linear in time
+    np.testing.assert_allclose(shown, 3.0 * (t - 0.05 * (1.0 - np.exp(-t / 0.05))), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "said"),
+    [
+        ({"friction_delay": np.nan}, ParameterError, "must be a finite number in s, got nan"),
+        ({"friction_lag": -1e-3}, ParameterError, "must be at least 0 s, got -0.001"),
+        ({"friction_delay": 20.0}, InputError, "shorter than the record of 8 s, got 20 s"),
+    ],
+)
+def test_responses_that_make_no_sense_are_refused(given, error, said):
+    with pytest.raises(error, match=said):
+        fit(AXIS, CoulombViscous, record(), settings=RecordSettings(**given))
+
+
+def test_a_response_is_of_measured_friction_in_time():
+    v = np.linspace(-1.0, 1.0, 40)
+    table = Measurement(velocity=v, friction=np.sign(v) + v)
+    with pytest.raises(InputError, match="a table of friction against velocity has none"):
+        fit(AXIS, CoulombViscous, table, settings=RecordSettings(friction_delay=0.01))
+    driven = Measurement(time=np.arange(40) * 0.1, position=v, force=v)
+    with pytest.raises(InputError, match=r"applies to measured friction \(route force-map\)"):
+        fit(
+            AXIS, CoulombViscous, driven, settings=RecordSettings(friction_lag=0.01),
+            route="shooting",
+        )  # fmt: skip
