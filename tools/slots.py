@@ -40,6 +40,7 @@ TABLES = (
     "FORCED",
     "BEFORE",
     "CLOSED",
+    "ASKED",
     "KEPT",
     "STRUCK",
     "FOLLOWERS",

@@ -209,8 +209,11 @@ class Watch:
         self.wholes = {getattr(state_layout, name): name for name in state}
         contacts = header[state_layout.N_CONTACTS]
         for name in slots.TABLES if contacts else ():
-            many = name in ("LAW_FLAGS", "OPEN", "CLOSED")
-            length = contacts if many else header[state_layout.N_COORDINATES]
+            coordinates = header[state_layout.N_COORDINATES]
+            many = name in ("LAW_FLAGS", "OPEN", "CLOSED", "ASKED")
+            length = contacts if many else coordinates
+            if name == "FOLLOWERS":
+                length = header[state_layout.N_DIRECTIONS] - coordinates
             table = header[getattr(state_layout, name)]
             self.wholes |= dict.fromkeys(range(table, table + length), name)
         modules = [m for name, m in sys.modules.items() if name.startswith(f"{slots.KERNELS}.")]
