@@ -40,6 +40,7 @@ from stickslip.kernels import enums
 from stickslip.kernels.contacts.assembly import determinant
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
+from stickslip.outputs import EventCount, EventTimes
 from stickslip.results import Status
 from stickslip.solver.event_driven import status_of
 
@@ -348,6 +349,38 @@ def test_an_ensemble_varies_a_law_that_contacts_share():
     )  # fmt: skip
     for value, found in zip(levels, runs["elbow"], strict=True):
         assert found == run_of(Arm(), coulomb(float(value), 0.4), 1.0, BENT)["elbow"][-1]
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+def test_an_ensemble_keeps_the_events_of_one_contact(tier):
+    outputs = {
+        "away": EventTimes("break-away", count=3, contact="elbow"),
+        "last": EventTimes("reversal", count=-2, contact="shoulder"),
+        "turns": EventCount("reversal", contact="elbow"),
+        "all": EventCount("reversal"),
+    }
+    runs = ensemble(
+        Arm(), ARM, {"friction.elbow.kinetic_coefficient": [0.12]}, t_end=3.0, y0=BENT,
+        outputs=outputs, solver=EventDriven(tier=tier),
+    )  # fmt: skip
+    run = run_of(Arm(), ARM, 3.0, BENT)
+    times = {
+        (contact, reason): [e.t for e in run.contact(contact).events if e.reason == reason]
+        for contact in run.contacts
+        for reason in ("break-away", "reversal")
+    }
+    away, turns = times["elbow", "break-away"], times["elbow", "reversal"]
+    assert 0 < len(away) < 3
+    assert runs["away"][0, : len(away)].tolist() == away
+    assert np.isnan(runs["away"][0, len(away) :]).all()
+    assert runs["last"][0].tolist() == times["shoulder", "reversal"][:-3:-1]
+    assert runs["turns"][0] == len(turns)
+    assert runs["all"][0] == len(turns) + len(times["shoulder", "reversal"])
+    with pytest.raises(UnknownNameError, match=r"contact of events 'elbo'.*'elbow'"):
+        ensemble(
+            Arm(), ARM, {"friction.elbow.kinetic_coefficient": [0.12]}, t_end=1.0,
+            outputs={"away": EventTimes("break-away", contact="elbo")},
+        )  # fmt: skip
 
 
 # What cannot be done is said
