@@ -221,7 +221,7 @@ class DynamicsOfContacts:
         prepare(t, w, whole)
         turn_states(first, 0, w, whole)
         for _ in range(max(whole[at.N_SWITCHES], 1)):
-            set_own_flags(w, whole)
+            set_own_flags(0, w, whole)
         for i in range(whole[at.N_DIRECTIONS]):
             whole[whole[at.MODES] + i] = FORWARD
         prepare(t, w, whole)

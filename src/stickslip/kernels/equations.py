@@ -11,6 +11,7 @@ from stickslip.kernels.backend import Vector, call_model
 from stickslip.kernels.state_layout import ADDRESS
 
 __all__ = [
+    "ANY_RATE",
     "CALLED",
     "CONTACT",
     "EFFORTS",
@@ -43,6 +44,8 @@ __all__ = [
     "evaluate",
 ]
 
+ANY_RATE = 0.7309
+"""A rate [m/s or rad/s] that no threshold is likely to have: it tells what depends on rates."""
 FIELD = 0
 JACOBIAN = 1
 TIME_SLOPE = 2

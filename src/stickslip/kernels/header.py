@@ -83,6 +83,7 @@ class Sizes(ABC):
             at.END: n,
             at.POINT: n,
             at.VALUES: n + guards + self.columns + 8,
+            at.PULLS: self.coordinates,  # before the stages: set back for each run
             at.STAGES: at.DOP853_STAGES * n,
             at.MATRIX: n * n,
             at.PIVOTS: n,

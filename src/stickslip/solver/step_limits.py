@@ -309,32 +309,32 @@ def _has_negative_mass(model: Model, record: Record) -> bool:
     return bool(np.isfinite(masses).all() and np.linalg.eigvalsh(masses)[0] <= 0.0)
 
 
-def cause_of_zeno(events: Sequence[Event]) -> str:
+def cause_of_zeno(events: Sequence[Event], t: float) -> str:
     """Say which events follow one another without time going on.
 
     Parameters
     ----------
     events : sequence of Event
         Events of the run.
+    t : float
+        When the run ended [s].
 
     Returns
     -------
     str
-        A sentence for users, empty if no event has a name.
+        A sentence for users.
     """
-    if not events:
-        return ""
-    last = events[-1].t
     names: list[str] = []
     for event in reversed(events):
         name = f"{event.reason} at {event.contact}" if event.contact else event.reason
-        if event.t != last or len(names) == MOST_NAMED + 1:
+        if event.t != t or len(names) == MOST_NAMED + 1:
             break
         if name not in names:
             names.append(name)
+    names = names or ["forces that switch at a threshold (`where`, `abs`)"]
     listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
     return (
-        f"At {quantity(last, 's', 4)} these follow one another without end: {listed}. On each side"
+        f"At {quantity(t, 's', 4)} these follow one another without end: {listed}. On each side"
         " of such a threshold the forces lead back to it: let them change over a short way instead"
         " of at once."
     )
