@@ -12,6 +12,7 @@ from stickslip.cli.console import (
     overrides,
     plain,
     print_json,
+    refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
@@ -77,6 +78,8 @@ def run(
         check_rig_file(output)
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    if output is not None:
+        refuse_inputs(output, [rig.path, *rig.files])
     found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
     if output is not None and not found.route.simulated:
         raise InputError(
