@@ -115,6 +115,7 @@ class _Rates:
         return (after - before) / (2.0 * step)
 
 
+@np.errstate(all="ignore")  # what is no number has no time scale
 def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotion | None:
     """Return the fastest motion of the equations at the end of a run, in its modes or slipping.
 
@@ -157,17 +158,16 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
 def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     """Return the largest eigenvalue with its right and left vector, whose product is 1."""
     rates.prepare()
-    with np.errstate(all="ignore"):
-        columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
-        scaled = np.array(columns).T / rates.sizes[:, None]
-        if not np.isfinite(scaled).all():
-            return None
-        values, vectors = np.linalg.eig(scaled)
-        at = int(np.argmax(np.abs(values)))
-        try:
-            left = np.linalg.inv(vectors)[at]
-        except np.linalg.LinAlgError:  # a double eigenvalue with one vector
-            left = np.full(rates.n, math.nan)
+    columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
+    scaled = np.array(columns).T / rates.sizes[:, None]
+    if not np.isfinite(scaled).all():
+        return None
+    values, vectors = np.linalg.eig(scaled)
+    at = int(np.argmax(np.abs(values)))
+    try:
+        left = np.linalg.inv(vectors)[at]
+    except np.linalg.LinAlgError:  # a double eigenvalue with one vector
+        left = np.full(rates.n, math.nan)
     if values[at] == 0.0:
         return None
     return complex(values[at]), vectors[:, at] * rates.sizes, left / rates.sizes
