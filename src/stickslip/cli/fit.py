@@ -151,7 +151,7 @@ def _name(law: Law) -> str:
     if isinstance(law, Mapping):
         names = {contact: _name(one) for contact, one in law.items() if one is not None}
         return ", ".join(f"{contact}={one}" for contact, one in names.items())
-    return law if isinstance(law, str) else law.name  # type: ignore[no-any-return]
+    return law if isinstance(law, str) else law.name
 
 
 def _show(result: Fit, shown: FitSummary) -> None:
