@@ -1,6 +1,7 @@
 """What a run gives back: states in time, events, how it ended, and how far to trust it."""
 
 import enum
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -182,6 +183,8 @@ class Trajectory(InPanels):
     """Name of the contact where there is one; empty if it has no name, or there are several."""
     cause: str = ""
     """Why the run ended early and what to do, in words, where more can be said than the status."""
+    step_times: "NDArray[np.float64] | None" = field(default=None, repr=False)
+    """Times (m,) [s] between which modes stay, of runs whose events are not located."""
 
     @property
     def ending(self) -> str:
@@ -330,8 +333,7 @@ class Trajectory(InPanels):
                 f"this run has several contacts ({', '.join(self.contacts)}): ask one of them, as"
                 f" in run.contact({self.contacts[0]!r}).stick_spans()."
             )
-        changes = [(self.span[0], self._first_mode())]
-        changes += [(event.t, event.to_mode) for event in self.events]
+        changes = self._modes()
         ends = [t for t, _ in changes[1:]] + [self.span[1]]
         spans: list[tuple[float, float]] = []
         for (start, mode), end in zip(changes, ends, strict=True):
@@ -347,8 +349,14 @@ class Trajectory(InPanels):
         """Return how long friction or a hard stop holds the body [s], as `stick_spans` does."""
         return sum(end - start for start, end in self.stick_spans())
 
-    def _first_mode(self) -> int:
-        return self.events[0].from_mode if self.events else int(self.at(self.span[0])["mode"][0])
+    def _modes(self) -> list[tuple[float, int]]:
+        """Return the modes of the contact, each with the time from which it holds."""
+        if self.step_times is not None:
+            modes = self.evaluate(self.step_times)["mode"].tolist()
+            pairs = list(zip(self.step_times.tolist(), map(int, modes), strict=True))
+            return pairs[:1] + [b for a, b in itertools.pairwise(pairs) if a[1] != b[1]]
+        first = self.events[0].from_mode if self.events else self.at(self.span[0])["mode"][0]
+        return [(self.span[0], int(first)), *((event.t, event.to_mode) for event in self.events)]
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame with the time in front."""

@@ -205,6 +205,23 @@ def test_a_fitted_law_is_a_rig_file_that_simulate_takes(run, tmp_path):
     assert (code, "--force" in err) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("output", "command"),
+    [("axis.toml", ("fit", *ONCE)), ("axis.csv", ("simulate", "--law", "coulomb"))],
+)
+def test_what_a_command_reads_is_not_replaced(run, tmp_path, output, command):
+    name, *options = command
+    rig = RIG.format(inertia=5.0) + DATA + "[friction.coulomb]\nkinetic_coefficient = 10.0\n"
+    (tmp_path / "axis.toml").write_text(rig)
+    before = (tmp_path / output).read_bytes()
+    (tmp_path / "link").symlink_to(tmp_path)
+    for place in ("", "link/"):
+        code, _, err = run(name, "axis.toml", *options, "-o", place + output, "--force")
+        assert code == 2
+        assert f"{output} is read by this command, so it is not replaced" in err
+    assert (tmp_path / output).read_bytes() == before
+
+
 def test_fit_takes_travels_too(run):
     code, out, _ = run("fit", "demo", "--law", "coulomb", "-o", "law.toml")
     assert code == 0

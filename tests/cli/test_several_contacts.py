@@ -337,13 +337,83 @@ force.elbow = "u2"
 """
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("jobs", [[], ["--jobs", "2"]])
-def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs):
+@pytest.fixture
+def arm_record(tmp_path):
+    """Write the record of an arm beside the rig."""
     t, places, forces = parts(record(0, span=5.0))
     columns = {"t": t, "q1": places["shoulder"], "q2": places["elbow"]}
     columns |= {"u1": forces["shoulder"], "u2": forces["elbow"]}
     pd.DataFrame(columns).to_csv(tmp_path / "arm.csv", index=False)
+
+
+TABLES = """
+[friction.shoulder.coulomb-viscous]
+kinetic_coefficient = 0.2
+viscous_coefficient = 0.01
+[friction.elbow.coulomb]
+kinetic_coefficient = 0.1
+"""
+OWN = {"shoulder": "coulomb-viscous", "elbow": "coulomb"}
+FITTED = {
+    "as the file has them": (TABLES, (), OWN),
+    "as asked": ("", ("--law", "shoulder=coulomb-viscous,elbow=coulomb"), OWN),
+    "as asked, else as the file has them": (
+        TABLES, ("--law", "elbow=viscous"), OWN | {"elbow": "viscous"},
+    ),
+    "nothing that rubs": (
+        TABLES.partition("[friction.elbow")[0] + "[friction]\nelbow = \"none\"\n", (),
+        {"shoulder": "coulomb-viscous"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("arm_record")
+@pytest.mark.parametrize(("tables", "asked", "laws"), FITTED.values(), ids=FITTED)
+def test_the_laws_of_the_joints_are_fitted(called, tables, asked, laws):
+    code, _, said = called(
+        ARM_RIG + tables, "fit", "rig.toml", *asked, "--starts", "1", "-o", "law.toml"
+    )
+    assert code == 0, said
+    found = load_rig("law.toml").law_by_contact()
+    assert {joint: law.name for joint, law in found.items() if law is not None} == laws
+
+
+@pytest.mark.usefixtures("arm_record")
+def test_a_parameter_of_the_law_of_one_joint_is_held(called):
+    asked = ("--law", "shoulder=coulomb-viscous,elbow=coulomb", "--starts", "1", "--json")
+    held = ("--fixed", "friction.shoulder.viscous_coefficient=0.01")
+    code, shown, said = called(ARM_RIG, "fit", "rig.toml", *asked, *held)
+    assert code == 0, said
+    paths = [one["parameter"] for one in json.loads(shown)["estimates"]]
+    assert "friction.shoulder.kinetic_coefficient" in paths
+    assert "friction.shoulder.viscous_coefficient" not in paths
+
+
+MISNAMED = {
+    "a joint without a law": ("elbow=coulomb,shoulder=", "one law of each contact"),
+    "a joint with two": ("elbow=coulomb,elbow=dahl", "one law of each contact"),
+    "no joint": ("elbw=coulomb", "unknown contact in --law 'elbw'. Did you mean 'elbow'"),
+    "no law": ("elbow=coulmb", "unknown friction law 'coulmb'. Did you mean 'coulomb'"),
+}
+
+
+@pytest.mark.usefixtures("arm_record")
+@pytest.mark.parametrize(("law", "message"), MISNAMED.values(), ids=MISNAMED)
+def test_laws_of_joints_that_cannot_be_fitted_are_named(called, law, message):
+    code, _, said = called(ARM_RIG, "fit", "rig.toml", "--law", law)
+    assert (code, message in said) == (2, True), said
+
+
+def test_one_record_takes_one_law(called):
+    code, _, said = called(FEET, "fit", "demo", "--law", "front=coulomb,rear=dahl")
+    assert code == 2
+    assert "which only records of several joints take: give one name" in said
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("arm_record")
+@pytest.mark.parametrize("jobs", [[], ["--jobs", "2"]])
+def test_laws_of_all_joints_are_selected_from_a_rig_file(called, tmp_path, jobs):
     tried = ["--laws", "coulomb,coulomb-viscous", "--starts", "1", "-o", "report"]
     code, shown, said = called(ARM_RIG, "select", "rig.toml", *tried, *jobs)
     assert code == 0, said

@@ -12,7 +12,7 @@ from tests.pair_cases import LAW, LAWS, OTHER, Pair, axis
 from stickslip import Coulomb, EventDriven, SerialArm, TwoFeet, TwoLinkArm, plots, simulate
 from stickslip.control import closed_loop, dynamics_at, limit_cycle
 from stickslip.drives import Drive
-from stickslip.errors import InputError
+from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import JointTorques
 from stickslip.mechanisms import Contact, Link
 
@@ -155,3 +155,9 @@ def test_a_wrong_command_is_refused_in_words(case):
     drive, controller, message = BAD[case]
     with pytest.raises(InputError, match=message):
         closed_loop(Pair(), LAWS, controller, drive=drive, **HOW)
+
+
+@pytest.mark.parametrize("rig", [ARM, axis()], ids=["several", "one"])
+def test_dynamics_at_what_is_no_time_are_refused(rig):
+    with pytest.raises(ParameterError, match=r"dynamics_at.t \(t\) must be a"):
+        dynamics_at(rig, {"x": 0.1})

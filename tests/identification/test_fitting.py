@@ -14,10 +14,11 @@ from stickslip import (
     Stribeck,
     Viscous,
     fit,
+    select,
     simulate,
 )
-from stickslip.errors import ConvergenceError, InputError, UnknownNameError
-from stickslip.identification.estimation.root_search import positive_root
+from stickslip.errors import ConvergenceError, InputError, ParameterError, UnknownNameError
+from stickslip.identification.estimation.root_search import positive_root, positive_roots
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 READING = Measurement(travel=0.20, uncertainty=0.005, uncertainty_kind="rounding")
@@ -125,6 +126,38 @@ def test_progress_counts_the_runs():
 def test_a_root_is_found_over_many_decades(root):
     found = positive_root(lambda x: x - root, 1.0)
     assert found == pytest.approx(root, rel=1e-9)
+
+
+def test_a_function_whose_values_have_a_product_of_zero_has_no_root_unless_its_sign_changes():
+    assert positive_root(lambda x: 1e-200 * (1.0 + x), 1.0) is None
+    assert positive_root(lambda x: 1e-200 * (x - 2.0), 1.0) == pytest.approx(2.0, rel=1e-9)
+
+
+def test_a_root_at_a_point_of_the_search_is_found_once():
+    assert positive_roots(lambda x: x - 1.3, 1.0) == pytest.approx((1.3,))
+
+
+@pytest.mark.parametrize("travel", [-1e29, 1e-29, 1e29])
+def test_a_travel_at_the_ends_of_its_range_has_a_verdict(travel):
+    reading = Measurement(travel=travel, uncertainty=0.1 * abs(travel))
+    law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.3)
+    verdict = select(RIG, {"coulomb": law}, reading, t_end=10.0)
+    assert "mu_k" in verdict.sentence or "closest" in verdict.sentence
+
+
+@pytest.mark.parametrize("travel", [-1e308, 1e-320, 1e-31, 1e31, 1e308])
+def test_a_travel_whose_square_need_not_be_a_number_is_refused(travel):
+    with pytest.raises(ParameterError, match=r"travel \(s\) must be 0 or .* 1e-30 to 1e\+30 m"):
+        Measurement(travel=travel)
+    with pytest.raises(ParameterError, match=r"travel \(u_s\) must be 0 or .* 1e-30 to 1e\+30 m"):
+        Measurement(travel=0.2, uncertainty=abs(travel))
+
+
+@pytest.mark.parametrize("given", ["overrides", "initial", "offset", "parameter_uncertainties"])
+def test_numbers_beside_a_travel_are_of_a_size_that_can_be_computed_with(given):
+    named = {"offset": "travel"}.get(given, "v")
+    with pytest.raises(ParameterError, match=f"{given} of '{named}' must be 1e.30 at most"):
+        Measurement(travel=0.2, **{given: {named: 1e308}})
 
 
 def test_a_function_without_a_sign_change_has_no_root():

@@ -3,6 +3,8 @@
 import dataclasses
 import itertools
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -43,6 +45,7 @@ from stickslip.kernels.contacts.assembly import determinant, refresh
 from stickslip.kernels.guard_roots import NO_GUARD
 from stickslip.maths import where
 from stickslip.mechanisms import Contact, Lining, Rotor
+from stickslip.outputs import EventCount, EventTimes
 from stickslip.results import Status
 from stickslip.solver.event_driven import status_of
 
@@ -408,6 +411,77 @@ def test_an_ensemble_varies_a_law_that_contacts_share():
     )  # fmt: skip
     for value, found in zip(levels, runs["elbow"], strict=True):
         assert found == run_of(Arm(), coulomb(float(value), 0.4), 1.0, BENT)["elbow"][-1]
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+def test_an_ensemble_keeps_the_events_of_one_contact(tier):
+    outputs = {
+        "away": EventTimes("break-away", count=3, contact="elbow"),
+        "last": EventTimes("reversal", count=-2, contact="shoulder"),
+        "turns": EventCount("reversal", contact="elbow"),
+        "all": EventCount("reversal"),
+    }
+    runs = ensemble(
+        Arm(), ARM, {"friction.elbow.kinetic_coefficient": [0.12]}, t_end=3.0, y0=BENT,
+        outputs=outputs, solver=EventDriven(tier=tier),
+    )  # fmt: skip
+    run = run_of(Arm(), ARM, 3.0, BENT)
+    times = {
+        (contact, reason): [e.t for e in run.contact(contact).events if e.reason == reason]
+        for contact in run.contacts
+        for reason in ("break-away", "reversal")
+    }
+    away, turns = times["elbow", "break-away"], times["elbow", "reversal"]
+    assert 0 < len(away) < 3
+    assert runs["away"][0, : len(away)].tolist() == away
+    assert np.isnan(runs["away"][0, len(away) :]).all()
+    assert runs["last"][0].tolist() == times["shoulder", "reversal"][:-3:-1]
+    assert runs["turns"][0] == len(turns)
+    assert runs["all"][0] == len(turns) + len(times["shoulder", "reversal"])
+    with pytest.raises(UnknownNameError, match=r"contact of events 'elbo'.*'elbow'"):
+        ensemble(
+            Arm(), ARM, {"friction.elbow.kinetic_coefficient": [0.12]}, t_end=1.0,
+            outputs={"away": EventTimes("break-away", contact="elbo")},
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row(Plain):
+    """Sixty blocks of 1 kg side by side, which one drive pushes."""
+
+    name: ClassVar[str] = "row"
+    coordinates: ClassVar[tuple[str, ...]] = tuple(f"q{i}" for i in range(60))
+    rates: ClassVar[tuple[str, ...]] = tuple(f"v{i}" for i in range(60))
+    units: ClassVar[tuple[str, ...]] = ("m",) * 60
+    push: Drive
+
+    def kinetic_energy(self, q, q_dot):
+        return sum((0.5 * q_dot[i] * q_dot[i] for i in self.coordinates), 0.0)
+
+    def forces(self, t, q, q_dot, drives):
+        return dict.fromkeys(self.coordinates, drives["push"])
+
+    def drives(self):
+        return {"push": self.push}
+
+    def contacts(self):
+        return tuple(Contact(name=f"pad-{i}", slip=i, load=1.0) for i in self.coordinates)
+
+
+@pytest.mark.parametrize("tier", ["python", "compiled"])
+@pytest.mark.parametrize("late", [-1, 0, 1])
+def test_many_contacts_stop_and_break_away_where_a_drive_jumps(tier, late):
+    """Blocks at 0.5 m/s stop under 0.5 m/s^2 after a second, give or take a rounding."""
+    speed = 0.5 + late * math.ulp(0.4)
+    row = Row(push=Pulse(level=-2.0, duration=1.0, start=1.0))
+    run = simulate(
+        row, coulomb(0.5), t_end=1.5, y0=dict.fromkeys(row.rates, speed),
+        solver=EventDriven(tier=tier),
+    )  # fmt: skip
+    assert [e.t for e in run.events] == pytest.approx([1.0] * len(run.events), abs=1e-15)
+    assert {e.contact for e in run.events} == set(run.contacts)
+    for i in row.coordinates:  # 1.5 m/s^2 backwards from a second on
+        assert run[i][-1] == pytest.approx(0.25 - 0.75 * 0.5**2, abs=1e-14)
 
 
 # What cannot be done is said

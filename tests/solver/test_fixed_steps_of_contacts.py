@@ -75,6 +75,22 @@ def test_feet_come_to_rest_where_the_closed_form_says_and_share_what_holds_them(
     assert last["friction:rear"] == pytest.approx(1.2559991, abs=2e-3)
 
 
+def test_the_time_that_contacts_stick_is_counted_in_steps():
+    """No events are located there: the modes of the steps say it."""
+    pair, start = Pair(stiffness=400.0, left_drive=PUSH), {"a": 0.05, "b": 0.04}
+    exact = simulate(pair, LAWS, t_end=2.0, y0=start, solver=PLAIN)
+    run = simulate(pair, LAWS, t_end=2.0, y0=start, solver=FixedStep(dt=1e-3, method="heun"))
+    for name in run.contacts:
+        own = run.contact(name)
+        steps = own["mode"][:-1] == 0
+        assert 0 < steps.sum() < len(steps)
+        assert own.stick_time() == pytest.approx(1e-3 * steps.sum(), abs=1e-12)
+        assert own.at([0.5]).stick_spans() == own.stick_spans()
+        # each stop and each departure is one step late at most
+        slack = 2e-3 * (1 + len(exact.contact(name).events))
+        assert own.stick_time() == pytest.approx(exact.contact(name).stick_time(), abs=slack)
+
+
 def test_a_foot_that_lifts_ends_the_run():
     body = TwoFeet(mass=2.0, front=0.1, rear=0.1, height=0.5, stiffness=200.0)
     run = simulate(

@@ -1,8 +1,10 @@
 """Where runs with hard stops may begin, and which solver knows stops."""
 
+import numpy as np
 import pytest
 
-from stickslip import Axis, Coulomb, FixedStep, SpringBlock, simulate
+from stickslip import Axis, Coulomb, FixedStep, SpringBlock, Stribeck, TwoMassAxis, simulate
+from stickslip.drives import Pulse
 from stickslip.errors import InputError, ParameterError
 
 LAW = Coulomb(kinetic_coefficient=0.2)
@@ -40,3 +42,22 @@ def test_a_restitution_above_one_is_refused():
 def test_fixed_steps_know_no_stops():
     with pytest.raises(InputError, match="does not support hard stops, and this Axis has some"):
         simulate(Axis(inertia=1.0, upper_stop=1.0), LAW, t_end=1.0, solver=FixedStep(dt=0.01))
+
+
+@pytest.mark.parametrize("place", [-1.61803, 0.9032740018574321])
+def test_what_begins_at_rest_far_from_zero_moves_as_at_zero(place):
+    """The load has no force at first, but for the rounding of what its spring is made of."""
+    axis = TwoMassAxis(
+        motor_inertia=2.7, load_inertia=9.9, stiffness=10.6, rubs="motor",
+        drive=Pulse(level=1.4, duration=1.0),
+    )  # fmt: skip
+    law = Stribeck(kinetic_coefficient=0.3, static_coefficient=0.3, stribeck_velocity=0.1)
+    start = {"x": place, "other": place}
+    far = simulate(axis, law, t_end=2.0, y0=start)
+    near = simulate(axis, law, t_end=2.0)
+    assert far.certificate.steps < 2 * near.certificate.steps
+    for name, shift in (("x", place), ("other", place), ("v", 0.0), ("other_dot", 0.0)):
+        # places of 1 m are rounded to 2e-16, and a falling law lets errors of steps grow
+        np.testing.assert_allclose(
+            far.at([0.5, 2.0])[name] - shift, near.at([0.5, 2.0])[name], rtol=0, atol=1e-10
+        )

@@ -3,13 +3,15 @@
 import io
 import itertools
 import math
+import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from stickslip import Coulomb, EventDriven, SpringBlock, simulate
 from stickslip.formulation import formulate
-from stickslip.solver import run
+from stickslip.solver import run, sensitivities
 from stickslip.solver.compile import background
 from stickslip.solver.compile.equations_code import EquationsCode, code_of
 from stickslip.solver.compile.kernels_code import KernelsCode
@@ -187,3 +189,42 @@ def test_the_background_process_is_begun_once_and_compiles_what_it_is_told(monke
     assert loaded[0].name == equations.name
     process.returncode = 1  # killed, or out of memory: somebody else has to compile
     assert not background.compile_in_background(equations)
+
+
+@pytest.mark.parametrize("tier", ["auto", "python"])
+def test_sensitivities_take_machine_code_once_the_run_has_paid_for_it(monkeypatch, tiers, tier):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(sensitivities, "runner_of", run.runner_of)
+    lasting(monkeypatch, 1.1 * (WAIT + WAIT_FOR_EQUATIONS))
+    moved = simulate(RIG, LAW, t_end=1.0, solver=EventDriven(tier=tier)).at(1.0)
+    copied = pickle.loads(pickle.dumps(moved))
+    tiers.clear()
+    for one in (moved, copied):
+        one.sensitivity("x", "kinetic_coefficient")
+    assert tiers == [tier == "auto"] * 2
+
+
+def test_sensitivities_in_plain_python_count(monkeypatch, tiers):
+    monkeypatch.setattr(KernelsCode, "is_kept", lambda kernels: True)
+    monkeypatch.setattr(sensitivities, "runner_of", run.runner_of)
+    lasting(monkeypatch, 0.0)
+    moved = simulate(RIG, LAW, t_end=1.0).at(1.0)
+    tiers.clear()
+    clock = itertools.count()
+    monkeypatch.setattr(
+        sensitivities, "thread_time", lambda: 0.6 * (WAIT + WAIT_FOR_EQUATIONS) * next(clock)
+    )
+    for _ in range(3):
+        moved.sensitivity("x", "kinetic_coefficient")
+    assert tiers == [False, False, True]
+
+
+def test_sensitivities_of_a_plain_run_have_the_same_bits_in_machine_code():
+    solver = EventDriven(tier="auto")
+    moved = simulate(RIG, LAW, t_end=1.0, solver=solver).at([0.1, 1.0])
+    sensing = moved.differentiate
+    found = []
+    for spent in (None, math.inf):  # as the run, and machine code
+        record = replace(sensing.record, spent=spent)
+        found.append(replace(sensing, record=record)(moved.t, ["friction.kinetic_coefficient"]))
+    assert found[0].tolist() == found[1].tolist()

@@ -4,7 +4,7 @@ import contextlib
 import shlex
 import sys
 import tempfile
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,7 @@ __all__ = [
     "overrides",
     "plain",
     "print_json",
+    "refuse_inputs",
     "refuse_overwriting",
     "show_table",
     "stderr",
@@ -188,6 +189,28 @@ def check_rig_file(output: Path) -> None:
     """
     if output.suffix != ".toml":
         raise InputError(f"--output takes a .toml file, got {output}.")
+
+
+def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
+    """Refuse to replace what the command reads, whatever may be replaced.
+
+    Parameters
+    ----------
+    output : Path
+        File that will be written.
+    inputs : iterable of str or Path
+        Files that are read.
+
+    Raises
+    ------
+    InputError
+        If it is one of them.
+    """
+    for one in map(Path, inputs):
+        if output.exists() and one.exists() and output.samefile(one):
+            raise InputError(
+                f"{output} is read by this command, so it is not replaced: choose another -o."
+            )
 
 
 def refuse_overwriting(

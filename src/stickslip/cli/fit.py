@@ -1,7 +1,7 @@
 """``stickslip fit``."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from stickslip.cli.console import (
     overrides,
     plain,
     print_json,
+    refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
@@ -53,7 +54,8 @@ def run(
     path : Path or None
         Rig file (TOML); the bundled rig if None.
     name : str or None
-        Name of the law to fit; that of the rig file, or the usual one, if None.
+        Name of the law to fit, or names by contact as in ``shoulder=coulomb,elbow=dahl``; that of
+        the rig file, or the usual one, if None.
     asked : CommandInputs
         Data, free parameters and settings of the fit.
     changes : sequence of str
@@ -76,6 +78,8 @@ def run(
         check_rig_file(output)
         refuse_overwriting(output, output.parent, force=force)
     rig = load_rig(path, overrides=overrides(changes), allow_import=allow_import)
+    if output is not None:
+        refuse_inputs(output, [rig.path, *rig.files])
     found = measured(rig, asked, given=path is not None, law=partial(law_to_fit, rig, name))
     if output is not None and not found.route.simulated:
         raise InputError(
@@ -124,7 +128,7 @@ def _checked(rig: Rig, found: Inputs, asked: CommandInputs) -> Checks:
 def _fitted(rig: Rig, found: Inputs) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
     law: Law = found.law
-    name = law if isinstance(law, str) else law.name
+    name = _name(law)
     kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
     with watching([name], found) as watch:
         report = partial(watch, name)
@@ -140,6 +144,14 @@ def _fitted(rig: Rig, found: Inputs) -> Fit:
         )
         fitted: Fit = found.route.fit(request, found.options)
         return fitted
+
+
+def _name(law: Law) -> str:
+    """Return the name of a law, or of those of the contacts."""
+    if isinstance(law, Mapping):
+        names = {contact: _name(one) for contact, one in law.items() if one is not None}
+        return ", ".join(f"{contact}={one}" for contact, one in names.items())
+    return law if isinstance(law, str) else law.name
 
 
 def _show(result: Fit, shown: FitSummary) -> None:

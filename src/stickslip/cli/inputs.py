@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from stickslip.cli.console import note, plain, show_table, stdout
 from stickslip.cli.interrupts import Interrupts
@@ -22,7 +22,7 @@ from stickslip.experiments import (
     with_files,
 )
 from stickslip.formatting import number, unit_text, within
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, specification
 from stickslip.identification import (
     LAW,
     AnyLaw,
@@ -32,7 +32,7 @@ from stickslip.identification import (
     covers,
     law_quantities,
 )
-from stickslip.quantities import full_path
+from stickslip.quantities import Quantity, full_path
 from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
 from stickslip.selection import PurposeName, Wording
 
@@ -255,7 +255,7 @@ def _parameters(
 
 def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
     """Return fixed values by path, read with their units."""
-    known = {**law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
+    known = {**_law_quantities(law), **all_paths(rig.mechanism, "mechanism")}
     found: dict[str, float] = {}
     for part in (part for text in texts for part in text.split(",")):
         name, equals, value = part.partition("=")
@@ -269,6 +269,19 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
         except ParameterError as error:
             raise ParameterError(f"--fixed {path} {error}") from None
     return found
+
+
+def _law_quantities(law: Any) -> Mapping[str, Quantity]:
+    """Return the parameters of a law by path, or those of laws by contact."""
+    if not isinstance(law, Mapping):
+        return law_quantities(law)
+    return {
+        path.replace("friction.", f"friction.{contact}.", 1): quantity
+        for contact, one in law.items()
+        for path, quantity in law_quantities(
+            specification(one).law if isinstance(one, str) else one
+        ).items()
+    }
 
 
 def _number(text: str) -> float | str:

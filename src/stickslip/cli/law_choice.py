@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.console import note, overrides, plain
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments import (
     LOAD,
     CarriedLaw,
     CarriedLaws,
+    KnownLaws,
     LawEstimates,
     Rig,
     carried,
@@ -166,12 +167,62 @@ def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
 
     Returns
     -------
-    FrictionLaw or str
-        The rig's own law if it has all values of it, otherwise the name.
+    FrictionLaw, str or mapping of str to either
+        The rig's own law if it has all values of it, otherwise the name. By contact where the rig
+        or the name has laws by contact; None where nothing rubs.
+
+    Raises
+    ------
+    InputError
+        If the name has laws by contact, and the measurement is not one of several joints.
     """
+    by_contact = name is not None and "=" in name
+    if by_contact and not route.by_contact:
+        raise InputError(
+            f"--law {name} names laws by contact, which only records of several joints take: give"
+            " one name."
+        )
+    if route.by_contact and (by_contact or rig.contacts):
+        return _laws_to_fit(rig, name, route)
     if name is None:
         name = rig.named[0] if len(rig.named) == 1 else route.usual_law
     return rig.laws.get(name) or name
+
+
+def _laws_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> dict[str, Law]:
+    """Return the law of each contact to fit, or its name, None where nothing rubs."""
+    contacts = tuple(contact.name for contact in rig.mechanism.contacts())
+    names = names_by_contact(name) if name is not None and "=" in name else {}
+    for contact in names:
+        if contact not in contacts:
+            raise UnknownNameError("contact in --law", contact, contacts)
+    found: dict[str, Law] = {}
+    for contact in contacts:
+        known = rig.contacts.get(contact, KnownLaws()) or KnownLaws(named=("none",))
+        only = known.named[0] if len(known.named) == 1 else route.usual_law
+        one = names.get(contact) or (only if names or name is None else name)
+        found[contact] = None if one == "none" else known.laws.get(one) or one
+    return found
+
+
+def names_by_contact(text: str) -> dict[str, str]:
+    """Return names of laws by contact, as in ``front=coulomb,rear=dahl``.
+
+    Raises
+    ------
+    InputError
+        If a contact has no law or two.
+
+    Examples
+    --------
+    >>> names_by_contact("front=coulomb, rear=dahl")
+    {'front': 'coulomb', 'rear': 'dahl'}
+    """
+    pairs = [tuple(map(str.strip, part.partition("="))) for part in text.split(",")]
+    found = {contact: law for contact, _, law in pairs if law}
+    if len(found) < len(pairs):
+        raise InputError(f"--law takes one law of each contact, as in front=coulomb, got {text!r}.")
+    return found
 
 
 def rig_and_friction(
@@ -225,8 +276,7 @@ def _by_contact(rig: Rig, asked: LawAsked, given: Collection[str]) -> Laws:
         raise InputError("--law-load applies only to a law from a file, such as --law law.toml.")
     names: str | dict[str, str] | None = text
     if text is not None and "=" in text:
-        pairs = [part.partition("=") for part in text.split(",")]
-        names = {contact.strip(): law.strip() for contact, _, law in pairs}
+        names = names_by_contact(text)
     laws = assigned(tuple(rig.contacts), rig.law_by_contact(names))
     assert isinstance(laws, Laws)  # of several contacts
     _check_all_used(given, laws)

@@ -165,8 +165,9 @@ FittedLaw = Annotated[
     str | None,
     typer.Option(
         "--law",
-        help="Friction law (see `stickslip models`). Default: the only law with a table in the rig"
-        " file, else coulomb-viscous.",
+        help="Friction law (see `stickslip models`); for records of several joints, laws by contact"
+        " as in shoulder=coulomb,elbow=dahl. Default: the only law with a table in the rig file,"
+        " or below a contact, else coulomb-viscous.",
     ),
 ]
 LawFile = Annotated[

@@ -16,6 +16,7 @@ from stickslip.cli.console import (
     note,
     plain,
     print_json,
+    refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
@@ -149,6 +150,8 @@ def run(
         option = "--report-to FOLDER"
         refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
     rig, chosen = rig_and_friction(path, changes, settings.law, allow_import=allow_import)
+    if output is not None:
+        refuse_inputs(output, rig.files)
     slips = has_one_slip(rig.mechanism)
     if slips and isinstance(chosen, ChosenLaw):
         ran = _ran(rig, chosen, settings)

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.cli.console import (
     document,
     print_json,
+    refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
@@ -80,6 +81,7 @@ def run(
         refuse_overwriting(file, output.parent, force=force)
     axes = _axes(vary)
     rig, chosen = rig_and_friction(path, changes, asked, allow_import=allow_import)
+    refuse_inputs(output, rig.files)
     law = friction_of(chosen)
     start = rig.start(law)
     with Drawing("Running") as progress:

@@ -9,6 +9,7 @@ from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
 from stickslip.mechanisms import Mechanism, normal_of, slip_of
+from stickslip.quantities import Quantity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Dynamics", "DynamicsOfContacts", "Evaluator", "dynamics_at"]
 
+TIME = Quantity("t", "s")
 ROUNDING = 1e-12
 """Share of the largest that is none in the direction of a drive."""
 
@@ -221,7 +223,7 @@ class DynamicsOfContacts:
         prepare(t, w, whole)
         turn_states(first, 0, w, whole)
         for _ in range(max(whole[at.N_SWITCHES], 1)):
-            set_own_flags(w, whole)
+            set_own_flags(0, w, whole)
         for i in range(whole[at.N_DIRECTIONS]):
             whole[whole[at.MODES] + i] = FORWARD
         prepare(t, w, whole)
@@ -342,6 +344,7 @@ def dynamics_at(
     """
     import numpy as np
 
+    t = TIME.check("dynamics_at", "t", t)
     if len(mechanism.contacts()) > 1:
         return _of_several(mechanism, t, q or {}, q_dot or {}, drive)
     if drive is not None and not isinstance(drive, str):

@@ -15,6 +15,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
+from stickslip.experiments.units import LARGEST, size_wanted
 from stickslip.quantities import Converted, Given, Numbers, Quantity
 from stickslip.tables import Tabular
 from stickslip.units import is_pint, number_in, pint_magnitude
@@ -277,6 +278,9 @@ class Measurement(Tabular):
                 f"Measurement.{given[0]} and {given[1]} both give the distance travelled: give"
                 f" only one of {', '.join(TRAVELS)}."
             )
+        for name in given:
+            for value in np.atleast_1d(getattr(self, name)):
+                _check_size("Measurement", name, float(value), QUANTITIES[name])
 
     @property
     def travelled(self) -> str:
@@ -601,7 +605,19 @@ def _uncertainty(record: Measurement) -> dict[str, float]:
         known = quantity_called(name)
         quantity = Quantity(f"u_{known.symbol}", known.unit, above=0)
         checked[name] = quantity.check("Measurement.uncertainty", name, value)
+        if name in TRAVELS:
+            _check_size("Measurement.uncertainty", name, checked[name], quantity)
     return checked
+
+
+def _check_size(owner: str, name: str, value: float, quantity: Quantity) -> None:
+    """Refuse a number whose square or reciprocal need not be one."""
+    wanted = size_wanted(value, quantity)
+    if wanted:
+        raise ParameterError(
+            f"{owner}.{name} ({quantity.symbol}) must {wanted}, got {value:g}: correct the number"
+            " or its unit."
+        )
 
 
 def _floats(owner: str, given: object) -> dict[str, float]:
@@ -612,6 +628,11 @@ def _floats(owner: str, given: object) -> dict[str, float]:
         if not (is_number and math.isfinite(value)):
             raise ParameterError(
                 f"Measurement.{owner} of {name!r} must be a finite number, got {value!r}."
+            )
+        if abs(value) > LARGEST:
+            raise ParameterError(
+                f"Measurement.{owner} of {name!r} must be {LARGEST:g} at most, in magnitude, got"
+                f" {value:g}: correct the number or its unit."
             )
     return {str(name): float(value) for name, value in given.items()}
 

@@ -3,6 +3,7 @@
 import html
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Literal, final
 
 from typing_extensions import override
@@ -183,6 +184,8 @@ class Rig:
         SHA-256 of the file, overrides and the contents of its data files included.
     path : str
         The file.
+    files : tuple of Path
+        Other files that it names: data, second records, robots.
 
     Raises
     ------
@@ -217,6 +220,7 @@ class Rig:
     published: tuple[Published, ...] = ()
     digest: str = ""
     path: str = ""
+    files: tuple[Path, ...] = ()
 
     @property
     def heading(self) -> str:

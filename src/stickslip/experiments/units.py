@@ -11,7 +11,7 @@ from stickslip.formatting import number as number_text
 from stickslip.quantities import Quantity
 from stickslip.units import LONGEST, NUMBER_WITH_UNIT, exact_factor, factor, is_of, number_in, shown
 
-__all__ = ["check_uncertainty", "gain_factor", "read_gain", "read_number"]
+__all__ = ["LARGEST", "check_uncertainty", "gain_factor", "read_gain", "read_number", "size_wanted"]
 
 LARGEST, LEAST = 1e30, 1e-30
 """Magnitudes in SI between which a number lies that is not 0: tenth powers of these are numbers."""
@@ -54,13 +54,39 @@ def read_number(value: object, quantity: Quantity) -> float:
     except (ParameterError, OverflowError):
         wanted = _as_written(quantity, value).wanted(_size(number))
         raise ParameterError(f"({quantity.symbol}) must be {wanted}, got {shown(value)}.") from None
-    if found and not LEAST <= abs(found) <= LARGEST:
-        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    wanted = size_wanted(found, quantity)
+    if wanted:
         raise ParameterError(
-            f"({quantity.symbol}) must be 0 or have a magnitude from {LEAST:g} to"
-            f" {LARGEST:g}{unit}, got {shown(value)}: correct the number or its unit."
+            f"({quantity.symbol}) must {wanted}, got {shown(value)}: correct the number or its"
+            " unit."
         )
     return found
+
+
+def size_wanted(value: float, quantity: Quantity) -> str:
+    """Return what magnitude a number must have, if its own cannot be computed with.
+
+    Parameters
+    ----------
+    value : float
+        The number, in SI.
+    quantity : Quantity
+        What it means.
+
+    Returns
+    -------
+    str
+        Continues a sentence; empty if the number is 0 or of a usable magnitude.
+
+    Examples
+    --------
+    >>> size_wanted(1e308, Quantity("s", "m"))
+    'be 0 or have a magnitude from 1e-30 to 1e+30 m'
+    """
+    if not value or LEAST <= abs(value) <= LARGEST:
+        return ""
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    return f"be 0 or have a magnitude from {LEAST:g} to {LARGEST:g}{unit}"
 
 
 def _size(value: Any) -> float:

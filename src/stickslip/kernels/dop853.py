@@ -34,7 +34,7 @@ def dop853_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> fl
 
     Stage 12 is the slope at the solution, which is left in Y1.
 
-    Reads: Y, SCALE, MODE, FLAGS.
+    Reads: Y, SCALE, PULLS, MODE, FLAGS.
     Writes: Y1, STAGES, ANSWER, CHANGED.
 
     Parameters

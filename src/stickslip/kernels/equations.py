@@ -11,6 +11,7 @@ from stickslip.kernels.backend import Vector, Wholes, call_model
 from stickslip.kernels.state_layout import ADDRESS, CONSTANTS
 
 __all__ = [
+    "ANY_RATE",
     "CALLED",
     "CONSTANTS_OF",
     "CONTACT",
@@ -45,6 +46,8 @@ __all__ = [
     "put_constants",
 ]
 
+ANY_RATE = 0.7309
+"""A rate [m/s or rad/s] that no threshold is likely to have: it tells what depends on rates."""
 FIELD = 0
 JACOBIAN = 1
 TIME_SLOPE = 2

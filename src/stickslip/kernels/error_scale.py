@@ -10,6 +10,7 @@ from stickslip.kernels.state_layout import (
     N_COORDINATES,
     N_STATES,
     POINT,
+    PULLS,
     SCALE,
     SERIES,
     SLIP,
@@ -23,6 +24,9 @@ __all__ = ["VANISHED", "first_sizes", "series_tail", "size_of"]
 LEAST = 1e-9
 """Least speed that counts, over that which the contact's own force gives in the time of the run."""
 
+BALANCED = 1e-3
+"""Size of a rate, over what a single force gives it in a step, of which others leave little: with a
+tolerance of 1e-12, errors of 1e-15 of it count, and its rounding does not."""
 TAIL = 1e-16
 """Size of the last two terms of a series, over that of the state, that a step may have."""
 VANISHED = 1e-18
@@ -60,7 +64,7 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
         w[scale + i] = abs(w[y + i])
         w[point + i] = w[y + i]
     w[point + slip] = 0.0
-    flags = set_flags(t, w, whole, point, 0)
+    flags = set_flags(t, w, whole, point, 0, 0)
     evaluate(FIELD, 1, flags, t, w, point, values)
     forward = w[values + slip]
     evaluate(FIELD, -1, flags, t, w, point, values)
@@ -71,7 +75,7 @@ def first_sizes(t: float, t_end: float, w: Vector, whole: Wholes) -> None:
 def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
     """Return what an error of state `i` in a step is judged against.
 
-    Reads: Y, Y1, SCALE.
+    Reads: Y, Y1, SCALE, PULLS.
 
     Parameters
     ----------
@@ -94,13 +98,15 @@ def size_of(i: int, h: float, w: Vector, whole: Wholes) -> float:
     size = max(w[scale + i], abs(w[whole[Y] + i]), abs(w[whole[Y1] + i]))
     if i < coordinates:
         return max(size, abs(h) * w[scale + i + coordinates])
+    if i < 2 * coordinates:
+        return max(size, BALANCED * abs(h) * w[whole[PULLS] + i - coordinates])
     return size
 
 
 def series_tail(h: float, w: Vector, whole: Wholes) -> float:
     """Return the tail of the series in the dense output over what is allowed.
 
-    Reads: Y, Y1, SCALE, DENSE.
+    Reads: Y, Y1, SCALE, PULLS, DENSE.
 
     Parameters
     ----------

@@ -85,6 +85,7 @@ class Sizes(ABC):
             at.END: n,
             at.POINT: n,
             at.VALUES: n + guards + self.columns + 8,
+            at.PULLS: self.coordinates,  # before the stages: set back for each run
             at.STAGES: at.DOP853_STAGES * n,
             at.MATRIX: n * n,
             at.PIVOTS: n,
@@ -381,7 +382,7 @@ class ContactSizes(Sizes):
             at.WALL_COLUMNS: WALL_NUMBERS,
             at.FIRST_LIMIT: first_wall - self.limits,
             at.FIRST_WALL: first_wall,
-            at.MOST_EVENTS: self._most_changes,
+            at.MOST_EVENTS: 2 * self._most_changes,  # of a step that ends where drives jump
             at.ROW_COLUMNS: at.ROW_DENSE
             + 1
             + (1 if self.exact else at.TERMS + 1) * self.states

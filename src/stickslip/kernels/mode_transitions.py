@@ -13,7 +13,7 @@ from stickslip.kernels.enums import (
     SWITCH,
     ZENO,
 )
-from stickslip.kernels.equations import CONTACT, FIELD, MARGINS, TIME_SLOPE, evaluate
+from stickslip.kernels.equations import ANY_RATE, CONTACT, FIELD, MARGINS, TIME_SLOPE, evaluate
 from stickslip.kernels.hard_stops import pressed_by, strike, touched
 from stickslip.kernels.model_interface import guards
 from stickslip.kernels.state_layout import (
@@ -33,6 +33,7 @@ from stickslip.kernels.state_layout import (
     SLIP,
     STALLS,
     STATUS,
+    STEPS,
     TIME,
     VALUES,
     Y,
@@ -56,8 +57,11 @@ STALL_LIMIT = 100
 """Events in a row at one instant after which the run is given up as Zeno."""
 
 
-def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int) -> int:
+def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int, standing: int) -> int:
     """Return the flags that the margins of the switches ask for, nested ones included.
+
+    A switch that stands at its threshold is off, unless it was left on there: the next step shows
+    to which side it goes.
 
     Reads: `at`.
     Writes: VALUES.
@@ -74,6 +78,8 @@ def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int) -> int:
         Place in `w` of the state.
     flags : int
         Flags to begin with: nested switches depend on others.
+    standing : int
+        Flags of switches that may stand at their thresholds and be on.
 
     Returns
     -------
@@ -86,9 +92,29 @@ def set_flags(t: float, w: Vector, whole: Wholes, at: int, flags: int) -> int:
         evaluate(MARGINS, 0, flags, t, w, at, values)
         flags = 0
         for j in range(switches):
-            if w[values + j] > 0.0:
+            margin = w[values + j]
+            if margin > 0.0 or (margin == 0.0 and standing & (1 << j)):
                 flags |= 1 << j
     return flags
+
+
+def standing_flags(w: Vector, whole: Wholes) -> int:
+    """Return the flags of switches that are on at their thresholds, whatever the slip velocity is.
+
+    That of a velocity which is 0 now is off: what it asks for has ended.
+
+    Reads: TIME, Y, FLAGS.
+    Writes: Y, VALUES.
+    """
+    values, rate = whole[VALUES], whole[Y] + whole[SLIP]
+    found, now = whole[FLAGS], w[rate]
+    for trial in range(2):
+        w[rate] = now + ANY_RATE if trial == 0 else now
+        evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+        for j in range(whole[N_SWITCHES]):
+            if w[values + j] != 0.0:
+                found &= ~(1 << j)
+    return found
 
 
 def mode_from_rest(flags: int, w: Vector, whole: Wholes) -> int:
@@ -164,7 +190,7 @@ def set_mode(w: Vector, whole: Wholes) -> None:
     """
     y = whole[Y]
     slip = whole[SLIP]
-    flags = set_flags(w[TIME], w, whole, y, whole[FLAGS])
+    flags = set_flags(w[TIME], w, whole, y, whole[FLAGS], 0)
     whole[FLAGS] = flags
     if w[y + slip] > 0.0:
         whole[MODE] = 1
@@ -172,6 +198,17 @@ def set_mode(w: Vector, whole: Wholes) -> None:
         whole[MODE] = -1
     else:
         whole[MODE] = mode_from_rest(flags, w, whole)
+
+
+def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
+    """Turn a switch; if it does as the run begins, decide a body at rest as if it had begun so.
+
+    Reads: TIME, Y, FLAGS, STEPS.
+    Writes: Y, VALUES, WALLS, MODE, FLAGS.
+    """
+    whole[FLAGS] ^= 1 << switch
+    if w[TIME] == 0.0 and whole[STEPS] == 0 and w[whole[Y] + whole[SLIP]] == 0.0:
+        whole[MODE] = mode_from_rest(whole[FLAGS], w, whole)
 
 
 def transition(guard: int, w: Vector, whole: Wholes) -> float:
@@ -196,7 +233,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
         whole[STATUS] = LIMITED + guard - first_limit
         return 0.0
     if guard >= SWITCH:
-        whole[FLAGS] = flags ^ (1 << (guard - SWITCH))
+        turn_switch(guard - SWITCH, w, whole)
         return 0.0
     if guard == LIFT_OFF:
         whole[STATUS] = LIFTED_OFF
@@ -219,7 +256,7 @@ def transition(guard: int, w: Vector, whole: Wholes) -> float:
         whole[MODE] = direction(flags, w, whole)
     else:
         whole[MODE] = 1 if guard == BREAK_FORWARD else -1
-    whole[FLAGS] = set_flags(t, w, whole, y, flags)
+    whole[FLAGS] = set_flags(t, w, whole, y, flags, standing_flags(w, whole))
     if guard == STOP and whole[CAN_STICK] and abs(whole[MODE]) != 2:
         evaluate(CONTACT, 0, whole[FLAGS], t, w, y, values)
         return w[values + 3] - abs(w[values + 2])

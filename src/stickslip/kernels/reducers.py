@@ -231,7 +231,14 @@ def contact_happened(at: int, guard: int, events: Vector, whole: Wholes) -> int:
     return first + 2 * whole[N_SWITCHES] + 2 * place + ceased
 
 
-def event_time(what: int, which: int, whole: Wholes, events: Vector) -> float:
+def happened_at(what: int, contact: int, events: Vector, k: int, whole: Wholes) -> bool:
+    """Return whether event `k` was this, at a contact, or at any if that is negative."""
+    if contact >= 0 and int(events[k * EVENT_COLUMNS + 6]) != contact:
+        return False
+    return happened(events, k, whole) == what
+
+
+def event_time(what: int, contact: int, which: int, whole: Wholes, events: Vector) -> float:
     """Return when something happened for the n-th time from 0, from the end if negative; or NaN.
 
     Reads: EVENTS.
@@ -240,21 +247,21 @@ def event_time(what: int, which: int, whole: Wholes, events: Vector) -> float:
     number = whole[EVENTS]
     for i in range(number):
         k = i if which >= 0 else number - 1 - i
-        if happened(events, k, whole) == what:
+        if happened_at(what, contact, events, k, whole):
             if found == (which if which >= 0 else -1 - which):
                 return events[k * EVENT_COLUMNS]
             found += 1
     return math.nan
 
 
-def event_count(what: int, whole: Wholes, events: Vector) -> float:
+def event_count(what: int, contact: int, whole: Wholes, events: Vector) -> float:
     """Return how often something happened.
 
     Reads: EVENTS.
     """
     found = 0.0
     for k in range(whole[EVENTS]):
-        if happened(events, k, whole) == what:
+        if happened_at(what, contact, events, k, whole):
             found += 1.0
     return found
 
@@ -273,7 +280,8 @@ def reduced(
     """Return one output of a run.
 
     `what` is a state, or what happened; `first` and `last` are a time, a stretch of time, or which
-    event. Asked for beyond the end of a run that ended early, the output is NaN.
+    event and the contact at which it was. Asked for beyond the end of a run that ended early, the
+    output is NaN.
 
     Reads: TIME, END, DENSE, TURN, STEPS, EVENTS.
     Writes: TIME, drives, Y, POINT, MATRIX, DRIFT, DENSE, MODE, FLAGS, ANSWER, CHANGED, MODES,
@@ -288,7 +296,8 @@ def reduced(
     first : float
         Time [s], start of a stretch [s], or number of the event.
     last : float
-        End of the stretch whose mean is taken [s].
+        End of the stretch whose mean is taken [s], or index of the contact of an event, negative
+        for any.
     w : array (SIZE,)
         Vector of the run.
     whole : array (WHOLES,)
@@ -310,9 +319,9 @@ def reduced(
     if kind == FINAL:
         return w[whole[END] + what]
     if kind == EVENT_TIME:
-        return event_time(what, int(first), whole, events)
+        return event_time(what, int(last), int(first), whole, events)
     if kind == EVENT_COUNT:
-        return event_count(what, whole, events)
+        return event_count(what, int(last), whole, events)
     end = log[(count - 1) * width + 1]
     if not first <= end:
         return math.nan

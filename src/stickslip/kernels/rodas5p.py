@@ -59,7 +59,7 @@ def rodas_matrix(t: float, h: float, w: Vector, whole: Wholes) -> bool:
 def rodas_step(t: float, h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step; return its error over the tolerance. The solution is left in Y1.
 
-    Reads: Y, SCALE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
+    Reads: Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
     Writes: Y1, POINT, STAGES, MATRIX, PIVOTS, DRIFT, ANSWER, CHANGED.
 
     Parameters
@@ -140,7 +140,7 @@ def hold_still(to: int, w: Vector, whole: Wholes) -> None:
 def rodas_error(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Return the last stage, which is the error estimate, over the tolerance.
 
-    Reads: Y, Y1, SCALE, STAGES.
+    Reads: Y, Y1, SCALE, PULLS, STAGES.
     """
     stages = whole[STAGES]
     n = whole[N_STATES]

@@ -141,6 +141,7 @@ __all__ = [
     "POINT",
     "POLYNOMIAL",
     "PROJECTED",
+    "PULLS",
     "REACHED",
     "REACHED_SO_FAR",
     "REACTION_ROWS",
@@ -294,7 +295,8 @@ DENSE_SIZE = 33
 ROW_COLUMNS = 34
 
 # Places in `w`: values of the drives given from outside; state, new state, sizes reached, state at
-# the end of a run, a point inside a step, room for values of functions; stages, matrix, its
+# the end of a run, a point inside a step, room for values of functions; accelerations by single
+# forces, of which others leave little, of coordinates that began at rest; stages, matrix, its
 # pivots, df/dt, dense output; guards at points of a step, their largest sizes, the least of those
 # that end runs, their slopes; hard stops; the end.
 GIVEN = 35
@@ -304,6 +306,7 @@ SCALE = 38
 END = 39
 POINT = 40
 VALUES = 41
+PULLS = 144
 STAGES = 42
 MATRIX = 43
 PIVOTS = 44
@@ -457,13 +460,13 @@ BORNE = 141
 SHARES = 142
 REACHED_SO_FAR = 143
 
-ASKED = 144
+ASKED = 145
 """Place in `whole` of the mode in which each contact's law was asked last."""
 
-CONSTANTS = 145
+CONSTANTS = 146
 """Place in `w` of what the equations need of parameters alone; 0 if there is nothing."""
 
-HEADER = 146
+HEADER = 147
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -71,7 +71,7 @@ BOUNCE = 1e-3
 def attempt(h: float, w: Vector, whole: Wholes, rtol: float) -> float:
     """Try a step with the mode's stepper, fill its dense output if it is good enough.
 
-    Reads: TIME, Y, SCALE, FOLLOWED, MODE, FLAGS, STEPPER, MODES, FOLLOWERS.
+    Reads: TIME, Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, STEPPER, MODES, FOLLOWERS.
     Writes: Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, ANSWER, CHANGED.
     """
     y = whole[Y]
@@ -116,8 +116,8 @@ def accepted_step(
 ) -> float:
     """Shorten the step until it is accurate; return its length, 0 if there is none.
 
-    Reads: `slot`, TIME, RHYTHM, Y, SCALE, DENSE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW,
-    MODES, FOLLOWERS.
+    Reads: `slot`, TIME, RHYTHM, Y, SCALE, PULLS, DENSE, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER,
+    SLOW, MODES, FOLLOWERS.
     Writes: `slot`, STEP, Y1, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
     """
@@ -247,8 +247,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
-    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, REACHED, LOWEST,
-    FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
+    Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, PULLS, REACHED,
+    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
     FOLLOWERS.
     Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,

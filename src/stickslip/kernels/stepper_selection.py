@@ -10,8 +10,10 @@ from stickslip.kernels.state_layout import (
     MATRIX,
     MODE,
     N_CONTACTS,
+    N_COORDINATES,
     N_STATES,
     N_VARIABLES,
+    PULLS,
     SCALE,
     SLIP,
     SLOW,
@@ -48,9 +50,9 @@ many as in the test of stiffness in Hairer's DOP853."""
 def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
     """Choose for the mode that begins.
 
-    Reads: TIME, STEP, Y, SCALE, VALUES, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: STEP, Y1, SCALE, POINT, VALUES, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER, SLOW,
-    ANSWER, CHANGED.
+    Reads: TIME, STEP, Y, SCALE, VALUES, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
+    Writes: STEP, Y1, SCALE, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, MODE, STEPPER,
+    SLOW, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -76,13 +78,32 @@ def choose_stepper(stop: float, w: Vector, whole: Wholes) -> None:
             w[STEP] = FIRST_SHARE * (stop - w[TIME])
 
 
+def note_pulls(w: Vector, whole: Wholes) -> None:
+    """Note how large the forces are on coordinates that have had no rate yet.
+
+    Where they balance, as those of a spring without tension far from 0 do, what is left of them as
+    others begin to move is no more than their rounding for a while.
+
+    Reads: TIME, Y, SCALE, MODE, FLAGS.
+    Writes: PULLS, MATRIX, ANSWER, CHANGED.
+    """
+    n, coordinates, slopes = whole[N_STATES], whole[N_COORDINATES], whole[MATRIX]
+    jacobian(w[TIME], w, whole, whole[Y], slopes)
+    for i in range(coordinates):
+        rate = coordinates + i
+        w[whole[PULLS] + i] = 0.0
+        if w[whole[SCALE] + rate] == 0.0:
+            for j in range(n):
+                w[whole[PULLS] + i] += abs(w[slopes + rate * n + j] * w[whole[Y] + j])
+
+
 def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     """Give a size to states that have none yet: a small part of what a first stretch brings.
 
     What is at rest begins as a power of time, which no relative error control gets started.
 
-    Reads: TIME, Y, SCALE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
-    Writes: Y1, SCALE, POINT, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
+    Reads: TIME, Y, SCALE, PULLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS.
+    Writes: Y1, SCALE, POINT, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, MODE, ANSWER, CHANGED.
     """
     n = whole[N_STATES]
     scale = whole[SCALE]
@@ -93,6 +114,8 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     missing = False
     for i in range(n):
         missing = missing or w[scale + i] == 0.0
+    if missing:
+        note_pulls(w, whole)
     h = PROBE * (stop - w[TIME])
     trials = 0
     while missing and trials < PROBES and w[TIME] + h > w[TIME]:
@@ -118,7 +141,7 @@ def watch_stiffness(h: float, w: Vector, whole: Wholes) -> None:
     Less the trace of the Jacobian, at the start of the step, is the sum of all dampings. It is
     asked for only where nothing changes much.
 
-    Reads: TIME, Y, Y1, SCALE, MATRIX, MODE, FLAGS, STEPPER, SLOW.
+    Reads: TIME, Y, Y1, SCALE, PULLS, MATRIX, MODE, FLAGS, STEPPER, SLOW.
     Writes: STEP, MATRIX, STEPPER, SLOW, ANSWER, CHANGED.
 
     Parameters

@@ -117,7 +117,7 @@ def series_of_two(h: float, w: Vector, whole: Wholes) -> None:
 def series_step(t: float, h: float, w: Vector, whole: Wholes, at: int) -> float:
     """Try a step; return the tail of its series over what is allowed, the solution in Y1.
 
-    Reads: `at`, Y, SCALE, MODE, FLAGS.
+    Reads: `at`, Y, SCALE, PULLS, MODE, FLAGS.
     Writes: Y1, POINT, MATRIX, DRIFT, DENSE, ANSWER, CHANGED.
 
     Parameters

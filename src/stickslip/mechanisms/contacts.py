@@ -77,14 +77,14 @@ def only_contact(mechanism: Mechanism) -> Contact:
     Raises
     ------
     InputError
-        If it has several, which can be simulated only.
+        If it has several, with their names.
     """
     contacts = mechanism.contacts()
     if len(contacts) != 1:
         names = ", ".join(contact.name for contact in contacts)
         raise InputError(
-            f"{type(mechanism).__name__} has {len(contacts)} contacts ({names}); several can be"
-            " simulated, alone or in ensembles, but this takes a mechanism with one."
+            f"{type(mechanism).__name__} has {len(contacts)} contacts ({names}); this takes a"
+            " mechanism with one."
         )
     return contacts[0]
 

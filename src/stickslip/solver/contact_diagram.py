@@ -112,7 +112,7 @@ class ContactDiagram(BlockDiagram):
         found = cls(model, equations, tuple(slips), leads_of(mechanism, y0))
         found._put(0.0, y0)
         for _ in range(whole[N_SWITCHES]):
-            set_own_flags(w, whole)
+            set_own_flags(0, w, whole)
         prepare(0.0, w, whole)  # gives the change of coordinates, too
         return found
 
@@ -171,7 +171,7 @@ class ContactDiagram(BlockDiagram):
             return w, whole
         self.equations.load_at(t)
         self._put(t, y)
-        set_own_flags(w, whole)
+        set_own_flags(0, w, whole)
         if not whole[CONSTANT_LOADS]:
             evaluate(LOADS, 0, whole[FLAGS], t, w, whole[Y], whole[LOAD])
         for c in range(whole[N_CONTACTS]):

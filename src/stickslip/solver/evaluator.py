@@ -80,7 +80,7 @@ class Equations:
             Bit j is set where the condition of switch j holds.
         """
         self._put(y)
-        return set_flags(t, self.w, self.whole, self.whole[Y], 0)
+        return set_flags(t, self.w, self.whole, self.whole[Y], 0, 0)
 
     def __call__(
         self,

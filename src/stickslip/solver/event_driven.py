@@ -281,7 +281,7 @@ def trajectory_of(
         cause = cause_of_small_steps(mechanism, law, model, inputs, record)
     events = _events(mechanism, model, record)
     if status is Status.ZENO:
-        cause = cause_of_zeno(events)
+        cause = cause_of_zeno(events, playback.span()[1])
     return Trajectory(
         t=playback.times(),
         names=(*model.states, *model.columns, *(() if model.contacts else ("mode",))),

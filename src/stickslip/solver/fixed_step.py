@@ -259,6 +259,7 @@ def _trajectory(
         span=(0.0, float(rows[-1, 0])),
         evaluate=_Lines(names, rows),
         only_contact=name_of_only_contact(mechanism),
+        step_times=rows[:, 0],
     )
 
 

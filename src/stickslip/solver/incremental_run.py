@@ -158,6 +158,7 @@ class IncrementalRun:
         """Return the run, of the mechanism with the drives that were told."""
         inputs = gather(mechanism, self.law, self.model, self.t_end)
         whole = [int(x) for x in self._whole]
-        record = Record(self.runner, self._log, self._events, self._w, whole)
+        spent = self._spent if self.solver.tier == "auto" else None
+        record = Record(self.runner, self._log, self._events, self._w, whole, spent)
         tolerance = self.solver.tolerance_for(self.law)
         return trajectory_of(mechanism, self.law, self.model, inputs, record, tolerance, self.t_end)

@@ -46,7 +46,7 @@ class Columns:
     first: Array
     """From when on, or which event: (columns,) or (runs, columns)."""
     last: Array
-    """Up to when, of the same shape."""
+    """Up to when, or at which contact, negative for any; of the same shape."""
 
 
 class Output(ABC):
@@ -226,10 +226,13 @@ class EventTimes(Output):
     count : int
         How many times; from the last one backward if negative. The result has the shape
         (n, abs(count)).
+    contact : str, optional
+        At which of several contacts, by its name; at any of them if not given.
     """
 
     reason: str
     count: int = 1
+    contact: str | None = None
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
@@ -239,7 +242,8 @@ class EventTimes(Output):
             )
         which = np.arange(self.count) if self.count > 0 else np.arange(-1, self.count - 1, -1)
         numbers = which.astype(np.float64)
-        return Columns(enums.EVENT_TIME, _reason(model, self.reason), numbers, 0.0 * numbers)
+        where = _contact(model, self.contact) + 0.0 * numbers
+        return Columns(enums.EVENT_TIME, _reason(model, self.reason), numbers, where)
 
     @override
     def is_single(self) -> bool:
@@ -253,11 +257,13 @@ class EventCount(Output):
 
     reason: str
     """What, as in `Event.reason`: ``"stop"``, ``"break-away"``, ..."""
+    contact: str | None = None
+    """At which of several contacts, by its name; at any of them if not given."""
 
     @override
     def columns(self, model: Model, t_end: float) -> Columns:
-        none = np.zeros(1)
-        return Columns(enums.EVENT_COUNT, _reason(model, self.reason), none, none)
+        where = np.full(1, _contact(model, self.contact))
+        return Columns(enums.EVENT_COUNT, _reason(model, self.reason), np.zeros(1), where)
 
 
 @final
@@ -322,8 +328,22 @@ def output_unit(output: Output, units: Mapping[str, str]) -> str:
 def _reason(model: Model, reason: str) -> int:
     known = list(reasons(model))
     if reason not in known:
-        raise UnknownNameError("reason in outputs", reason, [name for name in known if name])
+        raise UnknownNameError("reason of events", reason, [name for name in known if name])
     return known.index(reason)
+
+
+def _contact(model: Model, name: str | None) -> float:
+    """Return the index of a contact, -1 for any."""
+    if name is None:
+        return -1.0
+    if not model.contacts:
+        raise InputError(
+            f"events are asked for at the contact {name!r}, but there is one contact: leave contact"
+            " out."
+        )
+    if name not in model.contacts:
+        raise UnknownNameError("contact of events", name, model.contacts)
+    return float(model.contacts.index(name))
 
 
 def reasons(model: Model) -> Sequence[str | None]:

@@ -124,6 +124,8 @@ class Record:
     """The vector of the run at its end."""
     whole: list[int]
     """(WHOLES,): the whole numbers of the run at its end."""
+    spent: float | None = None
+    """What it took in plain Python [s], where what is asked of it later may take machine code."""
 
     @override
     def __reduce__(self) -> tuple[Any, ...]:
@@ -132,12 +134,16 @@ class Record:
         numbers[ADDRESS] = numbers[SEVERAL] = 0.0
         taken = self.whole[STEPS] * self.runner.header[ROW_COLUMNS]
         log, events = (np.array(rows, dtype=np.float64) for rows in (self.log, self.events))
-        return _restored, (self.runner, log[:taken], events, np.array(numbers), self.whole)
+        rows = self.runner, log[:taken], events, np.array(numbers)
+        return _restored, (*rows, self.whole, self.spent)
 
 
-def _restored(runner: Runner, log: Any, events: Any, w: Any, whole: list[int]) -> Record:
+def _restored(
+    runner: Runner, log: Any, events: Any, w: Any, whole: list[int], spent: float | None
+) -> Record:
     """Return the record of a pickle, as its tier takes it."""
-    return Record(runner, runner.flat(log), runner.flat(events), runner.taken_over(w), whole)
+    rows = runner.flat(log), runner.flat(events), runner.taken_over(w)
+    return Record(runner, *rows, whole, spent)
 
 
 def execute(
@@ -199,7 +205,8 @@ def execute(
             work.add(taken)
             spent += taken
         if most >= limit or whole[STATUS] != STEP_LIMIT:
-            return Record(runner, log, events, w, np.asarray(whole).tolist())
+            known = spent if tier == "auto" else None
+            return Record(runner, log, events, w, np.asarray(whole).tolist(), known)
         if work.is_enough(spent):  # the rest in machine code, which gives the same bits
             runner = runner_of(model, compiled=True)
             w, whole = runner.taken_over(w), runner.wholes(whole)

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from time import thread_time
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.formulation import formulate
+from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.sensitivities import columns_at, sense_size
 from stickslip.kernels.state_layout import EVENTS, STEPS
@@ -17,7 +18,7 @@ from stickslip.quantities import full_path
 from stickslip.solver.backend import Runner, runner_of
 from stickslip.solver.drive_schedule import Inputs, schedule_slopes
 from stickslip.solver.initial_states import start_slopes
-from stickslip.solver.run import Record
+from stickslip.solver.run import Record, work_of
 
 __all__ = ["Directions", "Sensing", "directions_of"]
 
@@ -124,16 +125,20 @@ class Sensing:
         model = formulate(self.mechanism, self.law, slopes=True)
         known = [*model.parameter_paths, *(f"initial.{state}" for state in model.states)]
         full = [full_path(path, known) for path in paths]
-        runner = runner_of(model, compiled=self.record.runner.compiled)
-        table = self.inputs.table[None, :]
         record = self.record
+        runner = runner_of(model, compiled=self._takes_code(model))
+        table = self.inputs.table[None, :]
         along = directions_of(self.mechanism, self.law, full, {}, table, self.t_end, self.told)
         order = np.argsort(t, kind="stable")
         out = runner.zeros(len(t) * len(model.states) * len(full))
+        log, events = record.log, record.events
+        if runner.compiled is not record.runner.compiled:
+            log, events = runner.flat(log), runner.flat(events)
+        begun = thread_time()
         runner.kernels.enter_sense(
-            record.log,
+            log,
             record.whole[STEPS],
-            record.events,
+            events,
             record.whole[EVENTS],
             runner.flat(t[order]),
             runner.flat(self.inputs.table),
@@ -145,9 +150,22 @@ class Sensing:
             out,
             0,
         )
+        if not runner.compiled:
+            work_of(model).add(thread_time() - begun)
         found = np.empty((len(t), len(model.states), len(full)))
         found[order] = np.reshape(out, found.shape)
         return found
+
+    def _takes_code(self, model: Model) -> bool:
+        """Whether machine code takes over from the tier of the run.
+
+        It does as in runs: once plain Python has taken twice as long as getting it. The run itself
+        counts, because its sensitivities take as long again at least.
+        """
+        spent, work = self.record.spent, work_of(model)
+        if self.record.runner.compiled or spent is None:
+            return self.record.runner.compiled
+        return work.is_enough(spent + work.seconds)
 
 
 def working(runner: Runner, w: Any, along: Directions) -> Any:

@@ -117,6 +117,7 @@ class _Rates:
         return (after - before) / (2.0 * step)
 
 
+@np.errstate(all="ignore")  # what is no number has no time scale
 def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotion | None:
     """Return the fastest motion of the equations at the end of a run, in its modes or slipping.
 
@@ -159,17 +160,16 @@ def fastest_motion(model: Model, inputs: Inputs, record: Record) -> FastestMotio
 def _eigen(rates: _Rates) -> tuple[complex, NDArray[Any], NDArray[Any]] | None:
     """Return the largest eigenvalue with its right and left vector, whose product is 1."""
     rates.prepare()
-    with np.errstate(all="ignore"):
-        columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
-        scaled = np.array(columns).T / rates.sizes[:, None]
-        if not np.isfinite(scaled).all():
-            return None
-        values, vectors = np.linalg.eig(scaled)
-        at = int(np.argmax(np.abs(values)))
-        try:
-            left = np.linalg.inv(vectors)[at]
-        except np.linalg.LinAlgError:  # a double eigenvalue with one vector
-            left = np.full(rates.n, math.nan)
+    columns = [rates.along(rates.sizes[i] * unit) for i, unit in enumerate(np.eye(rates.n))]
+    scaled = np.array(columns).T / rates.sizes[:, None]
+    if not np.isfinite(scaled).all():
+        return None
+    values, vectors = np.linalg.eig(scaled)
+    at = int(np.argmax(np.abs(values)))
+    try:
+        left = np.linalg.inv(vectors)[at]
+    except np.linalg.LinAlgError:  # a double eigenvalue with one vector
+        left = np.full(rates.n, math.nan)
     if values[at] == 0.0:
         return None
     return complex(values[at]), vectors[:, at] * rates.sizes, left / rates.sizes
@@ -311,32 +311,32 @@ def _has_negative_mass(model: Model, record: Record) -> bool:
     return bool(np.isfinite(masses).all() and np.linalg.eigvalsh(masses)[0] <= 0.0)
 
 
-def cause_of_zeno(events: Sequence[Event]) -> str:
+def cause_of_zeno(events: Sequence[Event], t: float) -> str:
     """Say which events follow one another without time going on.
 
     Parameters
     ----------
     events : sequence of Event
         Events of the run.
+    t : float
+        When the run ended [s].
 
     Returns
     -------
     str
-        A sentence for users, empty if no event has a name.
+        A sentence for users.
     """
-    if not events:
-        return ""
-    last = events[-1].t
     names: list[str] = []
     for event in reversed(events):
         name = f"{event.reason} at {event.contact}" if event.contact else event.reason
-        if event.t != last or len(names) == MOST_NAMED + 1:
+        if event.t != t or len(names) == MOST_NAMED + 1:
             break
         if name not in names:
             names.append(name)
+    names = names or ["forces that switch at a threshold (`where`, `abs`)"]
     listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
     return (
-        f"At {quantity(last, 's', 4)} these follow one another without end: {listed}. On each side"
+        f"At {quantity(t, 's', 4)} these follow one another without end: {listed}. On each side"
         " of such a threshold the forces lead back to it: let them change over a short way instead"
         " of at once."
     )

@@ -12,12 +12,13 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number
+from stickslip.formulation import formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import BlockChain, Mechanism, TowedBlock, cycle_of
 from stickslip.quantities import Quantity
 from stickslip.quantities import vary as varied
 from stickslip.simulation import check_pair, ensemble, simulate
-from stickslip.solver import EventDriven, Final, Output, Samples, column_units
+from stickslip.solver import EventDriven, EventTimes, Final, Output, Samples, column_units
 from stickslip.sweep.parameter_grid import (
     Array,
     Progress,
@@ -32,7 +33,7 @@ from stickslip.sweep.parameter_grid import (
     whole_run,
 )
 from stickslip.sweep.periodicity import period_of
-from stickslip.trajectory import Status
+from stickslip.trajectory import Event, Status
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,6 +125,7 @@ def bifurcation(
     *,
     state: str,
     sample: str = "period",
+    contact: str | None = None,
     keep: int = 50,
     settle: int = 200,
     t_end: float | None = None,
@@ -150,6 +152,8 @@ def bifurcation(
         What is sampled: a state, or at events any column of runs.
     sample : str
         ``"period"``: once a cycle of the drives. Or the `reason` of events, such as ``"stop"``.
+    contact : str, optional
+        At which of several contacts these events are; at any of them if not given.
     keep : int
         Samples kept of each run: the last ones.
     settle : int
@@ -204,7 +208,7 @@ def bifurcation(
     if not begun:
         raise InputError("bifurcation: starts must contain at least one mapping, got none.")
     shared = _Shared(mechanism, found, full, state, keep, compiled(solver))
-    method = _method(shared, sample, settle, t_end, period)
+    method = _method(shared, sample, contact, settle, t_end, period)
     tally = Tally(len(array) * len(begun), progress)
     samples = np.full((len(array), len(begun), keep), np.nan)
     status = np.full(samples.shape[:2], Status.CANCELLED, dtype=object)
@@ -219,9 +223,19 @@ def bifurcation(
 
 
 def _method(
-    shared: "_Shared", sample: str, settle: int, t_end: float | None, period: float | None
+    shared: "_Shared",
+    sample: str,
+    contact: str | None,
+    settle: int,
+    t_end: float | None,
+    period: float | None,
 ) -> "_Method":
     if sample == "period":
+        if contact is not None:
+            raise InputError(
+                f"bifurcation: contact={contact!r} applies to sampling at events, not to"
+                ' sample="period": leave it out.'
+            )
         if t_end is not None:
             raise InputError(
                 "bifurcation: t_end applies to sampling at events; for"
@@ -232,7 +246,10 @@ def _method(
         return _Strobe(shared, settle, period)
     if t_end is None:
         raise InputError(f"bifurcation: sampling at {sample!r} needs t_end [s], got none.")
-    return _AtEvents(shared, sample, END.check("bifurcation", "t_end", t_end), period)
+    last = END.check("bifurcation", "t_end", t_end)
+    events = EventTimes(sample, contact=contact)
+    events.columns(formulate(shared.mechanism, shared.law), last)  # both are known
+    return _AtEvents(shared, events, last, period)
 
 
 def _judged(
@@ -366,8 +383,10 @@ class _Strobe(_Method):
 class _AtEvents(_Method):
     """Samples at events of one kind."""
 
-    def __init__(self, shared: _Shared, reason: str, t_end: float, period: float | None) -> None:
-        self.shared, self.reason, self.t_end, self.period = shared, reason, t_end, period
+    def __init__(
+        self, shared: _Shared, events: EventTimes, t_end: float, period: float | None
+    ) -> None:
+        self.shared, self.events, self.t_end, self.period = shared, events, t_end, period
 
     @override
     def run(self, value: float, starts: Starts) -> Found:
@@ -380,7 +399,7 @@ class _AtEvents(_Method):
             run = simulate(mechanism, law, t_end=last, y0=start, solver=one.solver, throw=False)
             if one.state not in run.names:
                 raise UnknownNameError("column", one.state, run.names)
-            times = [event.t for event in run.events if event.reason == self.reason][-one.keep :]
+            times = [event.t for event in run.events if self._is_meant(event)][-one.keep :]
             if times:
                 samples[i, one.keep - len(times) :] = run.at(times)[one.state]
             status[i] = run.status
@@ -389,6 +408,10 @@ class _AtEvents(_Method):
             whole = run.status is Status.END_TIME
             ends.append(one.carried(mechanism, at_end, last) if whole else None)
         return samples, status, ends
+
+    def _is_meant(self, event: Event) -> bool:
+        wanted = self.events
+        return event.reason == wanted.reason and wanted.contact in (None, event.contact)
 
     def _whole(self, mechanism: Mechanism) -> float:
         """Return the length of a run, whole cycles so that the next begins at the same phase."""

@@ -101,6 +101,7 @@ def read_rig(
     if not of_contacts:
         known = known_laws(table.friction, file, overrides, kinds)
     reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
+    named = _paths(table, file)
     return Rig(
         title=table.title or Path(file).stem,
         subject=table.subject,
@@ -121,8 +122,9 @@ def read_rig(
         initial=_initial(table.run.initial, mechanism, f"{file}: run.initial"),
         estimates=_estimates(table.estimates, known, of_contacts, file, overrides),
         published=tuple(Published(**row.given()) for row in table.published),
-        digest=with_files(_digest(data, overrides), _paths(table, file)),
+        digest=with_files(_digest(data, overrides), named),
         path=file,
+        files=tuple(named),
     )
 
 

@@ -109,11 +109,16 @@ def _search(
             if point == before:
                 continue
             f_point = _value(function, point)
-            if f_before is not None and f_point is not None and f_before * f_point <= 0.0:
+            if f_before is not None and f_point is not None and _crosses(f_before, f_point):
                 ends = sorted((before, point))
                 found.append(float(scipy.optimize.brentq(function, *ends, rtol=1e-10, xtol=1e-300)))
             sides[step] = (point, f_point)
     return tuple(sorted(found, key=lambda root: abs(math.log(root / start)) if root > 0 else 1e9))
+
+
+def _crosses(before: float, after: float) -> bool:
+    """Whether the sign changes, or 0 is reached; the product of tiny values would be 0."""
+    return before < 0.0 <= after or after <= 0.0 < before
 
 
 def _value(function: Function, point: float) -> float | None:

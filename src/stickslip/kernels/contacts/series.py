@@ -224,8 +224,8 @@ def contact_series_step(h: float, w: Vector, whole: Wholes) -> float:
 
     The state has been assembled: by the decision before it, or by the audit of the step before it.
 
-    Reads: TIME, Y, SCALE, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED, FLAGS,
-    MODES, FOLLOWERS.
+    Reads: TIME, Y, SCALE, PULLS, MASS, CHOLESKY, ACCELERATION, NEEDED, DAMPING, LOOPS, FOLLOWED,
+    FLAGS, MODES, FOLLOWERS.
     Writes: LENGTH, Y1, POINT, DRIFT, DENSE, NEEDED_SERIES, SLOPE_VALUES, BOUNDS, BORNE.
 
     Parameters

@@ -27,7 +27,7 @@ from stickslip.kernels.enums import (
     LIMITED,
     RUNNING,
 )
-from stickslip.kernels.equations import LOADS, MARGINS, evaluate
+from stickslip.kernels.equations import ANY_RATE, LOADS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import NO_GUARD, guard_size
 from stickslip.kernels.hard_stops import wall_coordinate
 from stickslip.kernels.mode_transitions import UNMOVED
@@ -69,6 +69,7 @@ from stickslip.kernels.state_layout import (
     SLIPS,
     STATUS,
     STEPPER,
+    STEPS,
     STRUCK,
     TIME,
     VALUES,
@@ -104,12 +105,30 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
     whole : array (WHOLES,)
         Whole numbers of the run.
     """
-    n = whole[N_DIRECTIONS]
     if whole[IS_TURNED]:
         prepare(w[TIME], w, whole)
         turn_states(whole[Y], 0, w, whole)
     for _ in range(whole[N_SWITCHES]):
-        set_own_flags(w, whole)
+        set_own_flags(0, w, whole)
+    whole[CHANGED] = 0
+    decide_start(w, whole)
+
+
+def decide_start(w: Vector, whole: Wholes) -> None:
+    """Set modes and openings for the state and the flags with which a run begins.
+
+    Reads: TIME, LENGTH, PIVOT, Y, REACHED, WALLS, LAW_ROWS, HELD_SLIPS, HELD_NORMALS, CHOLESKY,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS, LOOPS, FOLLOWED,
+    BORNE, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, CANDIDATES,
+    ASKED, FOLLOWERS.
+    Writes: TIME, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS, SLIP_FACTORS, FORCE, MASS,
+    CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
+    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
+    CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, STATUS,
+    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
+    CLOSED, ASKED, KEPT, FOLLOWERS.
+    """
+    n = whole[N_DIRECTIONS]
     prepare(w[TIME], w, whole)
     for c in range(whole[N_CONTACTS]):
         closed = whole[whole[REACTS] + c] or w[whole[LOAD] + c] > 0.0
@@ -119,7 +138,6 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
         whole[whole[BEFORE] + i] = FREE  # nothing slipped before
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
     law_flags(w[TIME], w, whole, whole[Y])
-    whole[CHANGED] = 0
     remember(whole)
     none_forced(whole)
     settle_modes(w, whole)
@@ -131,7 +149,6 @@ def begin_contacts(w: Vector, whole: Wholes) -> None:
             refresh(w[TIME], w, whole, whole[Y])
     for i in range(n):
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
-    whole[CHANGED] = 0
     for c in range(whole[N_CONTACTS]):
         pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
         if pulls and whole[STATUS] != LIFTED_OFF:
@@ -167,8 +184,11 @@ def mode_by_rate(i: int, w: Vector, whole: Wholes) -> int:
     return BACKWARD if rate < 0.0 else FORWARD
 
 
-def set_own_flags(w: Vector, whole: Wholes) -> None:
+def set_own_flags(standing: int, w: Vector, whole: Wholes) -> None:
     """Set the flags of the mechanism's own switches.
+
+    One that stands at its threshold is off, unless it was left on there, as `standing` tells: the
+    next step shows to which side it goes.
 
     Reads: TIME, Y, FLAGS.
     Writes: VALUES, FLAGS.
@@ -177,7 +197,8 @@ def set_own_flags(w: Vector, whole: Wholes) -> None:
     evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
     whole[FLAGS] = 0
     for j in range(whole[N_SWITCHES]):
-        if w[values + j] > 0.0:
+        margin = w[values + j]
+        if margin > 0.0 or (margin == 0.0 and standing & (1 << j)):
             whole[FLAGS] |= 1 << j
 
 
@@ -196,6 +217,27 @@ def turn_own_switches(w: Vector, whole: Wholes) -> None:
             if margin < -UNMOVED * w[whole[REACHED] + first + j]:
                 whole[FLAGS] ^= 1 << j
                 write_unchanged(first + j, 0, w, whole)
+
+
+def standing_switches(w: Vector, whole: Wholes) -> int:
+    """Return the flags of switches that are on at their thresholds, whatever has just stopped.
+
+    That of a rate which is 0 now is off: what it asks for has ended.
+
+    Reads: TIME, Y, FLAGS, MODES, BEFORE.
+    Writes: Y, VALUES.
+    """
+    values, rates, found = whole[VALUES], whole[Y] + whole[N_COORDINATES], whole[FLAGS]
+    for trial in range(2):
+        for i in range(whole[N_COORDINATES]):
+            was = whole[whole[BEFORE] + i] in (FORWARD, BACKWARD)
+            if was and whole[whole[MODES] + i] == HELD_FAST:
+                w[rates + i] = ANY_RATE if trial == 0 else 0.0
+        evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+        for j in range(whole[N_SWITCHES]):
+            if w[values + j] != 0.0:
+                found &= ~(1 << j)
+    return found
 
 
 def remember(whole: Wholes) -> None:
@@ -356,12 +398,12 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
     REACTION_ROWS, LOOPS, FOLLOWED, BORNE, REACHED_SO_FAR, MODE, FLAGS, STATUS, STEPS, STEPPER,
     BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, MODES, LAW_FLAGS, OPEN, CANDIDATES, ASKED, STRUCK,
     FOLLOWERS.
-    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, Y, VALUES, LAW_ROWS, FORCE, MASS, CHOLESKY,
-    ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR,
-    LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES, LAW_VALUES, BOUNDS, REACTION_ROWS,
-    CHANGES, MOTION_POINT, FOLLOWED, PROJECTED, BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS,
-    DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES, LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE,
-    CLOSED, ASKED, KEPT, STRUCK, FOLLOWERS.
+    Writes: TIME, SUPPLIED, GROSS, LOST, PIVOT, FRICTIONLESS, Y, VALUES, WALLS, LAW_ROWS,
+    SLIP_FACTORS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION, LOAD,
+    FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
+    LAW_VALUES, BOUNDS, REACTION_ROWS, CHANGES, TURN, MOTION_POINT, LOOPS, FOLLOWED, PROJECTED,
+    BORNE, SHARES, REACHED_SO_FAR, FLAGS, STATUS, DECISIONS, PIVOTINGS, AMBIGUOUS, CHANGED, MODES,
+    LAW_FLAGS, OPEN, CANDIDATES, FORCED, BEFORE, CLOSED, ASKED, KEPT, STRUCK, FOLLOWERS.
 
     Parameters
     ----------
@@ -392,12 +434,16 @@ def change_contacts(guard: int, w: Vector, whole: Wholes) -> None:
         switch = guard - first_own_switch(whole)
         whole[FLAGS] ^= 1 << switch
         write_unchanged(guard, 0, w, whole)
+        if w[TIME] == 0.0 and whole[STEPS] == 0:
+            decide_start(w, whole)  # as if it had begun so
+            return
         open_and_close(w, whole)  # loads may jump with the switch
     elif guard >= first_contact_guard(whole):
         lifted = switch_or_open(guard, w, whole)
     else:
+        standing = standing_switches(w, whole) if whole[N_SWITCHES] > 0 else 0
         for _ in range(whole[N_SWITCHES]):
-            set_own_flags(w, whole)  # a rate that was set to 0 may be what a switch asks for
+            set_own_flags(standing, w, whole)  # a rate that was set to 0 may be what one asks for
     if not whole[CONSTANT_LOADS]:
         follow_openings(w, whole)
     settle_modes(w, whole)
@@ -463,7 +509,7 @@ def bounce(guard: int, w: Vector, whole: Wholes) -> None:
     for i in range(whole[N_DIRECTIONS]):
         whole[whole[MODES] + i] = mode_by_rate(i, w, whole)
     for _ in range(whole[N_SWITCHES]):
-        set_own_flags(w, whole)
+        set_own_flags(0, w, whole)
 
 
 def fires_too(guard: int, exact: bool, w: Vector, whole: Wholes) -> bool:
