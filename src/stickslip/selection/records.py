@@ -377,9 +377,22 @@ def _fitted(one: CandidateSpec, fit: RecordFit, left_out: Sequence[str]) -> Reco
 
 
 def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFit:
-    """Fit again without slopes that a law can do without, where they went to 0."""
+    """Fit again without slopes that a law can do without, where they went to 0.
+
+    The search begins at the fit as it is, with what was fitted beside the law.
+    """
     rest = without_spare(fit)
-    return fit if rest is None else fitted(rest[0], free=rest[1])
+    if rest is None:
+        return fit
+    law, free = rest
+    whole = fit.fitted_law
+    values = {
+        path: value
+        for path, value in whole.values.items()
+        if path in free or not path.startswith("friction.")
+    }
+    own = replace(whole, law=law, values=values)
+    return fitted(law, free=free, contained=[own])
 
 
 def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
