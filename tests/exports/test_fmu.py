@@ -6,8 +6,9 @@ import itertools
 import subprocess
 import sys
 import zipfile
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, final
 
 import numpy as np
 import pytest
@@ -50,8 +51,19 @@ from stickslip.exports.fmu.units import BASES, base_units, per_second
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.formulation import formulate
 from stickslip.friction import LAWS
-from stickslip.mechanisms import MECHANISMS, Link, Mechanism, Prescribed, SerialArm, Torque
-from stickslip.quantities import fields_of, turned
+from stickslip.maths import sqrt
+from stickslip.mechanisms import (
+    MECHANISMS,
+    BoundedMechanism,
+    Contact,
+    Link,
+    Mechanism,
+    Prescribed,
+    SerialArm,
+    Stop,
+    Torque,
+)
+from stickslip.quantities import Quantity, fields_of, turned
 
 CHAIN = BlockChain(blocks=2, mass=1.0, coupling=4.0, stiffness=1.0, speed=0.1)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3)
@@ -226,6 +238,53 @@ def test_states_and_parameters_can_be_set_before_the_simulation(block, folder):
     assert slave.got("normal_force")[0] == run["normal_force"][0]
     slave.step(0.15)
     assert slave.got("x")[0] == run.at(np.array([0.15]))["x"][0]
+    slave.close()
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Box(BoundedMechanism):
+    """A body whose upper stop is a function of a parameter."""
+
+    name: ClassVar[str] = "box"
+    coordinates: ClassVar[tuple[str, ...]] = ("x",)
+    rates: ClassVar[tuple[str, ...]] = ("v",)
+    units: ClassVar[tuple[str, ...]] = ("m",)
+    area: Annotated[float, Quantity("A", "m^2", above=0)] = 4.0
+
+    def kinetic_energy(self, q, q_dot):
+        return 0.5 * q_dot["x"] * q_dot["x"]
+
+    def potential_energy(self, t, q):
+        return 0.5 * q["x"] * q["x"]
+
+    def forces(self, t, q, q_dot, drives):
+        return {}
+
+    def drives(self):
+        return {}
+
+    def contacts(self):
+        return (Contact(name="pad", slip="x", load=1.0),)
+
+    def stops(self):
+        return (Stop(coordinate="x", position=sqrt(self.area), side="upper", restitution=0.5),)
+
+
+def test_stops_that_are_functions_of_parameters_are_where_they_belong_from_the_start(folder):
+    law = Coulomb(kinetic_coefficient=0.01)
+    path = made(folder, "box", Box(), law, y0={"x": 1.0})
+    for area in (4.0, 1.44):
+        slave = Slave(path, folder).begin({"mechanism.area": area, "v": 3.0})
+        run = simulate(Box(area=area), law, t_end=END, y0={"x": 1.0, "v": 3.0})
+        assert run["x"].max() == pytest.approx(area**0.5, rel=1e-12)  # it reaches the stop
+        slave.step(END)
+        assert slave.got("x")[0] == run["x"][-1]
+        slave.close()
+    slave = Slave(path, folder)
+    with pytest.raises(Exception, match="failed"):
+        slave.begin({"mechanism.area": 0.81})
+    assert "x begins at 1, beyond its upper stop at 0.9." in slave.messages[-1]
     slave.close()
 
 

@@ -135,7 +135,7 @@ def test_exchanged_joints_are_said_in_the_verdict_and_among_the_checks():
     [
         ("position", 180.0 / np.pi, "The positions of elbow seem to be in degrees"),
         ("force", 1e3, "The forces of elbow seem to be in mN m"),
-        ("force", -1.0, "The forces of elbow seem to count the other way"),
+        ("force", -1.0, "The forces of elbow seem to have the opposite sign"),
     ],
 )
 def test_a_column_of_another_unit_or_sign_is_named(what, factor, said):

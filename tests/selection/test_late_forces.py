@@ -100,7 +100,9 @@ def test_residuals_of_a_law_without_memory_show_how_late_its_friction_is(respons
     assert "Presliding, which this law lacks, looks alike" in error.consequence
 
 
-@pytest.mark.parametrize("response", [LATE, SensorResponse(delay=-0.02), SLOW])
+@pytest.mark.parametrize(
+    "response", [LATE, SensorResponse(delay=-0.02), SLOW, SensorResponse(delay=0.3)]
+)
 def test_what_the_channel_does_is_taken_off(response):
     own = replace(QUICK, friction_delay=response.delay, friction_lag=response.lag)
     found = fit(AXIS, CoulombViscous, record(response), settings=own)
@@ -109,7 +111,7 @@ def test_what_the_channel_does_is_taken_off(response):
     assert level == pytest.approx(LEVEL, rel=0.01)
     assert viscous == pytest.approx(VISCOUS, rel=0.08)
     assert found.model_errors == ()
-    assert found.rms < 2.0 * 0.02 * LEVEL
+    assert found.rms < 1.5 * 0.02 * LEVEL  # of a long delay, too, before which no motion is known
 
 
 def test_a_drifting_force_sensor_is_named():

@@ -12,12 +12,15 @@ from tests.support import example_of
 from stickslip import (
     Axis,
     Coulomb,
+    CoulombViscous,
     EventDriven,
     FixedStep,
     LuGre,
+    Pendulum,
     PendulumCart,
     SpringBlock,
     TowedBlock,
+    TwoLinkArm,
     ensemble,
     simulate,
 )
@@ -27,7 +30,7 @@ from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
 from stickslip.mechanisms import Prescribed
 from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
 from stickslip.quantities import vary
-from stickslip.results import Status
+from stickslip.results import Sensitivity, Status
 from stickslip.solver import chunks
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
@@ -405,6 +408,23 @@ def test_rows_have_their_own_sines_of_an_incline():
         )
         assert x == alone["x"][-1]
     assert len(set(runs["x"])) == 3
+
+
+def test_parameters_of_friction_about_an_axis_have_units_of_torques():
+    law = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.1)
+    slope = Sensitivity("theta", "viscous_coefficient")
+    varied = {"viscous_coefficient": [0.1, 0.2]}
+    runs = ensemble(Pendulum(mass=1.0, length=1.0), law, varied, t_end=0.1, outputs={"s": slope})
+    assert runs.units["friction.viscous_coefficient"] == "N m s/rad"
+    assert runs.units["s"] == "rad/(N m s/rad)"
+    arm = TwoLinkArm(
+        upper_mass=1.0, upper_length=0.5, upper_centre=0.2, upper_inertia=0.1,
+        lower_mass=0.5, lower_centre=0.2, lower_inertia=0.1,
+    )  # fmt: skip
+    varied = {"friction.elbow.viscous_coefficient": [0.1, 0.2]}
+    slope = Sensitivity("elbow", "mechanism.gravity")
+    runs = ensemble(arm, {"shoulder": law, "elbow": law}, varied, t_end=0.01, outputs={"s": slope})
+    assert runs.units["friction.elbow.viscous_coefficient"] == "N m s/rad"
 
 
 def test_outputs_and_parameters_have_their_units():

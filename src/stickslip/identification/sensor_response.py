@@ -84,6 +84,22 @@ class SensorResponse:
         weights = [last, (1.0 - a) - last]
         return np.asarray(force[:1] + lfilter(weights, [1.0, -a], force - force[:1], axis=0))
 
+    def known(self, time: Array) -> NDArray[np.bool_]:
+        """Return at which samples of a force the motion that came with it was measured.
+
+        Parameters
+        ----------
+        time : array (n,)
+            Times of the samples [s].
+
+        Returns
+        -------
+        array of bool (n,)
+            False within the delay from the first sample, or before the last one.
+        """
+        shown = time - self.delay
+        return np.asarray((shown >= time[0]) & (shown <= time[-1]))
+
     def moved(self, time: Array, values: Array) -> Array:
         """Return what was measured of a motion when the force was that which is shown.
 
@@ -96,10 +112,10 @@ class SensorResponse:
 
         Returns
         -------
-        array (n,)
-            The same, earlier by the delay; before the first sample, and after the last, constant.
+        array (m,)
+            The same, earlier by the delay, at the samples at which it is `known`.
         """
-        return np.interp(time - self.delay, time, values) if self.delay else values
+        return np.interp((time - self.delay)[self.known(time)], time, values)
 
 
 PROMPT = SensorResponse()

@@ -150,7 +150,7 @@ def finish_step(
 
 
 def note_rhythm(guard: int, taken: float, w: Vector) -> None:
-    """Follow the mean time between events with a step that has just been taken.
+    """Follow the mean length of steps that end with an event; one without an event raises it.
 
     Reads: RHYTHM.
     Writes: RHYTHM.

@@ -108,6 +108,8 @@ def standing_flags(w: Vector, whole: Wholes) -> int:
     """
     values, rate = whole[VALUES], whole[Y] + whole[SLIP]
     found, now = whole[FLAGS], w[rate]
+    if whole[N_SWITCHES] == 0:
+        return found
     for trial in range(2):
         w[rate] = now + ANY_RATE if trial == 0 else now
         evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)

@@ -229,8 +229,8 @@ LOST = 10
 ADDRESS = 11
 SEVERAL = 12
 
-# With several contacts: largest kinetic energy, mean time between events, determinant of the
-# reactions' equations over that without friction, and the latter.
+# With several contacts: largest kinetic energy, mean length of steps that end with an event,
+# determinant of the reactions' equations over that without friction, and the latter.
 LIVELIEST = 13
 RHYTHM = 14
 PIVOT = 15

@@ -54,10 +54,10 @@ STRETCH = 1.01
 """A step that nearly reaches the end of a piece is stretched to it. STRETCH x BEYOND x OVERSHOT is
 below 1: a step taken again up to an event must not be stretched back."""
 AHEAD = 3.0
-"""Length of a series over the mean time between events: a shorter one ends earlier, and fewer
-guards have falls in it."""
+"""Length of a series over that of steps that end with an event: a shorter one ends earlier, and
+fewer guards have falls in it."""
 GROWTH = tuple(
-    math.inf if terms < 4 else (1.0 / (VANISHED * math.factorial(terms))) ** (1.0 / terms)
+    math.inf if terms < 4 else max(1.0, (VANISHED * math.factorial(terms)) ** (-1.0 / terms))
     for terms in range(SERIES + 1)
 )
 """How much longer a step may be than one whose series has ended after so many terms, as that of an

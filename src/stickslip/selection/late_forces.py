@@ -156,10 +156,14 @@ def _error(closest: RecordCandidate, late: _Late, *, better: bool) -> ModelError
     size = _sized(response.late, *late.interval)
     unit = closest.fit.measurement.unit("friction")
     scale = score_scale([closest.score, rival.score], unit)
-    what = "a filter" if response.lag else "a delay"
-    size = f"with a time constant of {size}" if response.lag else f"of {size}"
+    if response.delay and response.lag:
+        channel = f"a delay and a filter of the force channel, which add up to {size}"
+    elif response.lag:
+        channel = f"a filter of the force channel with a time constant of {size}"
+    else:
+        channel = f"a delay of the force channel of {size}"
     finding = (
-        f"With {what} of the force channel {size}, {friction_of(rival.title)} explains the record"
+        f"With {channel}, {friction_of(rival.title)} explains the record"
         f" {'better' if better else 'as well'}: held-out error {scale.error(rival.score)},"
         f" {friction_of(closest.title)} without it {scale.error(closest.score)}."
     )

@@ -112,8 +112,11 @@ def path_units(
     own = column_units(mechanism, bristles)
     states = (*mechanism.coordinates, *mechanism.rates, *bristles)
     units = {f"initial.{state}": own[state] for state in states}
-    for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
-        units |= {path: quantity.unit for path, quantity, _ in parameters(root, prefix)}
+    units |= {path: quantity.unit for path, quantity, _ in parameters(mechanism, "mechanism")}
+    turning = {one.name: _turns(one, own) for one in mechanism.contacts()}
+    everywhere = all(turning.values())  # a law of all contacts
+    for path, quantity, _ in parameters(law, "friction"):
+        units[path] = turned(quantity.unit, turning.get(path.split(".")[1], everywhere))
     return units
 
 

@@ -319,7 +319,8 @@ def output_unit(output: Output, units: Mapping[str, str]) -> str:
             return "s"
         case Sensitivity(state, parameter):
             over = units[parameter]
-            return units[state] if over == "1" else f"{units[state]}/({over})"
+            several = f"({over})" if " " in over or "/" in over else over
+            return units[state] if over == "1" else f"{units[state]}/{several}"
         case Final() | Max() | Min() | Mean() | Samples():
             return units[output.state]
     return "1"

@@ -8,7 +8,7 @@ from stickslip.exports.fmu.variables import Variable
 from stickslip.formulation import PAINLEVE, Model
 from stickslip.kernels import enums, exchange, state_layout
 from stickslip.kernels.contacts.guards import first_contact_guard
-from stickslip.kernels.equations import WALLS_OF
+from stickslip.kernels.equations import CONSTANTS_OF, WALLS_OF
 from stickslip.kernels.reducers import happened
 from stickslip.solver import reasons, status_of
 from stickslip.trajectory import Status
@@ -16,11 +16,11 @@ from stickslip.trajectory import Status
 __all__ = ["model_header"]
 
 SLOTS = (
-    "ADDRESS", "BOOKS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL", "SAMPLED",
-    "SEVERAL", "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
+    "ADDRESS", "BOOKS", "CONSTANTS", "DRIFT", "EVENTS", "MODE", "PIECE", "POINT", "REST_IS_FINAL",
+    "SAMPLED", "SEVERAL", "STAGES", "STATUS", "STEPS", "TIME", "VALUES", "Y",
 )  # fmt: skip
 """Places in the vectors of a run."""
-IN_HEADER = ("DRIFT", "POINT", "SAMPLED", "STAGES", "VALUES", "Y")
+IN_HEADER = ("CONSTANTS", "DRIFT", "POINT", "SAMPLED", "STAGES", "VALUES", "Y")
 """Those that depend on the model."""
 SIZES = (
     "SIZE", "N_STATES", "N_GUARDS", "N_COLUMNS", "N_DRIVES", "MOST_EVENTS", "ROW_COLUMNS",
@@ -84,6 +84,7 @@ def model_header(
         f"enum question {{ {', '.join(f'{q} = {getattr(exchange, q)}' for q in QUESTIONS)} }};",
         f"#define EVENT_COLUMNS {state_layout.EVENT_COLUMNS}",
         f"#define WALLS_OF {WALLS_OF}",
+        f"#define CONSTANTS_OF {CONSTANTS_OF}",
         f"#define STATUS_FULL {enums.FULL}",
         f"#define STATUS_END_TIME {enums.END_TIME}",
         # stops are looked at before the coordinates are turned to those of the equations

@@ -427,10 +427,11 @@ def _series(
     every = max(1, int(np.ceil(len(time) / samples)))
     steps = np.diff(time)
     cuts = np.flatnonzero(steps > GAP * np.median(steps)) + 1
-    for rows in np.split(np.arange(len(time)), cuts):
+    for every_row in np.split(np.arange(len(time)), cuts):
+        rows = every_row[response.known(time[every_row])]
         if len(rows) < LEAST:
             continue
-        position, velocity, slowness = _motion(record, time, rows, response)
+        position, velocity, slowness = _motion(record, time, every_row, response)
         picked = slice(None, None, every)
         t = time[rows][picked]
         span = float(t[-1] - t[0])
@@ -469,9 +470,10 @@ def _motion(
     Positions are not filtered, but held while nothing moves: bristles see displacement, which noise
     changes least, and on measured loops every filter that was tried made the prediction worse.
     """
-    known, t = record.quantities(), time[rows]
+    known, times = record.quantities(), time[rows]
+    t = times[response.known(times)]
     if "velocity" in known:
-        velocity = response.moved(t, np.asarray(record.values("velocity"), dtype=float)[rows])
+        velocity = response.moved(times, np.asarray(record.values("velocity"), dtype=float)[rows])
         doubt = _noise_beside_motion(velocity)
         fast = usual_top_speed(velocity)
     if "position" not in known:
@@ -479,7 +481,7 @@ def _motion(
         position = np.concatenate([[0.0], np.cumsum(steps)])
         unsure = min(BEYOND * doubt, SLOWEST * fast)
         return position, np.where(np.abs(velocity) <= unsure, 0.0, velocity), unsure
-    position = response.moved(t, np.asarray(record.values("position"), dtype=float)[rows])
+    position = response.moved(times, np.asarray(record.values("position"), dtype=float)[rows])
     derived = "velocity" not in known
     if derived:
         velocity, doubt = _velocity(t, position)

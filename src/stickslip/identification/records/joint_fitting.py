@@ -548,8 +548,8 @@ def _suspected(
     for name, unit in zip(names, units, strict=True):
         for what, signals in SIGNALS.items():
             yield (
-                f"The {what} of {name} seem to count the other way: with the other sign, {{falls}}."
-                " Check the sign of the column.",
+                f"The {what} of {name} seem to have the opposite sign: with the other one,"
+                " {falls}. Check the sign of the column.",
                 _multiplied(measurement, name, signals, -1.0),
             )
         for what, (scale, factor) in OTHER_UNITS.get(unit, {}).items():

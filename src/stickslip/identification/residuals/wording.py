@@ -168,13 +168,14 @@ def cure_of(response: SensorResponse) -> str:
     --------
     >>> cure_of(SensorResponse(lag=0.012)).partition(": ")[2]
     'RecordSettings(friction_lag=0.012), or --friction-lag 0.012.'
+    >>> cure_of(SensorResponse(delay=0.02, lag=0.012)).partition("or ")[2]
+    '--friction-delay 0.02 --friction-lag 0.012.'
     """
-    name, value = ("lag", response.lag) if response.lag else ("delay", response.delay)
-    shown = f"{value:.3g}"
-    return (
-        "If the channel is late, correct for it:"
-        f" RecordSettings(friction_{name}={shown}), or --friction-{name} {shown}."
-    )
+    both = {"delay": response.delay, "lag": response.lag}
+    shown = {name: f"{value:.3g}" for name, value in both.items() if value}
+    settings = ", ".join(f"friction_{name}={value}" for name, value in shown.items())
+    options = " ".join(f"--friction-{name} {value}" for name, value in shown.items())
+    return f"If the channel is late, correct for it: RecordSettings({settings}), or {options}."
 
 
 def _sized(

@@ -210,13 +210,19 @@ def turn_own_switches(w: Vector, whole: Wholes) -> None:
     Writes: VALUES, CHANGES, FLAGS, CHANGED.
     """
     values, first = whole[VALUES], first_own_switch(whole)
-    for _ in range(whole[N_SWITCHES]):
+    sweeps = whole[N_SWITCHES]
+    while sweeps > 0:
+        sweeps -= 1
+        evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
+        turned = False
         for j in range(whole[N_SWITCHES]):
-            evaluate(MARGINS, 0, whole[FLAGS], w[TIME], w, whole[Y], values)
             margin = w[values + j] if whole[FLAGS] & (1 << j) else -w[values + j]
             if margin < -UNMOVED * w[whole[REACHED] + first + j]:
                 whole[FLAGS] ^= 1 << j
                 write_unchanged(first + j, 0, w, whole)
+                turned = True
+        if not turned:
+            return
 
 
 def standing_switches(w: Vector, whole: Wholes) -> int:

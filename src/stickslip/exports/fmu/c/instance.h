@@ -408,6 +408,9 @@ static bool read_off(struct instance *self, struct core *core, double t) {
 static bool within_stops(struct instance *self) {
     struct core *core = &self->core;
     const int64_t at = AT_Y, to = AT_VALUES;
+    if (N_STOPS > 0 && AT_CONSTANTS > 0) {
+        equations(CONSTANTS_OF, 0, 0, 0.0, core->w, SIZE, 0, AT_CONSTANTS);
+    }
     if (N_STOPS > 0) {
         equations(WALLS_OF, 0, 0, core->w[AT_TIME], core->w, SIZE, at, to);
     }
