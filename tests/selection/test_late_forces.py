@@ -111,7 +111,8 @@ def test_what_the_channel_does_is_taken_off(response):
     assert level == pytest.approx(LEVEL, rel=0.01)
     assert viscous == pytest.approx(VISCOUS, rel=0.08)
     assert found.model_errors == ()
-    assert found.rms < 1.5 * 0.02 * LEVEL  # of a long delay, too, before which no motion is known
+    # of a long delay, too, within which no motion is known
+    assert found.rms < (2.0 if response.lag else 1.5) * 0.02 * LEVEL
 
 
 def test_a_drifting_force_sensor_is_named():
