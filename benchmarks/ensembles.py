@@ -40,8 +40,8 @@ RANGES = {
     "friction.kinetic_coefficient": (0.098, 0.102),
 }
 WHY = (
-    "a row costs what the kernel alone costs, some 6.5 us of a core: 16 steps, of which the roots of"
-    " guards, the series and their values for the certificate take an eighth each; 5,000 x would"
+    "a row costs what the kernel alone costs, some 6.5 us of a core: 16 steps, of which the roots"
+    " of guards, the series and their values for the certificate take an eighth each; 5,000 x would"
     " be 1.3 us, and the roots alone take 1.1 us"
 )
 WHY_MANY = "memory is held until the end of the run"
