@@ -168,7 +168,7 @@ def cure_of(response: SensorResponse) -> str:
     --------
     >>> cure_of(SensorResponse(lag=0.012)).partition(": ")[2]
     'RecordSettings(friction_lag=0.012), or --friction-lag 0.012.'
-    >>> cure_of(SensorResponse(delay=0.02, lag=0.012)).partition("or ")[2]
+    >>> cure_of(SensorResponse(delay=0.02, lag=0.012)).rpartition(" or ")[2]
     '--friction-delay 0.02 --friction-lag 0.012.'
     """
     both = {"delay": response.delay, "lag": response.lag}
