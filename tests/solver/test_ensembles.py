@@ -2,8 +2,10 @@
 
 import tracemalloc
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass
 from multiprocessing import get_context
 from threading import active_count
+from typing import Annotated, ClassVar, final
 
 import numpy as np
 import pytest
@@ -29,9 +31,9 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
 from stickslip.mechanisms import Prescribed
 from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
-from stickslip.quantities import vary
+from stickslip.quantities import Quantity, vary
 from stickslip.results import Sensitivity, Status
-from stickslip.solver import chunks
+from stickslip.solver import chunks, path_units
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -410,6 +412,17 @@ def test_rows_have_their_own_sines_of_an_incline():
     assert len(set(runs["x"])) == 3
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class Wheel(Axis):
+    """An axis that turns."""
+
+    name: ClassVar[str] = "wheel"
+    units: ClassVar[tuple[str, ...]] = ("rad",)
+    inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")] = 1.0
+    limit: Annotated[float, Quantity("tau", "N m", above=0, or_unit="N")] = 1.0
+
+
 def test_parameters_of_friction_about_an_axis_have_units_of_torques():
     law = CoulombViscous(kinetic_coefficient=0.1, viscous_coefficient=0.1)
     slope = Sensitivity("theta", "viscous_coefficient")
@@ -425,6 +438,13 @@ def test_parameters_of_friction_about_an_axis_have_units_of_torques():
     slope = Sensitivity("elbow", "mechanism.gravity")
     runs = ensemble(arm, {"shoulder": law, "elbow": law}, varied, t_end=0.01, outputs={"s": slope})
     assert runs.units["friction.elbow.viscous_coefficient"] == "N m s/rad"
+
+
+def test_parameters_of_a_rotary_mechanism_have_their_angular_units():
+    units = path_units(Wheel(), Coulomb(kinetic_coefficient=0.1))
+    assert units["mechanism.inertia"] == "kg m^2"
+    assert units["mechanism.stiffness"] == "N m/rad"
+    assert units["mechanism.limit"] == "N m"  # as it is: the other unit is that of a straight one
 
 
 def test_outputs_and_parameters_have_their_units():

@@ -112,7 +112,9 @@ def path_units(
     own = column_units(mechanism, bristles)
     states = (*mechanism.coordinates, *mechanism.rates, *bristles)
     units = {f"initial.{state}": own[state] for state in states}
-    units |= {path: quantity.unit for path, quantity, _ in parameters(mechanism, "mechanism")}
+    angular = set(mechanism.units) == {"rad"}
+    for path, quantity, _ in parameters(mechanism, "mechanism"):
+        units[path] = turned(quantity.unit, angular and bool(quantity.or_unit))
     turning = {one.name: _turns(one, own) for one in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):

@@ -13,8 +13,8 @@ from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import state_layout
 from stickslip.mechanisms import Mechanism, has_one_slip
-from stickslip.quantities import Quantity, parameters, shadow, turned
-from stickslip.solver import column_units
+from stickslip.quantities import Quantity, parameters, shadow
+from stickslip.solver import column_units, path_units
 
 __all__ = ["Role", "Variable", "variables_of"]
 
@@ -120,7 +120,7 @@ def variables_of(
     units: dict[str, str] = column_units(
         mechanism, [*model.states[2 * len(mechanism.coordinates) :], *model.columns]
     )
-    found += _parameters(mechanism, law, model, units, len(found))
+    found += _parameters(mechanism, law, model, len(found))
     first_state = len(found)
     inputs_of = [i for i, one in enumerate(found) if one.role == "input"]
     every = (*inputs_of, *range(first_state, first_state + len(model.states)))
@@ -244,7 +244,6 @@ def _parameters(
     mechanism: Mechanism,
     law: FrictionLaw | Laws,
     model: Model,
-    units: Mapping[str, str],
     first: int,
 ) -> Iterator[Variable]:
     """Yield the parameters of the equations; those that tables were made with are constants."""
@@ -253,12 +252,14 @@ def _parameters(
         for root, prefix in ((mechanism, "mechanism"), (law, "friction"))
         for path, quantity, value in parameters(root, prefix)
     }
+    units = path_units(mechanism, law)
     paths = dict(zip(model.parameter_paths, model.places, strict=True))
     references = {path: first + i for i, path in enumerate(paths)}
     for path, place in paths.items():
         quantity, value = known[path]
         parent, _, last = path.rpartition(".")
         symbol = f" ({quantity.symbol})" if quantity.symbol else ""
+        weighed = path.startswith("friction.") and has_one_slip(mechanism)
         owner = "of the mechanism" if path.startswith("mechanism.") else "of the friction law"
         fixed = path.startswith("mechanism.") and _shapes_tables(mechanism, path, value)
         least = "" if quantity.at_least is None else f"{parent}.{quantity.at_least}"
@@ -267,25 +268,12 @@ def _parameters(
             role="constant" if fixed else "parameter",
             index=place,
             start=float(value),
-            unit=_unit(mechanism, path, quantity, units),
+            unit=unit_on(mechanism, quantity) if weighed else units[path],
             description=f"{last.replace('_', ' ')}{symbol} {owner}",
             quantity=quantity,
             at_least=references.get(least, -1),
             tunable=not fixed and not _moves_a_guide(mechanism, path),
         )
-
-
-def _unit(mechanism: Mechanism, path: str, quantity: Quantity, units: Mapping[str, str]) -> str:
-    """Return the unit of a parameter on a mechanism."""
-    if path.startswith("mechanism."):
-        angular = set(mechanism.units) == {"rad"}
-        return quantity.or_unit if quantity.or_unit and angular else quantity.unit
-    if has_one_slip(mechanism):
-        return unit_on(mechanism, quantity)
-    frictions = {c: u for c, u in units.items() if c.partition(":")[0] == "friction"}
-    contact = path.split(".")[1]
-    own = [unit for column, unit in frictions.items() if column.partition(":")[2] == contact]
-    return turned(quantity.unit, all(unit == "N m" for unit in own or frictions.values()))
 
 
 def _moves_a_guide(mechanism: Mechanism, path: str) -> bool:
