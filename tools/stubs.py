@@ -40,7 +40,7 @@ PACKAGES = (
     "stickslip.solver",
 )
 EXTRA = {
-    "stickslip": {"__version__": "str", "MOVED": "dict[str, str]"},
+    "stickslip": {"__version__": "str"},
     "stickslip.friction": {"LAW_MODULES": "dict[str, str]"},
     "stickslip.mechanisms": {"MECHANISM_MODULES": "dict[str, str]"},
 }
@@ -83,6 +83,7 @@ def stub(package: str) -> str:
         modules[f"{root(package)}.{module}"].append(name)
     extra = EXTRA.get(package, {})
     found = importlib.import_module(package)
+    namespaces = getattr(found, "NAMESPACES", ())
     kinds = [getattr(found, name) for name in sorted(homes(package))] * (package in CONSTRUCTED)
     made = [one for one in kinds if has_quantities(one)]
     built = [Declaration(one, made) for one in made]
@@ -101,6 +102,7 @@ def stub(package: str) -> str:
                 if name not in own
             ),
             *(f"from {module} import {name} as {alias}" for module, name, alias in needed),
+            *(f"from {package} import {name} as {name}" for name in namespaces),
         ]
     )
     lines += ["", *(f"{name}: {kind}\n" for name, kind in extra.items())]

@@ -1,8 +1,8 @@
 """Which friction model fits a mechanism, with which parameters and how surely; and its simulation.
 
-Verbs, laws, mechanisms and measurements are importable from here and loaded when first asked for;
-the rest from `stickslip.drives`, `.outputs`, `.results`, `.control`, `.sweep` and `.plots`. What
-type checkers and editors read is `__init__.pyi`, which `make stubs` writes from the table below.
+Functions, laws, mechanisms and measurements are here; the rest is in the modules of its subject,
+such as `stickslip.drives.Sine`. All are loaded when first asked for. What type checkers and editors
+read is `__init__.pyi`, which `make stubs` writes from the tables below.
 """
 
 from stickslip.friction import LAW_MODULES
@@ -37,78 +37,37 @@ HOMES = {
     "write_report": "routes",
 }
 
-MOVED = {
-    "BoundedMechanism": "mechanisms",
-    "BristleLaw": "friction",
-    "Certificate": "results",
-    "Checks": "results",
-    "ClosedLoop": "control",
-    "Contact": "mechanisms",
-    "DirectionalLaw": "friction",
-    "Ensemble": "results",
-    "Estimate": "results",
-    "Event": "results",
-    "EventCount": "outputs",
-    "EventTimes": "outputs",
-    "FeatureFit": "results",
-    "FeatureVerdict": "results",
-    "Final": "outputs",
-    "Finding": "results",
-    "Fit": "results",
-    "Guide": "mechanisms",
-    "LAWS": "friction",
-    "LimitCycle": "control",
-    "Limits": "optimisation",
-    "MECHANISMS": "mechanisms",
-    "Max": "outputs",
-    "Mean": "outputs",
-    "Min": "outputs",
-    "Optimum": "results",
-    "PID": "control",
-    "PRINTED_FORMS": "friction",
-    "PartialLinearisation": "control",
-    "PiecewiseLinear": "drives",
-    "Plan": "results",
-    "Prescribed": "mechanisms",
-    "Profile": "drives",
-    "Published": "experiments",
-    "Pulse": "drives",
-    "Ramp": "drives",
-    "RecordFit": "results",
-    "RecordVerdict": "results",
-    "Sampled": "drives",
-    "Samples": "outputs",
-    "Sensitivity": "results",
-    "SetValuedLaw": "friction",
-    "SevenStep": "drives",
-    "Sine": "drives",
-    "SineSwing": "drives",
-    "SplineSwing": "drives",
-    "Square": "drives",
-    "Status": "results",
-    "Stop": "mechanisms",
-    "Sum": "drives",
-    "ThreePhase": "drives",
-    "Torque": "mechanisms",
-    "Trajectory": "results",
-    "TravelFit": "results",
-    "TravelVerdict": "results",
-    "TrialComparison": "results",
-    "Verdict": "results",
-    "average_velocity": "sweep",
-    "basins": "sweep",
-    "bifurcation": "sweep",
-    "closed_loop": "control",
-    "compensation": "control",
-    "dynamics_at": "control",
-    "limit_cycle": "control",
-    "rig_schema": "experiments",
-}
-"""Names that were importable from here, and the namespace where they are now."""
+NAMESPACES = (
+    "adapters",
+    "catalogue",
+    "characterize",
+    "control",
+    "drives",
+    "errors",
+    "experiments",
+    "exports",
+    "friction",
+    "identification",
+    "maths",
+    "mechanisms",
+    "optimisation",
+    "outputs",
+    "paper",
+    "plots",
+    "quantities",
+    "report",
+    "results",
+    "routes",
+    "selection",
+    "solver",
+    "sweep",
+    "testing",
+)
+"""Public modules, which are attributes without an import of their own."""
 
 __all__ = sorted([*HOMES, "__version__"])  # noqa: PLE0605  # read off the table above
 
-_load, _ = attach(__name__, HOMES, MOVED)
+_load, _names = attach(__name__, HOMES, NAMESPACES)
 
 
 def __getattr__(name: str) -> object:
@@ -120,4 +79,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted([*_names(), "__version__"])

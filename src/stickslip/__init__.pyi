@@ -1,4 +1,28 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from stickslip import adapters as adapters
+from stickslip import catalogue as catalogue
+from stickslip import characterize as characterize
+from stickslip import control as control
+from stickslip import drives as drives
+from stickslip import errors as errors
+from stickslip import experiments as experiments
+from stickslip import exports as exports
+from stickslip import friction as friction
+from stickslip import identification as identification
+from stickslip import maths as maths
+from stickslip import mechanisms as mechanisms
+from stickslip import optimisation as optimisation
+from stickslip import outputs as outputs
+from stickslip import paper as paper
+from stickslip import plots as plots
+from stickslip import quantities as quantities
+from stickslip import report as report
+from stickslip import results as results
+from stickslip import routes as routes
+from stickslip import selection as selection
+from stickslip import solver as solver
+from stickslip import sweep as sweep
+from stickslip import testing as testing
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
@@ -48,8 +72,6 @@ from stickslip.solver import EventDriven as EventDriven
 from stickslip.solver import FixedStep as FixedStep
 
 __version__: str
-
-MOVED: dict[str, str]
 
 __all__ = [
     "Axis",

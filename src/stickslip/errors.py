@@ -1,9 +1,7 @@
 """The exceptions of stickslip: each is ours and also the built-in a caller would expect."""
 
 import difflib
-import functools
-from collections.abc import Callable, Iterable
-from typing import ParamSpec, TypeVar
+from collections.abc import Iterable
 
 from typing_extensions import override
 
@@ -12,10 +10,7 @@ __all__ = [
     "ConformanceError",
     "ConvergenceError",
     "InputError",
-    "MovedError",
-    "MovedImportError",
     "ParameterError",
-    "RenamedError",
     "SimulationError",
     "StickslipError",
     "TracingError",
@@ -23,7 +18,6 @@ __all__ = [
     "UnknownNameError",
     "nearest",
     "not_whole",
-    "renamed",
 ]
 
 LONGEST = 60
@@ -32,9 +26,6 @@ MOST = 50
 """Most known names that a message lists."""
 COMPARED = 200
 """Longest names that are compared; what that takes grows with the square of their length."""
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 
 class StickslipError(Exception):
@@ -79,22 +70,6 @@ class UnknownNameError(InputError, LookupError):
     def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
         """Rebuild from what it was made of, so that it crosses processes."""
         return type(self), (self.kind, self.name, self.known)
-
-
-class RenamedError(InputError, TypeError):
-    """An argument has the name or the place that it had once; the message gives the new one."""
-
-
-class MovedError(RenamedError, AttributeError):
-    """A package no longer has a name; the message says which package has it now.
-
-    It is an `AttributeError`, so that ``hasattr``, ``getattr`` with a default, ``inspect``,
-    ``pickle`` and editors take the name for any other that is missing.
-    """
-
-
-class MovedImportError(RenamedError, ImportError):
-    """The same of ``from package import name``, where an `AttributeError` would be swallowed."""
 
 
 class TracingError(StickslipError, TypeError):
@@ -170,37 +145,3 @@ def not_whole(name: str, least: int, value: object) -> str:
     'steps must be a whole number of at least 1, got 2.5.'
     """
     return f"{name} must be a whole number of at least {least}, got {value!r}."
-
-
-RENAMED = {
-    "unknown": "`unknown` was renamed to `vary`: vary=['friction.*', 'mechanism.inertia']",
-    "free": "`free` was renamed to `vary`: vary=['kinetic_coefficient']; other parameters are held",
-    "known": "`known` was renamed to `fixed`: fixed={'viscous_coefficient': 0.4}",
-    "evolution": "`evolution` is now part of the law: 'rate-and-state' or 'rate-and-state-slip'",
-    "doubts": "`doubts` was renamed to `parameter_uncertainties`",
-    "watch": "`watch` was renamed to `progress`, called with the same values",
-    "compiling": "`compiling` was renamed to `progress`, which hears of runs; compiling is logged",
-}
-"""What was an argument's name once, and what it is now."""
-
-
-def renamed(verb: Callable[P, R]) -> Callable[P, R]:
-    """Make a function refuse arguments by the names that they had once, and say the new ones.
-
-    Examples
-    --------
-    >>> @renamed
-    ... def fit(*, progress=None): ...
-    >>> fit(watch=print)
-    Traceback (most recent call last):
-    stickslip.errors.RenamedError: fit: `watch` was renamed to `progress`, called with the ...
-    """
-
-    @functools.wraps(verb)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        for name in kwargs:
-            if name in RENAMED:
-                raise RenamedError(f"{verb.__name__}: {RENAMED[name]}.")
-        return verb(*args, **kwargs)
-
-    return call

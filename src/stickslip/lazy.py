@@ -1,14 +1,13 @@
 """Public names of a package that are loaded when they are first asked for."""
 
 import importlib
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 __all__ = ["attach"]
 
 
 def attach(
-    package: str, homes: Mapping[str, str], moved: Mapping[str, str] | None = None
+    package: str, homes: Mapping[str, str], namespaces: Collection[str] = ()
 ) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return the ``__getattr__`` and ``__dir__`` of a package whose names are loaded lazily.
 
@@ -21,14 +20,13 @@ def attach(
         Name of the package.
     homes : mapping of str to str
         By public name, the module of the package that defines it.
-    moved : mapping of str to str, optional
-        By a name that the package had once, the module where it is now.
+    namespaces : collection of str, optional
+        Names of modules of the package that are public themselves.
 
     Returns
     -------
     (callable, callable)
-        ``__getattr__``, which raises `MovedError` for names that were moved, or `MovedImportError`
-        where they are imported, and `AttributeError` for others that are not listed; and
+        ``__getattr__``, which raises `AttributeError` for names that are not listed; and
         ``__dir__``.
 
     Examples
@@ -41,26 +39,10 @@ def attach(
     """
 
     def load(name: str) -> object:
-        if moved is not None and name in moved:
-            from stickslip.errors import MovedError, MovedImportError  # not with the package
-
-            home = f"{package}.{moved[name]}"
-            kind = MovedImportError if _is_import() else MovedError
-            error = kind(f"{package}.{name} is {home}.{name} now: from {home} import {name}.")
-            error.name = name  # else Python adds "Did you mean" with a like name of the package
-            raise error
+        if name in namespaces:
+            return importlib.import_module(f"{package}.{name}")
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
 
-    return load, lambda: sorted(homes)
-
-
-def _is_import() -> bool:
-    """Whether ``from package import name`` asks for a name, not an attribute.
-
-    The import system asks by `hasattr`, which swallows an `AttributeError` with its message.
-    """
-    asking = sys._getframe(2)
-    callers = [asking, asking.f_back]  # a package may wrap its `__getattr__`
-    return any(frame and frame.f_code.co_name == "_handle_fromlist" for frame in callers)
+    return load, lambda: sorted([*homes, *namespaces])

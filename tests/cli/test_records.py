@@ -354,9 +354,6 @@ BAD = [
     (("fit", "axis.toml", "--fixed", "inertia=5 m"), "--fixed mechanism.inertia"),
     (("fit", "axis.toml", "--fixed", "inertias=5"), "Did you mean 'inertia'"),
     (("fit", "axis.toml", "--fixed", "inertia=-5"), "above 0"),
-    (("fit", "axis.toml", "--free", "kinetic_coefficient"), "--free was renamed to --vary"),
-    (("fit", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
-    (("select", "axis.toml", "--unknown", "inertia"), "--unknown was renamed to --vary"),
     (
         ("select", "demo", "--jobs", "2"),
         "--jobs applies to the force of a spring, records of several joints, velocity steps",

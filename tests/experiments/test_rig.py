@@ -794,7 +794,6 @@ def test_the_schema_knows_data_and_marks():
         (AXIS + IN_FILE.replace("columns", "colums"), "Did you mean 'columns'"),
         (AXIS.replace("vary = true", "vary = 1"), "write true or false"),
         (AXIS.replace("vary = true", "assumed = true"), "the keys value and vary"),
-        (AXIS.replace("vary = true", "unknown = true"), "was renamed to vary: write vary = true"),
     ],
 )
 def test_mistakes_in_data_name_the_rig_file_and_the_key(axis, text, message):

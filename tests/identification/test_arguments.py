@@ -9,6 +9,7 @@ from stickslip import (
     Measurement,
     RecordSettings,
     SpringBlock,
+    compare_trials,
     fit,
     load_rig,
     select,
@@ -21,7 +22,7 @@ SPEED = np.concatenate([-np.linspace(0.1, 1.0, 40), np.linspace(0.1, 1.0, 40)])
 MAP = Measurement(velocity=SPEED, friction=3.0 * np.sign(SPEED) + 0.01 * np.cos(20.0 * SPEED))
 
 
-@pytest.mark.parametrize("verb", [fit, select])
+@pytest.mark.parametrize("verb", [fit, select, compare_trials])
 @pytest.mark.parametrize(
     ("mechanism", "measurement", "words"),
     [
@@ -40,12 +41,13 @@ MAP = Measurement(velocity=SPEED, friction=3.0 * np.sign(SPEED) + 0.01 * np.cos(
         (AXIS, load_rig(), "takes a Measurement, got Rig: give rig.measurement"),
         (AXIS, {"time": [0.0]}, "takes a Measurement, got dict"),
         (AXIS, None, "takes a Measurement, got NoneType"),
+        (AXIS, Coulomb, "takes a Measurement, got the class Coulomb: the order is mechanism, law"),
     ],
 )
 def test_what_is_no_mechanism_or_no_measurement_is_said_to_be_so(
     verb, mechanism, measurement, words
 ):
-    given = ("coulomb", measurement) if verb is fit else (["coulomb"], measurement)
+    given = (["coulomb"] if verb is select else "coulomb", measurement)
     with pytest.raises(InputError, match=f"^{verb.__name__} {words}"):
         verb(mechanism, *given)
 

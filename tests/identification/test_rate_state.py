@@ -9,7 +9,7 @@ import pytest
 
 from stickslip import Coulomb, Measurement, TowedBlock, load_measurement
 from stickslip.drives import Sine
-from stickslip.errors import InputError, ParameterError, RenamedError, SimulationError
+from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import RATE_STATE_FORMS, RateState
 from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.identification.estimation.levenberg_marquardt import step_of
@@ -334,13 +334,6 @@ def test_each_form_is_named_by_its_values():
     assert law(**CONSTANT).name == "logarithmic"
     assert law(direct_effect=0.0, **CONSTANT).name == "constant-coefficient"
     assert all(form.fit_order for form in RATE_STATE_FORMS.values())
-
-
-def test_the_measurement_alone_and_the_evolution_are_refused_by_their_new_names():
-    with pytest.raises(RenamedError, match=r"fit_rate_state\(mechanism, law, measurement"):
-        fit_rate_state(record(law(), noise=3e-4))
-    with pytest.raises(RenamedError, match="`evolution` is now part of the law"):
-        fit_rate_state(MACHINE, RateState, record(law(), noise=3e-4), evolution="slip")
 
 
 @pytest.mark.parametrize(

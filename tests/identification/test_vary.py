@@ -8,33 +8,17 @@ from stickslip import (
     Coulomb,
     CoulombViscous,
     Measurement,
-    PendulumCart,
     SpringBlock,
     Stribeck,
     TowedBlock,
-    Viscous,
-    compare_trials,
     fit,
-    inverse_dynamics,
-    optimise_profile,
-    plan,
-    sample_posterior,
     select,
     simulate,
 )
 from stickslip.drives import Sampled
-from stickslip.errors import InputError, ParameterError, RenamedError, UnknownNameError
-from stickslip.identification import compare_features, fit_features, fit_rate_state
-from stickslip.identification.records.route_choice import choose_route
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.identification import compare_features, fit_features
 from stickslip.identification.validation import LAW, Parameters
-from stickslip.optimisation import Limits
-from stickslip.paper.audit import audit
-from stickslip.selection import (
-    select_features,
-    select_rate_state,
-    select_records,
-    select_travels,
-)
 
 AXIS = Axis(inertia=2.0)
 BLOCK = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -215,53 +199,3 @@ def test_features_hold_the_mass_unless_it_is_varied_as_fit_does(pulled):
     assert fixed.mechanism.mass == 0.03
     assert fixed.law.static_coefficient == 0.32
     assert [one.path for one in fixed.estimates] == ["friction.kinetic_coefficient"]
-
-
-FORMER = [
-    (fit, (AXIS, Coulomb, TABLE), ("free", "known", "unknown", "watch")),
-    (compare_trials, (AXIS, Coulomb, TABLE), ("free", "known", "unknown", "watch")),
-    (fit_features, (TOWED, Coulomb, TABLE), ("free", "unknown", "watch")),
-    (compare_features, (TOWED, [Coulomb], TABLE), ("unknown",)),
-    (select, (AXIS, None, TABLE), ("unknown", "watch", "compiling")),
-    (select_records, (AXIS, None, TABLE), ("unknown", "watch")),
-    (select_features, (TOWED, None, TABLE), ("unknown", "watch")),
-    (select_travels, (BLOCK, None, READING), ("watch", "compiling")),
-    (choose_route, (AXIS, TABLE), ("unknown",)),
-    (inverse_dynamics, (AXIS, TABLE), ("unknown",)),
-    (fit_rate_state, (TOWED, "rate-and-state", TABLE), ("free", "known", "unknown", "watch")),
-    (select_rate_state, (TOWED, None, TABLE), ("unknown", "watch")),
-    (sample_posterior, (None,), ("watch",)),
-    (optimise_profile, (PendulumCart, Coulomb, Limits), ("watch",)),
-    (audit, (), ("watch",)),
-    (plan, (BLOCK, None), ("doubts",)),
-]
-NEW = {"free": "vary", "unknown": "vary", "known": "fixed", "doubts": "parameter_uncertainties"}
-
-
-@pytest.mark.parametrize(
-    ("verb", "arguments", "name"),
-    [
-        pytest.param(verb, arguments, name, id=f"{verb.__name__}-{name}")
-        for verb, arguments, names in FORMER
-        for name in names
-    ],
-)
-def test_a_former_argument_is_refused_by_its_new_name(verb, arguments, name):
-    with pytest.raises(RenamedError) as caught:
-        verb(*arguments, **{name: None})
-    assert f"{verb.__name__}: `{name}` was renamed to `{NEW.get(name, 'progress')}`" in str(
-        caught.value
-    )
-    assert isinstance(caught.value, (TypeError, InputError))
-
-
-@pytest.mark.parametrize("verb", [select, select_records, select_features, select_travels, plan])
-def test_the_former_order_is_refused_by_the_new_one(verb):
-    for laws in ((), ([Coulomb],)):
-        with pytest.raises(RenamedError, match=r"\(mechanism, laws, measurement\)"):
-            verb(BLOCK, READING, *laws)
-
-
-def test_the_law_stands_before_the_measurement_in_fit_too():
-    with pytest.raises(RenamedError, match=r"fit\(mechanism, law, measurement\)"):
-        fit(BLOCK, READING, Viscous)

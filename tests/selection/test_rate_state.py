@@ -10,7 +10,7 @@ import pytest
 from tests.support import sketched
 
 from stickslip import Coulomb, Measurement, RecordSettings, TowedBlock, load_measurement
-from stickslip.errors import InputError, RenamedError
+from stickslip.errors import InputError
 from stickslip.friction import RateState
 from stickslip.identification import fit_rate_state, simulate_velocity_steps
 from stickslip.report import rate_state_sections
@@ -240,8 +240,6 @@ def test_candidates_are_checked():
         rate_state_laws([])
     with pytest.raises(InputError, match="two of `laws`"):
         rate_state_laws([RateState, "rate-and-state"])
-    with pytest.raises(RenamedError, match="laws before the measurement"):
-        select_rate_state(MACHINE, pulled(law()))
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,11 @@
 """Arguments and options that several commands share."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from stickslip.errors import InputError, RenamedError
+from stickslip.errors import InputError
 
 __all__ = [
     "AllowImport",
@@ -22,8 +21,6 @@ __all__ = [
     "Fixed",
     "Folder",
     "Force",
-    "FormerFree",
-    "FormerUnknown",
     "Gain",
     "Goal",
     "Hold",
@@ -263,30 +260,6 @@ Fixed = Annotated[
 ]
 
 
-def _former(option: str, cure: str) -> Callable[[list[str] | None], None]:
-    """Return what refuses an option that has another name now."""
-
-    def refuse(given: list[str] | None) -> None:
-        if given:
-            raise RenamedError(f"{option} was renamed to --vary: {cure}.")
-
-    return refuse
-
-
-FormerFree = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--free",
-        hidden=True,
-        callback=_former("--free", "--vary kinetic_coefficient; other parameters are held"),
-    ),
-]
-FormerUnknown = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--unknown", hidden=True, callback=_former("--unknown", "--vary 'friction.*,inertia'")
-    ),
-]
 Horizon = Annotated[
     float | None,
     typer.Option("--horizon", help="Prediction length on the second record [s]."),

@@ -70,7 +70,6 @@ INSIDE = {
     "Trial": "travels.model",
     "UNSPENT": "rate_state.result",
     "VELOCITY_STEPS": "rate_state.result",
-    "arguments": "validation",
     "as_good": "features.scores",
     "asked_for": "records.route_choice",
     "balanced": "force_map.force_balance",

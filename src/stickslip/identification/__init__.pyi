@@ -122,7 +122,6 @@ from stickslip.identification.validation import AnyLaw as AnyLaw
 from stickslip.identification.validation import LAW as LAW
 from stickslip.identification.validation import Laws as Laws
 from stickslip.identification.validation import Parameters as Parameters
-from stickslip.identification.validation import arguments as arguments
 from stickslip.identification.validation import called as called
 from stickslip.identification.validation import check_given as check_given
 from stickslip.identification.validation import covers as covers

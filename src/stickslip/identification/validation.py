@@ -1,13 +1,11 @@
 """What verbs take: which parameters are varied and which fixed; slips that Python lets pass."""
 
-import functools
-import inspect
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from typing import Generic, ParamSpec, TypeAlias, TypeVar, cast, final
+from typing import Generic, TypeAlias, TypeVar, cast, final
 
-from stickslip.errors import InputError, RenamedError, UnknownNameError, renamed
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig, all_paths
 from stickslip.friction import FrictionLaw, RateState
 from stickslip.mechanisms import Mechanism, slip_of
@@ -18,7 +16,6 @@ __all__ = [
     "LAW",
     "Laws",
     "Parameters",
-    "arguments",
     "called",
     "check_given",
     "check_varied",
@@ -30,8 +27,6 @@ __all__ = [
     "varied_paths",
 ]
 
-P = ParamSpec("P")
-R = TypeVar("R")
 AnyLaw: TypeAlias = FrictionLaw | type[FrictionLaw] | RateState | type[RateState] | None
 L = TypeVar("L", bound=AnyLaw)
 Vary: TypeAlias = str | Sequence[str] | None
@@ -316,38 +311,6 @@ def covers(name: str, path: str) -> bool:
     return fnmatchcase(path if "." in name else path.rpartition(".")[2], name)
 
 
-def arguments(verb: Callable[P, R]) -> Callable[P, R]:
-    """Make a verb refuse its former arguments: their names, and the measurement before the laws.
-
-    Examples
-    --------
-    >>> @arguments
-    ... def select(mechanism, laws, measurement): ...
-    >>> select("rig", Measurement(travel=0.2))
-    Traceback (most recent call last):
-    stickslip.errors.RenamedError: select takes the laws before the measurement: select(...
-    """
-
-    @functools.wraps(verb)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        if args and isinstance(args[0], Measurement) and "mechanism" not in kwargs:
-            first = ", ".join(list(inspect.signature(verb).parameters)[:3])
-            raise RenamedError(
-                f"{verb.__name__} takes the mechanism first: {verb.__name__}({first}, ...)."
-            )
-        if len(args) > 1 and isinstance(args[1], Measurement):
-            several = "laws" in inspect.signature(verb).parameters
-            laws = "laws" if several else "law"
-            unnamed = ", with None for the usual ones" if several else ""
-            raise RenamedError(
-                f"{verb.__name__} takes the {laws} before the measurement:"
-                f" {verb.__name__}(mechanism, {laws}, measurement){unnamed}."
-            )
-        return verb(*args, **kwargs)
-
-    return renamed(call)
-
-
 def check_given(verb: str, mechanism: object, measurement: object) -> None:
     """Check that a verb was given a mechanism and a measurement.
 
@@ -391,6 +354,8 @@ def check_given(verb: str, mechanism: object, measurement: object) -> None:
         cure = f"read the file with load_measurement({measurement!r})"
     elif isinstance(measurement, Rig):
         cure = "give rig.measurement"
+    elif isinstance(measurement, (type, FrictionLaw)):
+        cure = "the order is mechanism, law, measurement"
     raise InputError(f"{verb} takes a Measurement, got {called(measurement)}: {cure}.")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.drives import Profile
-from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole, renamed
+from stickslip.errors import ConvergenceError, InputError, ParameterError, not_whole
 from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.checkpoint import Memory
@@ -37,7 +37,6 @@ LEAST_ROUNDS = 40
 """Rounds that a polish may take however few motions a search tries: with fewer it gets nowhere."""
 
 
-@renamed
 def optimise_profile(
     mechanism: Mechanism,
     law: Friction,

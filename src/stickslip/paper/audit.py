@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stickslip.errors import renamed
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
 from stickslip.paper.cart import CartStudy, study_cart
@@ -193,7 +192,6 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-@renamed
 def audit(
     *, verdict: TravelVerdict | None = None, progress: Callable[[str, float], object] | None = None
 ) -> PaperAudit:

@@ -14,7 +14,6 @@ from stickslip.identification import (
     RecordSettings,
     RouteChoice,
     RouteName,
-    arguments,
     check_given,
 )
 from stickslip.mechanisms import Mechanism
@@ -58,7 +57,6 @@ def fit(
 ) -> Fit[AnyLaw]: ...
 
 
-@arguments
 def fit(
     mechanism: Mechanism,
     law: Any,
@@ -157,7 +155,6 @@ def fit(
     return found
 
 
-@arguments
 def select(
     mechanism: Mechanism,
     laws: Mapping[str, OneLaw] | Sequence[OneLaw] | OneLaw | None,

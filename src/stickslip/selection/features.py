@@ -20,7 +20,6 @@ from stickslip.identification import (
     Parameters,
     RecordSettings,
     StickSlipFeatures,
-    arguments,
     as_good,
     error_of_score,
     features_of,
@@ -58,7 +57,6 @@ def feature_laws(
     return specifications(USUAL if laws is None else laws)
 
 
-@arguments
 def select_features(
     mechanism: Mechanism,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,

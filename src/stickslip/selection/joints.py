@@ -18,7 +18,6 @@ from stickslip.identification import (
     JointFitter,
     RecordFit,
     RecordSettings,
-    arguments,
     joint_record,
     joint_view,
     names_of,
@@ -94,7 +93,6 @@ def _has_bristles(one: CandidateSpec) -> bool:
     return issubclass(kind, BristleLaw)
 
 
-@arguments
 def select_joints(
     mechanism: Mechanism,
     laws: AnyLaws,

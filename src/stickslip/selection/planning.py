@@ -26,7 +26,6 @@ from stickslip.identification import (
     TravelFit,
     TravelModel,
     Trial,
-    arguments,
     check_given,
     covariance_of,
     doubling_slope,
@@ -99,7 +98,6 @@ MOVES = 0.05
 """Share of the longest travel below which a setting is not worth a run."""
 
 
-@arguments
 def plan(
     mechanism: Mechanism,
     laws: Laws | FrictionLaw | type[FrictionLaw] | str | None = None,

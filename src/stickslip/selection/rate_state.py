@@ -21,7 +21,6 @@ from stickslip.identification import (
     RateStateFit,
     RecordSettings,
     SubsetProblem,
-    arguments,
     bounds_met,
     fit_rate_state,
     form_of,
@@ -112,7 +111,6 @@ def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ..
     )
 
 
-@arguments
 def select_rate_state(
     mechanism: Mechanism,
     laws: RateStateLaws | RateStateLaw | None,

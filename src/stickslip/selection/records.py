@@ -25,7 +25,6 @@ from stickslip.identification import (
     RecordSettings,
     RouteChoice,
     TrialComparison,
-    arguments,
     better_route,
     check_horizon,
     choice_of,
@@ -100,7 +99,6 @@ HOPELESS = (
 )
 
 
-@arguments
 def select_records(
     mechanism: Mechanism,
     laws: Mapping[str, FrictionLaw] | Sequence[FrictionLaw | type[FrictionLaw] | str] | None,

@@ -13,7 +13,6 @@ from stickslip.identification import (
     Parameters,
     TravelFit,
     Trial,
-    arguments,
     compile_for,
     payable,
     required_of,
@@ -47,7 +46,6 @@ UNSTATED = 0.02
 """Share of the travels up to which residuals count as small where no uncertainty was stated."""
 
 
-@arguments
 def select_travels(
     mechanism: Mechanism,
     laws: Laws | None,

@@ -62,11 +62,6 @@ class Number:
         marked: object = False
         doubt: object = None
         if isinstance(value, dict):
-            if "unknown" in value and self.mark:
-                raise ParameterError(
-                    f"({self.quantity.symbol}) has the key unknown, which was renamed to"
-                    f" {self.mark}: write {self.mark} = {shown(value['unknown'])}."
-                )
             if "value" not in value or set(value) - {"value", *keys}:
                 raise ParameterError(
                     f"({self.quantity.symbol}) as a table must have the keys value and"

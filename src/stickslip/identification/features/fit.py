@@ -32,7 +32,7 @@ from stickslip.identification.features.result import (
 )
 from stickslip.identification.features.scores import as_good, room_of
 from stickslip.identification.travels.start_values import starting_law, with_known
-from stickslip.identification.validation import LAW, Parameters, arguments
+from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, TowedBlock
 from stickslip.quantities import Quantity, fields_of
 from stickslip.quantities import vary as with_values
@@ -49,7 +49,6 @@ LOCAL = 4
 """Points of the global search from which the search goes on locally."""
 
 
-@arguments
 def fit_features(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw],
@@ -208,7 +207,6 @@ def _result(
     )
 
 
-@arguments
 def compare_features(
     mechanism: Mechanism,
     laws: Sequence[FrictionLaw | type[FrictionLaw]],

@@ -37,7 +37,6 @@ from stickslip.identification.settings import RecordSettings
 from stickslip.identification.validation import (
     LAW,
     Parameters,
-    arguments,
     check_given,
     check_varied,
 )
@@ -68,7 +67,6 @@ MINUTE = 5e-4
 """The same for a critical distance at which the evolution is as good as instantaneous."""
 
 
-@arguments
 def fit_rate_state(
     mechanism: Mechanism,
     law: RateState | type[RateState] | str,

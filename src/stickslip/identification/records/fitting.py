@@ -51,7 +51,7 @@ from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import Hold, RecordSettings
-from stickslip.identification.validation import LAW, Parameters, arguments
+from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, vary
 
@@ -128,7 +128,6 @@ def record_route_name(measurement: Measurement, route: str | None = None) -> Rec
     return "force-map" if "friction" in measurement.quantities() else "shooting"
 
 
-@arguments
 def fit_records(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw],

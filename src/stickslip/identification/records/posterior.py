@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.display import require_library
-from stickslip.errors import InputError, not_whole, renamed
+from stickslip.errors import InputError, not_whole
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
@@ -102,7 +102,6 @@ class Posterior:
         return xr.Dataset(columns, attrs={"cancelled": int(self.cancelled), "runs": self.runs})
 
 
-@renamed
 def sample_posterior(
     fit: Fit,
     *,

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias, final
 
 import numpy as np
 
-from stickslip.errors import ConvergenceError, StickslipError, renamed
+from stickslip.errors import ConvergenceError, StickslipError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, parameter_words, percent
 from stickslip.friction import CoulombViscous
@@ -152,7 +152,6 @@ def to_compare(choice: RouteChoice, fits: Sequence[RecordFit]) -> bool:
     return not fits or min(unexplained_share(fit) for fit in fits) > SUSPECT
 
 
-@renamed
 def choose_route(
     mechanism: Mechanism,
     measurement: Measurement,

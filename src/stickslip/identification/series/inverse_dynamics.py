@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError, renamed
+from stickslip.errors import InputError
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import quantity
 from stickslip.identification.estimation.directions import Directions
@@ -121,7 +121,6 @@ class InverseDynamics(Tabular):
         return self["inertia"] * float(np.std(accelerations)) / size if size > 0.0 else 0.0
 
 
-@renamed
 def inverse_dynamics(
     mechanism: Mechanism,
     measurement: Measurement,

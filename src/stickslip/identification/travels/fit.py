@@ -21,7 +21,7 @@ from stickslip.identification.travels.start_values import (
     starting_law,
     with_known,
 )
-from stickslip.identification.validation import LAW, Parameters, arguments
+from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
 from stickslip.solver import prepare
@@ -32,7 +32,6 @@ TOLD = ("level", "slope")
 """Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
 
 
-@arguments
 def fit_travels(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw],

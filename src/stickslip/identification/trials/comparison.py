@@ -30,7 +30,7 @@ from stickslip.identification.trials.condition_lines import ConditionLine, line_
 from stickslip.identification.trials.estimates import TrialEstimates
 from stickslip.identification.trials.homogeneity import Homogeneity, homogeneity, rows_of
 from stickslip.identification.trials.wording import SURE, sentences_of
-from stickslip.identification.validation import arguments
+from stickslip.identification.validation import check_given
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import vary
 from stickslip.solver import notice
@@ -166,7 +166,6 @@ def _plain(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-@arguments
 def compare_trials(
     mechanism: Mechanism,
     law: FrictionLaw | type[FrictionLaw] | str,
@@ -233,6 +232,7 @@ def compare_trials(
     >>> found.shared, [line.path for line in found.lines if line.clear]
     (False, ['friction.kinetic_coefficient'])
     """
+    check_given("compare_trials", mechanism, measurement)
     _refuse(measurement)
     kind = law_type(law) if isinstance(law, str) else law
     joint = fit_records(
