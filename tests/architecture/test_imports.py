@@ -29,7 +29,7 @@ def test_a_public_module_needs_no_import_of_its_own(name):
     run = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
-    public = set(getattr(importlib.import_module(f"stickslip.{name}"), "__all__"))
+    public = set(importlib.import_module(f"stickslip.{name}").__all__)
     assert public
     assert public <= set(ast.literal_eval(run.stdout))
 
