@@ -72,7 +72,7 @@ def laws() -> Iterator[str]:
 
 
 def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
-    prose = (law.__doc__ or "").partition("\n\n    Examples")[0]
+    prose = (vars(law).get("__doc__") or "").partition("\n\n    Examples")[0]
     yield from (f"(law-{name})=", f"## {law.title}", "")
     yield from (prose.replace("\n    ", "\n"), "", "$$", law.formula, "$$", "")
     rows = (

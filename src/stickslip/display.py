@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast, final
 
+from stickslip.described import Described
 from stickslip.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class Summary:
     """Sentences below the table."""
 
 
-class Displayed(ABC, Generic[Drawn_co]):
+class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
     """A result that draws itself, and that a notebook shows in short."""
 
     @abstractmethod

@@ -16,6 +16,9 @@ import typing
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
+from typing_extensions import override
+
+from stickslip.described import Described, alternatives
 from stickslip.errors import ParameterError, StickslipError, UnknownNameError, nearest
 from stickslip.units import is_pint, number_in
 
@@ -237,6 +240,11 @@ class Quantity:
                 " bounds in the unit itself."
             )
 
+    @override
+    def __str__(self) -> str:
+        """Return symbol and allowed values."""
+        return f"{self.symbol}: {self.range}" + (f" or {self.or_unit}" if self.or_unit else "")
+
     @property
     def powers(self) -> Mapping[str, int]:
         """The sizes that the scale is made of, and their powers."""
@@ -379,7 +387,7 @@ def _sum(parts: Iterable[tuple[Mapping[str, int], int]]) -> dict[str, int]:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Parametrised:
+class Parametrised(metaclass=Described):
     """Base of laws, mechanisms and drives: checks every declared quantity on construction."""
 
     data_fields: typing.ClassVar[tuple[str, ...]] = ()
@@ -427,18 +435,13 @@ def _hints(cls: type) -> dict[str, Any]:
     return typing.get_type_hints(cls, include_extras=True)
 
 
-def _alternatives(hint: Any) -> tuple[Any, ...]:
-    is_union = typing.get_origin(hint) in (typing.Union, types.UnionType)
-    return typing.get_args(hint) if is_union else (hint,)
-
-
 _OPTIONAL: dict[tuple[type, str], bool] = {}
 """Whether a field may be None, by class and name."""
 
 
 def _optional(cls: type, name: str) -> bool:
     if (cls, name) not in _OPTIONAL:
-        _OPTIONAL[cls, name] = type(None) in _alternatives(_hints(cls)[name])
+        _OPTIONAL[cls, name] = type(None) in alternatives(_hints(cls)[name])
     return _OPTIONAL[cls, name]
 
 
@@ -465,7 +468,7 @@ def fields_of(cls: type) -> Mapping[str, Quantity]:
     if cls not in _DECLARED:
         found = {}
         for field in dataclasses.fields(cls):
-            for hint in _alternatives(_hints(cls)[field.name]):
+            for hint in alternatives(_hints(cls)[field.name]):
                 for mark in getattr(hint, "__metadata__", ()):
                     if isinstance(mark, Quantity):
                         mark.check_scale(cls.__name__, field.name)

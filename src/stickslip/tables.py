@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
+from stickslip.described import Described
 from stickslip.display import require_library
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ __all__ = ["Tabular", "dataset_of"]
 BRACKETED = re.compile(r"(?P<name>.*\S)\s*\[(?P<unit>[^\[\]]*)\]")
 
 
-class Tabular(ABC):
+class Tabular(ABC, metaclass=Described):
     """A result that has rows and columns."""
 
     @abstractmethod

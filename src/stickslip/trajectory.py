@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.display import InPanels, OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number, residue
@@ -51,7 +52,7 @@ class Status(enum.Enum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Event:
+class Event(metaclass=Described):
     """A change of what the contact or the mechanism does."""
 
     t: float
@@ -71,7 +72,7 @@ class Event:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Certificate:
+class Certificate(metaclass=Described):
     """Evidence, gathered outside error control, that a run solves its equations.
 
     Errors, violations and residuals are relative to the size the quantity had in the run.

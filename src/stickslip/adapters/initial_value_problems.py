@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.display import require_library
 from stickslip.errors import InputError, SimulationError
 from stickslip.formulation import formulate
@@ -77,7 +78,7 @@ INACTIVE = 1.0
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ModeSolution:
+class ModeSolution(metaclass=Described):
     """What `ModeProblem.solve` has found: the steps of SciPy, mode after mode."""
 
     names: tuple[str, ...]

@@ -18,6 +18,7 @@ from stickslip.catalogue.cache_paths import (
 from stickslip.catalogue.converters import convert
 from stickslip.catalogue.download import download, sha256_of
 from stickslip.catalogue.schema import Column, DataFile, Known
+from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, load_measurement
 
@@ -26,7 +27,7 @@ __all__ = ["Dataset"]
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Dataset:
+class Dataset(metaclass=Described):
     """A record of the catalogue.
 
     Examples

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import final
 
+from stickslip.described import Described
+
 __all__ = ["Column", "DataFile", "Known"]
 
 Known = Mapping[str, float | str]
@@ -13,7 +15,7 @@ Known = Mapping[str, float | str]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Column:
+class Column(metaclass=Described):
     """A column of a tidy table, and where its numbers come from.
 
     Examples
@@ -40,7 +42,7 @@ class Column:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DataFile:
+class DataFile(metaclass=Described):
     """A table of a record, and the upstream file it is converted from.
 
     Examples

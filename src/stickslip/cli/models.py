@@ -120,7 +120,9 @@ def _one(name: str, *, as_json: bool) -> None:
         return
     console = stdout()
     console.print(law.title, markup=False, style="bold")
-    console.print(f"{next(iter((law.__doc__ or '').splitlines()), '')}\n", markup=False)
+    console.print(
+        f"{next(iter((vars(law).get('__doc__') or '').splitlines()), '')}\n", markup=False
+    )
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     rows = [
         [field, quantity.symbol, quantity.unit, quantity.range, _default(law, field)]

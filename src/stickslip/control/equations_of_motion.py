@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
 from stickslip.control.actuation import every_place, place_of, places_of
+from stickslip.described import Described
 from stickslip.drives import Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import Viscous
@@ -23,7 +24,7 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Dynamics:
+class Dynamics(metaclass=Described):
     """A mechanism at one moment: ``M a = h - W F + B u`` and ``N = N_0 + N_F F + N_u u``.
 
     F is the friction force at the contact, u the command; all else that acts is in h and N_0. Of c

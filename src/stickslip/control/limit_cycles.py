@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from stickslip.control.feedback_loop import ClosedLoop
+from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.quantities import Quantity
@@ -24,7 +25,7 @@ TOLERANCE = Quantity("eps", above=0, high=1)
 
 
 @dataclass(frozen=True, kw_only=True)
-class LimitCycle:
+class LimitCycle(metaclass=Described):
     """What a run does after its beginning.
 
     Numbers are those of the median cycle, and NaN where there are too few cycles.

@@ -6,6 +6,7 @@ from typing import Final, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.formatting import number
 
@@ -21,7 +22,7 @@ SURE: Final = 6.0
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class Line(metaclass=Described):
     """The line on which positions in a plane were projected, and how far they lay beside it.
 
     Examples

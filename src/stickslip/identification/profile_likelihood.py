@@ -6,6 +6,7 @@ from typing import final
 
 import numpy as np
 
+from stickslip.described import Described
 from stickslip.errors import ConvergenceError
 from stickslip.identification.estimation.jackknife import quantile_of
 from stickslip.identification.records.fit import RecordFit
@@ -18,7 +19,7 @@ FIRST = 0.2
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Allowed:
+class Allowed(metaclass=Described):
     """The upper end of what a record allows a parameter, all others fitted anew beside it."""
 
     path: str

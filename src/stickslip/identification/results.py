@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeVar, override
 
+from stickslip.described import Described
 from stickslip.display import OnAxes, Summary
 from stickslip.documents import write_file
 from stickslip.errors import InputError
@@ -51,7 +52,7 @@ READINGS = "readings"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
+class Estimate(metaclass=Described):
     """One fitted parameter with its doubt."""
 
     path: str

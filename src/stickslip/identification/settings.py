@@ -5,6 +5,7 @@ import numbers
 from dataclasses import dataclass, fields
 from typing import Literal, TypeAlias, get_args
 
+from stickslip.described import Described
 from stickslip.errors import ParameterError, UnknownNameError, not_whole
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.quantities import Quantity
@@ -25,7 +26,7 @@ STARTS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordSettings:
+class RecordSettings(metaclass=Described):
     """How records are fitted."""
 
     segment: float = SEGMENT

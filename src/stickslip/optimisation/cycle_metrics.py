@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.drives import Profile
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, Laws
@@ -48,7 +49,7 @@ GAUSS = 0.5 / math.sqrt(3.0)
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Cycle:
+class Cycle(metaclass=Described):
     """The last of some cycles, in SI units.
 
     Examples

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Annotated, final
 
+from stickslip.described import Described
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["UNIT_OF_BACK_SLIP", "Limits", "Margin"]
@@ -58,7 +59,7 @@ class Limits(Parametrised):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Margin:
+class Margin(metaclass=Described):
     """How far a motion stays from one limit.
 
     Examples

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.drives import Profile
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import SAMPLES, Cycle, fitted, measure, units_of_limits
@@ -28,7 +29,7 @@ FINER = 4097
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Goal:
+class Goal(metaclass=Described):
     """What is to be large."""
 
     name: str
@@ -59,7 +60,7 @@ GOALS: Mapping[str, Goal] = {
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ScoredMotion:
+class ScoredMotion(metaclass=Described):
     """A profile, what it brings, and what it leaves of each limit.
 
     Examples

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.errors import InputError, ParameterError, not_whole
 from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw, Laws
@@ -25,7 +26,7 @@ SHARE = Quantity("quantile", low=0, high=1)
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Scenarios:
+class Scenarios(metaclass=Described):
     """Laws, with changes to the mechanism, and what counts of them.
 
     Examples

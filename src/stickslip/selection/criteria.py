@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.described import Described
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.trajectory import Trajectory
 
@@ -15,7 +16,7 @@ GRID = 4000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Criteria:
+class Criteria(metaclass=Described):
     """What a run does, in the paper's terms, with numbers instead of yes and no alone."""
 
     travel: float

@@ -7,6 +7,7 @@ from typing import Any, final
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.experiments import Checks
 from stickslip.friction import FrictionLaw
 from stickslip.identification import COMPARED, FEATURES, FeatureFit, StickSlipFeatures
@@ -17,7 +18,7 @@ __all__ = ["FeatureCandidate", "FeatureVerdict", "OtherSpeed"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class OtherSpeed:
+class OtherSpeed(metaclass=Described):
     """What fitted laws predict where the spring is pulled at another speed."""
 
     speed: float

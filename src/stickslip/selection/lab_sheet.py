@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.formatting import count, joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Estimate
@@ -28,7 +29,7 @@ TRAVEL_COLUMN = "travel [mm]"
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Preparation:
+class Preparation(metaclass=Described):
     """A parameter to measure before the runs, and how well."""
 
     path: str
@@ -76,7 +77,7 @@ class Preparation:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Telling:
+class Telling(metaclass=Described):
     """What it takes to rule out one law where another one holds."""
 
     holds: str
@@ -126,7 +127,7 @@ class Telling:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Expectation:
+class Expectation(metaclass=Described):
     """The interval of a parameter that the planned runs will give, if its law holds."""
 
     law: str

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.friction import RateState
 from stickslip.identification import UNSPENT, VELOCITY_STEPS, RateStateFit, bounds_met
 from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
@@ -21,7 +22,7 @@ __all__ = ["OtherStep", "RateStateCandidate", "RateStateVerdict"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class OtherStep:
+class OtherStep(metaclass=Described):
     """A velocity step that was not measured, and how far apart two fitted laws are after it."""
 
     before: float

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, cast, final
 
 from typing_extensions import TypeVar, override
 
+from stickslip.described import Described
 from stickslip.display import OnAxes, Summary, plots, summary_of_table
 from stickslip.experiments import Measurement
 from stickslip.formatting import EstimateText, Scale, count, scale_of, significant
@@ -84,7 +85,7 @@ def score_text(scale: Scale, score: float | None, error: float | None = None) ->
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate(ABC, Generic[Fit_co]):
+class Candidate(ABC, Generic[Fit_co], metaclass=Described):
     """One law of a selection: its fit, its held-out error, and whether it may be taken."""
 
     name: str

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import TypeIs, override
 
+from stickslip.described import Described
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formatting import number
 from stickslip.formulation import Model
@@ -49,7 +50,7 @@ class Columns:
     """Up to when, or at which contact, negative for any; of the same shape."""
 
 
-class Output(ABC):
+class Output(ABC, metaclass=Described):
     """A number, or several, kept of each run."""
 
     @abstractmethod

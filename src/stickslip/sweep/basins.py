@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
 from stickslip.friction import Friction, FrictionLaw, Laws
@@ -37,7 +38,7 @@ __all__ = ["Attractor", "Basins", "basins"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Attractor:
+class Attractor(metaclass=Described):
     """A settled motion, by its stroboscopic points."""
 
     points: Array

@@ -1,13 +1,11 @@
 """Checks of what a class says of itself."""
 
-import ast
 import dataclasses
-import inspect
 import re
-import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
+from stickslip.described import texts_below
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.quantities import Parametrised, Quantity, fields_of
@@ -121,33 +119,14 @@ def quantities_declared(one: Parametrised) -> Iterator[str]:
 def explained(one: Parametrised) -> Iterator[str]:
     """Yield what no docstring explains: of the class, or below the field."""
     kind = type(one)
-    text = kind.__doc__ or ""
+    text = vars(kind).get("__doc__") or ""
     if not text.strip() or text.startswith(f"{kind.__name__}("):  # written by dataclass itself
         yield f"{kind.__name__} has no docstring"
         text = ""
-    below: set[str] = set()
-    for base in kind.__mro__:
-        below |= _written_below(base) if issubclass(base, Parametrised) else set()
+    below = texts_below(kind)
     for name in fields_of(kind):
         if name not in below and not re.search(rf"\b{name}\b", text):
             yield f"{name} is documented neither below its field nor in the docstring of the class"
-
-
-def _written_below(kind: type) -> set[str]:
-    """Return the names in a class body that a string follows; none where there is no source."""
-    try:
-        (body,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
-    except (OSError, TypeError, SyntaxError, ValueError):
-        return set()
-    assert isinstance(body, ast.ClassDef)
-    return {
-        before.target.id
-        for before, after in zip(body.body, body.body[1:], strict=False)
-        if isinstance(before, ast.AnnAssign)
-        and isinstance(before.target, ast.Name)
-        and isinstance(after, ast.Expr)
-        and isinstance(after.value, ast.Constant)
-    }
 
 
 def parameters_checked(one: Parametrised) -> Iterator[str]:

@@ -7,6 +7,8 @@ from typing import Any, Final, Literal
 
 from typing_extensions import override
 
+from stickslip.described import Described
+
 __all__ = ["OTHER_SPEEDS", "OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
 
 OTHER_SPEEDS: Final = "Measure at further velocities"
@@ -20,7 +22,7 @@ SEVERITIES: tuple[Severity, ...] = ("info", "warning", "error")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class Finding(metaclass=Described):
     """One remark about a measurement, as a sentence with its numbers.
 
     Examples

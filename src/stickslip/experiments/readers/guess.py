@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Array
 from stickslip.experiments.readers.csv_reader import refuse_numbers
@@ -113,7 +114,7 @@ _WRITTEN_OUT: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Guess:
+class Guess(metaclass=Described):
     """What a file seems to hold, as `guess_data` returns it.
 
     `columns`, `units`, `gain`, `repair` and `layout` are arguments of `load_measurement`, and so is

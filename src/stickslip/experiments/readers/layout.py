@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, final
 
+from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.experiments.readers.time_stamps import is_stamp
 from stickslip.units import is_unit
@@ -54,7 +55,7 @@ _THOUSANDS: Final = (
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class Layout(metaclass=Described):
     """How a text file holds its table, as `guess_data` finds it and `load_measurement` takes it.
 
     Examples

@@ -105,7 +105,7 @@ def _law_table(law: type[FrictionLaw], turning: bool) -> type[Table]:
     if force_parameters(law):
         fields["forces"] = (_forces_table(law) | None, None)
     model = create_model(law.__name__, __base__=Table, **fields)
-    model.__doc__ = (law.__doc__ or "").strip().partition("\n")[0]
+    model.__doc__ = (vars(law).get("__doc__") or "").strip().partition("\n")[0]
     return model
 
 

@@ -257,7 +257,7 @@ def table_of(
         default = ... if default is dataclasses.MISSING else default
         fields[field.name] = (_hint(cls, field.name, mark, moved, measured), default)
     model = create_model(f"{cls.__name__}_{moved}".rstrip("_"), __base__=Table, **fields)
-    model.__doc__ = (cls.__doc__ or "").strip().partition("\n")[0]
+    model.__doc__ = (vars(cls).get("__doc__") or "").strip().partition("\n")[0]
     model.target = cls
     return model
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.errors import InputError
 from stickslip.experiments import TRAVELS, Measurement
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
@@ -58,7 +59,7 @@ FASTER = 1.05
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StickSlipFeatures:
+class StickSlipFeatures(metaclass=Described):
     """Features of one record; forces are over the load, so they read as coefficients."""
 
     mean: float

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import TypeVar, override
 
+from stickslip.described import Described
 from stickslip.display import plots
 from stickslip.errors import ParameterError, UnknownNameError
 from stickslip.experiments import (
@@ -90,7 +91,7 @@ class ProblemBuilder(Protocol):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Score:
+class Score(metaclass=Described):
     """How far predictions are off, each segment started from its own fitted state."""
 
     rms: float

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.described import Described
 from stickslip.display import require_library
 from stickslip.errors import InputError, not_whole
 from stickslip.identification.records.fit import RecordFit
@@ -38,7 +39,7 @@ Watch = Callable[[int], object]
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Posterior:
+class Posterior(metaclass=Described):
     """Draws of the unknowns of a fit.
 
     Examples

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stickslip.described import Described
 from stickslip.errors import CompilationError, InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw
@@ -22,7 +23,7 @@ Progress = Callable[[int, int, str], object]
 
 
 @dataclass(frozen=True, kw_only=True)
-class WarmUp:
+class WarmUp(metaclass=Described):
     """What a warm-up did: machine code is kept for the kernels, and for the equations of pairs."""
 
     kernels_compiled: bool

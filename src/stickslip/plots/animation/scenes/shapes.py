@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeAlias
 
 from typing_extensions import TypeVar
 
+from stickslip.described import Described
 from stickslip.mechanisms import Mechanism
 from stickslip.trajectory import Trajectory
 
@@ -38,7 +39,7 @@ Moment: TypeAlias = Mapping[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Box:
+class Box(metaclass=Described):
     """A body with straight sides."""
 
     left: float
@@ -56,7 +57,7 @@ class Box:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ball:
+class Ball(metaclass=Described):
     """A ball, a wheel or a pivot."""
 
     centre: Point
@@ -70,7 +71,7 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rod:
+class Rod(metaclass=Described):
     """A rod, a string, a rail: straight lines from point to point."""
 
     points: tuple[Point, ...]
@@ -80,7 +81,7 @@ class Rod:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coil:
+class Coil(metaclass=Described):
     """A spring from one point to another."""
 
     start: Point
@@ -94,7 +95,7 @@ class Coil:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ground:
+class Ground(metaclass=Described):
     """Hatched ground from side to side of the view, with the part that is rubbed at the moment."""
 
     height: float = 0.0
@@ -106,7 +107,7 @@ class Ground:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wall:
+class Wall(metaclass=Described):
     """A face that does not move, hatched behind: a support or a hard stop."""
 
     start: Point
@@ -116,7 +117,7 @@ class Wall:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Arrow:
+class Arrow(metaclass=Described):
     """A force on a body; all arrows of an animation have one scale, which is stated."""
 
     at: Point
@@ -130,7 +131,7 @@ class Arrow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turn:
+class Turn(metaclass=Described):
     """A torque about a point, as an arc from the top, a quarter of a turn for the largest one.
 
     So the arc stays above its centre, where it hides nothing of a cart.
@@ -147,7 +148,7 @@ class Turn:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Word:
+class Word(metaclass=Described):
     """A text."""
 
     at: Point
@@ -162,7 +163,7 @@ Shape: TypeAlias = Box | Ball | Rod | Coil | Ground | Wall | Arrow | Turn | Word
 
 
 @dataclass(frozen=True, kw_only=True)
-class Picture:
+class Picture(metaclass=Described):
     """How a run is drawn."""
 
     shapes: Callable[[Moment], Sequence[Shape]]

@@ -1,0 +1,159 @@
+"""Classes whose `help` is readable: their fields with meaning, type, unit and range.
+
+The text after a field is in the source alone, and `Annotated` types fill pages. Both are looked at
+when somebody asks for the docstring or the signature of a class, not when it is imported.
+"""
+
+import ast
+import dataclasses
+import functools
+import inspect
+import operator
+import re
+import textwrap
+import types
+import typing
+from abc import ABCMeta
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from typing_extensions import override
+
+__all__ = ["Described", "alternatives", "texts_below"]
+
+SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
+"""Where a section of a docstring begins that follows the one on parameters."""
+
+
+class Described(ABCMeta):
+    r"""The type of dataclasses whose docstring has a section on their fields.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> import inspect
+    >>> inspect.signature(Viscous)
+    <Signature (*, viscous_coefficient: float) -> None>
+    >>> print(*inspect.getdoc(Viscous).splitlines()[3:6], sep="\n")
+    viscous_coefficient : float
+        Friction force over slip speed.
+        sigma_2: at least 0 N s/m.
+    """
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        """The signature of the constructor, with types but without what is declared of them."""
+        constructor = getattr(cls, "__init__")  # noqa: B009  # of the class itself
+        annotations = getattr(constructor, "__annotations__", {})
+        hints = _hints(cls)
+        for name, hint in annotations.items():  # changed in place: `help` shows `__init__` too
+            annotations[name] = _plain(hints.get(name, hint))
+        whole = inspect.signature(constructor)
+        return whole.replace(parameters=[*whole.parameters.values()][1:])
+
+    @property  # type: ignore[explicit-override]  # which mypy does not see below a setter
+    @override
+    def __doc__(cls) -> str | None:
+        """The docstring, with a section on the fields unless it has one."""
+        written: str | None = vars(cls).get("__doc__")
+        if not written or "__match_args__" not in vars(cls):  # `dataclass` asks before it is done
+            return written
+        text = inspect.cleandoc(written)
+        fields = "\n".join(_entries(cls))
+        if not fields or "\nParameters\n" in text:
+            return text
+        section = f"\n\nParameters\n----------\n{fields}"
+        found = SECTION.search(text)
+        if not found:
+            return text + section
+        return f"{text[: found.start()]}{section}\n\n{text[found.end() :]}"
+
+    @__doc__.setter
+    def __doc__(cls, text: str | None) -> None:
+        type.__dict__["__doc__"].__set__(cls, text)
+
+
+def alternatives(hint: Any) -> tuple[Any, ...]:
+    """Return the types of a union, or the one type.
+
+    Examples
+    --------
+    >>> alternatives(float | None)
+    (<class 'float'>, <class 'NoneType'>)
+    """
+    is_union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    return typing.get_args(hint) if is_union else (hint,)
+
+
+def texts_below(kind: type) -> Mapping[str, str]:
+    """Return the texts below the fields of a class, those of its bases included.
+
+    Examples
+    --------
+    >>> from stickslip import Viscous
+    >>> texts_below(Viscous)["viscous_coefficient"]
+    'Friction force over slip speed.'
+    """
+    found: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        found |= _written(base) if dataclasses.is_dataclass(base) else {}
+    return found
+
+
+def _written(kind: type) -> Mapping[str, str]:
+    """Return the names in a class body that a text follows; none where there is no source."""
+    try:
+        (body,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    except (OSError, TypeError, SyntaxError, ValueError):
+        return {}
+    assert isinstance(body, ast.ClassDef)
+    return {
+        before.target.id: inspect.cleandoc(after.value.value)
+        for before, after in zip(body.body, body.body[1:], strict=False)
+        if isinstance(before, ast.AnnAssign)
+        and isinstance(before.target, ast.Name)
+        and isinstance(after, ast.Expr)
+        and isinstance(after.value, ast.Constant)
+        and isinstance(after.value.value, str)
+    }
+
+
+def _entries(kind: type) -> Iterator[str]:
+    """Yield what a docstring says of each field."""
+    texts, hints = texts_below(kind), _hints(kind)
+    for field in dataclasses.fields(kind):
+        if field.name.startswith("_") or not field.init:
+            continue
+        hint = hints.get(field.name, field.type)
+        marks = [str(m) for one in alternatives(hint) for m in getattr(one, "__metadata__", ())]
+        yield f"{field.name} : {_kind_in_words(field, hint)}"
+        lines = [*texts.get(field.name, "").splitlines(), *(f"{mark}." for mark in marks)]
+        yield from (f"    {line}" for line in lines)
+
+
+def _hints(kind: type) -> Mapping[str, Any]:
+    """Return the types of fields; none where they need what only type checkers import."""
+    try:
+        return typing.get_type_hints(kind, include_extras=True)
+    except NameError:
+        return {}
+
+
+def _kind_in_words(field: "dataclasses.Field[Any]", hint: Any) -> str:
+    plain = _plain(hint)
+    named = plain if isinstance(plain, str) else inspect.formatannotation(plain)
+    named = re.sub(r"\b(?:\w+\.)+(\w+)", r"\1", named).replace("'", "")
+    if field.default not in (dataclasses.MISSING, None, "", ()):
+        return f"{named}, default {field.default!r}"
+    required = field.default is field.default_factory is dataclasses.MISSING
+    return named if required else f"{named.removesuffix(' | None')}, optional"
+
+
+def _plain(hint: Any) -> Any:
+    """Return a type without what `Annotated` says of it."""
+    if hasattr(hint, "__metadata__"):
+        return hint.__origin__
+    parts = alternatives(hint)
+    if any(hasattr(part, "__metadata__") for part in parts):
+        return functools.reduce(operator.or_, map(_plain, parts))
+    return hint
