@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast, final
 
+from typing_extensions import override
+
 from stickslip.described import Described
 from stickslip.errors import InputError
 
@@ -38,6 +40,7 @@ __all__ = [
     "plots",
     "require_library",
     "summary_of_table",
+    "text_of",
 ]
 
 Drawn_co = TypeVar("Drawn_co", covariant=True)
@@ -94,6 +97,18 @@ class Displayed(ABC, Generic[Drawn_co], metaclass=Described):
         """Draw the result; what the class of a result replaces that has a plot of its own."""
         return cast("Drawn_co", plots().plot(self, ax))
 
+    @override
+    def __str__(self) -> str:
+        """Return status or verdict and the table in short, as notebooks show them."""
+        try:
+            return text_of(self._summary())
+        except Exception:  # a debugger shows results that are only half made, too
+            return object.__repr__(self)
+
+    @override
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self}>".replace("\n", "\n ")
+
     @final
     def _repr_html_(self) -> str:
         return html_of(self._summary, self)
@@ -105,6 +120,27 @@ class OnAxes(Displayed["Axes"], ABC):
 
 class InPanels(Displayed["NDArray[np.object_]"], ABC):
     """A result whose plot has several panels."""
+
+
+def text_of(summary: Summary) -> str:
+    """Return a summary as lines of text.
+
+    Examples
+    --------
+    >>> print(text_of(Summary(sentence="Done.", rows=[("runs", 3), ("time", "0 to 1 s")])))
+    Done.
+    runs: 3
+    time: 0 to 1 s
+    """
+    rows = [[_cell(value) for value in row] for row in summary.rows[:MOST_ROWS]]
+    lines = [": ".join([row[0].rstrip("."), *row[1:]]) for row in rows]
+    if summary.head:
+        table = [[*map(str, summary.head)], *rows]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
+    left = len(summary.rows) - len(rows)
+    more = [f"{left} more rows."] if left > 0 else []
+    return "\n".join([*filter(None, [summary.sentence]), *lines, *more, *summary.notes])
 
 
 def html_of(summary: Any, result: object) -> str:

@@ -392,9 +392,19 @@ class Parametrised(metaclass=Described):
 
     data_fields: typing.ClassVar[tuple[str, ...]] = ()
     """Fields whose content never enters an equation's text, such as the points of a drive."""
+    wanted: typing.ClassVar[str] = ""
+    """What a field of this class holds, for the message on something else: "a drive such as"."""
+
+    @classmethod
+    def instead(cls, given: object) -> str:  # noqa: ARG003  # subclasses look at it
+        """Return how something else that was given is written instead; empty if unknown."""
+        return ""
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
+        for name, kinds in _members(type(self)).items():
+            if not isinstance(getattr(self, name), kinds):
+                raise ParameterError(_refusal(f"{owner}.{name}", kinds, getattr(self, name)))
         for name, quantity in fields_of(type(self)).items():
             value = getattr(self, name)
             if value is None and _optional(type(self), name):
@@ -443,6 +453,40 @@ def _optional(cls: type, name: str) -> bool:
     if (cls, name) not in _OPTIONAL:
         _OPTIONAL[cls, name] = type(None) in alternatives(_hints(cls)[name])
     return _OPTIONAL[cls, name]
+
+
+_MEMBERS: dict[type, Mapping[str, tuple[type, ...]]] = {}
+"""Types of the fields that hold objects with parameters, by class."""
+
+
+def _members(cls: type) -> Mapping[str, tuple[type, ...]]:
+    """Return the fields that hold an object with parameters, or True or False, and their types."""
+    if cls not in _MEMBERS:
+        found: dict[str, tuple[type, ...]] = {}
+        for field in dataclasses.fields(cls):
+            kinds = alternatives(_hints(cls)[field.name])
+            if kinds == (bool,) or (
+                isinstance(kinds[0], type) and issubclass(kinds[0], Parametrised)
+            ):
+                found[field.name] = (*kinds, *([type(None)] if field.default is None else []))
+        _MEMBERS[cls] = found
+    return _MEMBERS[cls]
+
+
+def _refusal(label: str, kinds: tuple[type, ...], given: object) -> str:
+    """Return the message on a field that holds an object of another kind."""
+    kind = kinds[0]
+    if kind is bool:
+        return f"{label} must be True or False, got {given!r}."
+    assert issubclass(kind, Parametrised)
+    wanted = kind.wanted or f"of the class {kind.__name__}"
+    none = " or None" if type(None) in kinds else ""
+    cure = kind.instead(given)
+    shown = "a function" if isinstance(given, types.FunctionType) else repr(given)
+    if isinstance(given, type):
+        shown = f"the class {given.__name__}"
+        cure = f"Give its parameters: {given.__name__}(...)." if issubclass(given, kinds) else cure
+    return f"{label} must be {wanted}{none}, got {shown}." + (f" {cure}" if cure else "")
 
 
 _NAMES: dict[type, tuple[str, ...]] = {}

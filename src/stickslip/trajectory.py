@@ -13,7 +13,7 @@ from typing_extensions import override
 from stickslip.described import Described
 from stickslip.display import InPanels, OnAxes, Summary, require_library
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.formatting import number, residue
+from stickslip.formatting import number, quantity, residue
 
 if TYPE_CHECKING:
     import numpy as np
@@ -139,7 +139,7 @@ class _Seen:
         return {name: found[column] for name, column in self.columns.items()}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Trajectory(InPanels):
     """A run: an array for each state, defined at any time between its start and its end.
 
@@ -386,11 +386,15 @@ class Trajectory(InPanels):
     def _count(self, contact: str) -> int:
         return sum(event.contact == contact for event in self.events)
 
+    def _last(self, name: str) -> str:
+        return f"{name} = {quantity(float(self[name][-1]), self.units[name], 4)}"
+
     @override
     def _summary(self) -> Summary:
         rows = (
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
             ("columns", ", ".join(self.names)),
+            ("last values", ", ".join(self._last(name) for name in self.states)),
             ("events", len(self.events)),
             ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),
@@ -403,7 +407,7 @@ class Trajectory(InPanels):
         return Summary(sentence=self.ending, rows=rows, notes=notes)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Ensemble(OnAxes):
     """Many runs of one mechanism with one law: outputs, status and certificate, a row a run.
 

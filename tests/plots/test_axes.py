@@ -170,10 +170,10 @@ def test_a_notebook_shows_the_text_of_a_result_whose_summary_fails(results):
         raise RuntimeError
 
     run = results["run"]
-    assert html_of(fail, run).startswith("<pre>Trajectory(")
+    assert html_of(fail, run).startswith("<pre>&lt;Trajectory: Came")
     assert "Broken object" in html_of(fail, Broken())
     bad = replace(run, certificate=None)
-    assert bad._repr_html_().startswith("<pre>Trajectory(")
+    assert bad._repr_html_().startswith("<pre>&lt;Trajectory: &lt;stickslip")
 
 
 def test_a_figure_in_a_notebook_warns_of_nothing(results):
@@ -210,6 +210,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_separation: "verdict must be a TravelVerdict, got",
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
+        plots.plot_measurement: "measurement must be a Measurement",
         plots.plot_trials: "comparison must be a TrialComparison",
         plots.plot_profile: "optimum must be an Optimum",
         plots.plot_closed_loop: "loop must be a ClosedLoop",

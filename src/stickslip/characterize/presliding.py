@@ -29,7 +29,7 @@ SHARE_OF_LENGTH = 0.05
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class PreslidingLoop(OnAxes, Tabular):
     """Friction along an imposed displacement that swings ever wider."""
 

@@ -51,7 +51,7 @@ class Controller(Protocol):
         ...
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class ClosedLoop(InPanels, Tabular):
     """A run in closed loop: the motion, and what the controller saw and said at each sample.
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, final
+from typing import Any, ClassVar, NamedTuple, final
 
 from typing_extensions import override
 
@@ -55,6 +55,20 @@ class Drive(Parametrised, ABC):
     The solver stops at the start of every piece and loads its numbers, so jumps and kinks are met
     exactly however short they are.
     """
+
+    wanted: ClassVar[str] = "a drive such as Sine(...)"
+
+    @override
+    @classmethod
+    def instead(cls, given: object) -> str:
+        sampled = "Sampled(times=t, values=[f(s) for s in t], hold='first')"
+        if isinstance(given, (int, float)):
+            return f"A constant is Sampled(times=[0.0], values=[{given:g}])."
+        if callable(given):
+            return f"Give samples of the function f, {sampled}, or a sum of drives."
+        if isinstance(given, (list, tuple)) or hasattr(given, "__array__"):
+            return "Give the times of the samples too: Sampled(times=..., values=...)."
+        return ""
 
     @abstractmethod
     def smooth(self, t: Scalar) -> Scalar:

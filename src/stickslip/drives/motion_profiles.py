@@ -25,6 +25,13 @@ class Profile(Drive, ABC):
     As a drive its value is the acceleration; `start_position` and `start_rate` are where it begins.
     """
 
+    wanted: ClassVar[str] = "a motion profile such as ThreePhase(...)"
+
+    @override
+    @classmethod
+    def instead(cls, given: object) -> str:
+        return ""
+
     @property
     @abstractmethod
     def period(self) -> float:

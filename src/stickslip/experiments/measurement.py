@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import plain_conditions
 from stickslip.experiments.line import Line
 from stickslip.experiments.units import LARGEST, size_wanted
+from stickslip.formatting import number, span
+from stickslip.formatting import quantity as with_unit
 from stickslip.quantities import Converted, Given, Numbers, Quantity
 from stickslip.tables import Tabular
 from stickslip.units import is_pint, number_in, pint_magnitude
@@ -98,9 +101,20 @@ def quantity_called(name: str) -> Quantity:
     return QUANTITIES[known]
 
 
+SENTENCES: Mapping[str, str] = MappingProxyType(
+    {
+        "series": "Record in time",
+        "friction-map": "Friction map",
+        "travels": "Travels",
+        "scalars": "Single values",
+    }
+)
+"""What a measurement without a name is called, by kind."""
+
+
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Measurement(Tabular):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Measurement(Tabular, InPanels):
     """One record, or several trials of one rig.
 
     Arrays are copied and made read-only; scalars become floats.
@@ -387,6 +401,49 @@ class Measurement(Tabular):
     @override
     def _over(self) -> str:
         return "time"
+
+    @override
+    def _summary(self) -> Summary:
+        records = self.records()
+        rows: list[tuple[str, object]] = []
+        if self.trials:
+            rows.append(("trials", len(self.trials)))
+        if self.kind != "scalars":
+            sizes = [len(one.to_dataframe()) for one in records]
+            rows.append(("samples", " + ".join(map(str, sizes)) if len(sizes) < 6 else sum(sizes)))
+        times = [one.time for one in records if one.time is not None]
+        if times:
+            first, last = min(t[0] for t in times), max(t[-1] for t in times)
+            rows.append(("time", f"{number(first, 4)} to {number(last, 4)} s"))
+        rows += [(name, self._extent(name)) for name in self.quantities()]
+        changed = {
+            path: {one.overrides[path] for one in records if path in one.overrides}
+            for path in dict.fromkeys(path for one in records for path in one.overrides)
+        }
+        different = dict.fromkeys(name for one in records for name in one.conditions)
+        rows += [
+            (path, f"{span(min(found), max(found), '1', 4)} [SI]")
+            for path, found in changed.items()
+        ]
+        rows += [("conditions", ", ".join(different))] if different else []
+        return Summary(
+            sentence=self.name or SENTENCES["travels" if self.travelled else self.kind],
+            rows=rows,
+            notes=[self.provenance] if self.provenance else [],
+        )
+
+    def _extent(self, quantity_name: str) -> str:
+        """Return the range of the values of a quantity, with its unit, and its uncertainty."""
+        found = [one for one in self.records() if quantity_name in one.quantities()]
+        values = np.concatenate([np.atleast_1d(one.values(quantity_name)) for one in found])
+        text = span(float(values.min()), float(values.max()), self.unit(quantity_name))
+        doubts = {
+            with_unit(one.uncertainty[quantity_name], self.unit(quantity_name))
+            for one in found
+            if quantity_name in one.uncertainty
+        }
+        kind = found[0].uncertainty_kind
+        return f"{text}, uncertainty {' or '.join(sorted(doubts))} ({kind})" if doubts else text
 
     def _is_long(self) -> bool:
         """Whether there is more than one number of a quantity."""

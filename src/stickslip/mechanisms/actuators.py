@@ -13,7 +13,7 @@ from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import Guide
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque", "check_motor"]
+__all__ = ["IDLE", "MOTORS", "Motor", "Prescribed", "Torque"]
 
 DRIVE = "motor"
 """Name of the drive that a motor has."""
@@ -25,6 +25,16 @@ class Motor(Parametrised, ABC):
 
     name: ClassVar[str]
     """``type`` in rig files."""
+    wanted: ClassVar[str] = "a motor, Prescribed(...) or Torque(...)"
+
+    @override
+    @classmethod
+    def instead(cls, given: object) -> str:
+        if isinstance(given, Profile):
+            return "Write Prescribed(profile=...)."
+        if isinstance(given, Drive):
+            return "Write Torque(drive=...)."
+        return f"Write Torque(drive=...). {Drive.instead(given)}" if callable(given) else ""
 
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:
@@ -94,16 +104,6 @@ class Prescribed(Motor):
     """Largest force or torque; a run that needs more ends there. None if not given."""
 
     @override
-    def __post_init__(self) -> None:
-        """Check that there is a profile."""
-        super().__post_init__()
-        if not isinstance(self.profile, Profile):
-            raise ParameterError(
-                "Prescribed.profile must be a motion profile such as ThreePhase(...), got"
-                f" {self.profile!r}."
-            )
-
-    @override
     def drives(self) -> Mapping[str, Drive]:
         return {DRIVE: self.profile}
 
@@ -148,14 +148,12 @@ class Torque(Motor):
 
     @override
     def __post_init__(self) -> None:
-        """Check that the drive is one, and no motion."""
+        """Check that the drive is no motion."""
         super().__post_init__()
-        given: object = self.drive
-        motion = isinstance(given, Profile)
-        if motion or not isinstance(given, Drive | None):
-            cure = " For a motion write Prescribed(profile=...)." if motion else ""
+        if isinstance(self.drive, Profile):
             raise ParameterError(
-                f"Torque.drive must be a drive such as Sine(...) or None, got {self.drive!r}.{cure}"
+                f"Torque.drive must be {Drive.wanted} or None, got {self.drive!r}. For a motion"
+                " write Prescribed(profile=...)."
             )
 
     @override
@@ -183,31 +181,6 @@ class Torque(Motor):
     @override
     def limits(self, effort: Scalar) -> Mapping[str, Scalar]:
         return {}
-
-
-def check_motor(owner: str, motor: object) -> None:
-    """Refuse what is no motor, and say how what is nearly one is written.
-
-    Parameters
-    ----------
-    owner : str
-        What asks, for the error.
-    motor : object
-        What was given.
-
-    Raises
-    ------
-    ParameterError
-        If it is no motor.
-    """
-    if isinstance(motor, Motor):
-        return
-    cure = ""
-    if isinstance(motor, Profile):
-        cure = " Write Prescribed(profile=...)."
-    elif isinstance(motor, Drive):
-        cure = " Write Torque(drive=...)."
-    raise ParameterError(f"{owner} must be a motor, Prescribed or Torque, got {motor!r}.{cure}")
 
 
 IDLE = Torque()

@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.actuators import IDLE, Motor, check_motor
+from stickslip.mechanisms.actuators import IDLE, Motor
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
@@ -70,12 +70,6 @@ class Capsule(BoundedMechanism):
     """Hard stop that xi does not rise above; none if not given."""
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Relative speed after an impact over the speed before; 0 if nothing bounces."""
-
-    @override
-    def __post_init__(self) -> None:
-        """Check the parameters and the motor."""
-        super().__post_init__()
-        check_motor("Capsule.drive", self.drive)
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:

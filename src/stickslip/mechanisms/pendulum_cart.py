@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
-from stickslip.mechanisms.actuators import IDLE, Motor, check_motor
+from stickslip.mechanisms.actuators import IDLE, Motor
 from stickslip.mechanisms.base import Contact, Guide, Incline, Mechanism, height
 from stickslip.quantities import Quantity
 
@@ -81,11 +81,10 @@ class PendulumCart(Mechanism):
 
     @override
     def __post_init__(self) -> None:
-        """Check the parameters and the motor; a pivot without load is no contact."""
+        """Check the parameters; a pivot without load is no contact."""
         super().__post_init__()
         if self.pivot_load == 0.0:
             object.__setattr__(self, "pivot_load", None)
-        check_motor("PendulumCart.pendulum", self.pendulum)
 
     @override
     def kinetic_energy(self, q: Mapping[str, Scalar], q_dot: Mapping[str, Scalar]) -> Scalar:

@@ -63,6 +63,7 @@ HOMES = {
     "plot_joints": "selection.joints",
     "plot_law": "laws.curves",
     "plot_limit_cycle": "runs.limit_cycles",
+    "plot_measurement": "data.data_overview",
     "plot_presliding": "laws.curves",
     "plot_profile": "runs.profiles",
     "plot_residuals": "selection.fits",

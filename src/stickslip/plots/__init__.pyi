@@ -33,6 +33,7 @@ from stickslip.plots.core.theme import spread as spread
 from stickslip.plots.core.theme import symbol_label as symbol_label
 from stickslip.plots.data.data_overview import draw_overview as draw_overview
 from stickslip.plots.data.data_overview import overview_size as overview_size
+from stickslip.plots.data.data_overview import plot_measurement as plot_measurement
 from stickslip.plots.data.record import Channel as Channel
 from stickslip.plots.data.record import draw_record as draw_record
 from stickslip.plots.data.record import record_sizes as record_sizes
@@ -195,6 +196,7 @@ __all__ = [
     "plot_joints",
     "plot_law",
     "plot_limit_cycle",
+    "plot_measurement",
     "plot_presliding",
     "plot_profile",
     "plot_residuals",

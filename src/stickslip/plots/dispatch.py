@@ -11,11 +11,13 @@ from stickslip.characterize import PreslidingLoop
 from stickslip.control import ClosedLoop
 from stickslip.display import InPanels
 from stickslip.errors import InputError
+from stickslip.experiments import Measurement
 from stickslip.friction import FrictionLaw
 from stickslip.identification import Fit, TrialComparison
 from stickslip.optimisation import Optimum
 from stickslip.plots.core.axes import Panels, PanelTarget
 from stickslip.plots.core.svg import standalone_svg
+from stickslip.plots.data.data_overview import plot_measurement
 from stickslip.plots.data.trials import plot_trials
 from stickslip.plots.laws.curves import plot_law, plot_presliding
 from stickslip.plots.runs.closed_loop import plot_closed_loop
@@ -45,6 +47,7 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Bifurcation: plot_sweep,
         Basins: plot_sweep,
         Optimum: plot_profile,
+        Measurement: plot_measurement,
     }
 )
 """The plot of each kind of result."""

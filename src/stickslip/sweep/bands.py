@@ -44,7 +44,7 @@ class Spread(NamedTuple):
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Band(OnAxes, Tabular):
     """Runs of one mechanism with draws of a law's parameters."""
 

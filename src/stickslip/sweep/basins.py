@@ -51,7 +51,7 @@ class Attractor(metaclass=Described):
     """Share of all starts that end in it."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Basins(OnAxes):
     """Which motion each start ends in."""
 

@@ -45,7 +45,7 @@ END = Quantity("T", "s", above=0)
 Starts = tuple[Mapping[str, float], ...]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Bifurcation(OnAxes):
     """Samples of a state over the values of a parameter, for each start."""
 

@@ -44,7 +44,7 @@ STILL = 1e-3
 """Share of the largest velocity of a map below which a body counts as staying where it is."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class VelocityMap(OnAxes):
     """Mean velocities over a grid; arrays have one dimension for each of the `axes`."""
 

@@ -11,13 +11,17 @@ from matplotlib.gridspec import GridSpec
 
 from stickslip.experiments import GAP, QUANTITIES, Measurement, interval_of, velocity_of
 from stickslip.formatting import scale_of
+from stickslip.plots.core.arguments import check_type
+from stickslip.plots.core.axes import Panels, PanelTarget, on_panels
 from stickslip.plots.core.helpers import Array
 from stickslip.plots.core.svg import Draw, Size
 from stickslip.plots.core.theme import C1, DATA, MUTED, SLIP_BACK, STICK, shade
 
-__all__ = ["draw_overview", "overview_size"]
+__all__ = ["draw_overview", "overview_size", "plot_measurement"]
 
 MOST_SIGNALS: Final = 5
+MOST_NAMED: Final = 6
+"""Trials at most whose curves have a name each."""
 BINS: Final = 1200
 """Stretches of time of which smallest and largest value are drawn."""
 SPEEDS: Final = 60
@@ -86,6 +90,124 @@ def draw_overview(record: Measurement) -> Draw:
         figure.align_ylabels()
 
     return draw
+
+
+def plot_measurement(measurement: Measurement, ax: PanelTarget = None) -> Panels:
+    """Draw a measurement as it was made.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        Records in time, friction maps or travels; all trials are drawn over each other.
+    ax : sequence of Axes, Figure or SubFigure, optional
+        Where. A new figure if not given.
+
+    Returns
+    -------
+    array of Axes (n,)
+        A panel for each signal against time; friction against velocity; or the travels of the
+        trials, with their stated uncertainties.
+
+    Raises
+    ------
+    InputError
+        If `measurement` or `ax` is of another kind.
+
+    Examples
+    --------
+    >>> time = np.arange(500) / 100
+    >>> record = Measurement(time=time, position=np.sin(time), force=np.cos(time))
+    >>> [axes.get_ylabel() for axes in plot_measurement(record, Figure())]
+    ['position, m', 'force, N']
+    """
+    check_type("measurement", measurement, Measurement)
+    records = measurement.records()
+    series = measurement.kind == "series"
+    names = [
+        name
+        for name in measurement.quantities()
+        if series and any(np.ndim(one.values(name)) for one in records if name in one.quantities())
+    ]
+
+    def draw(figure: Figure, _narrow: bool) -> None:
+        if series:
+            panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+            for axes, name in zip(panels, names, strict=True):
+                _overlay(axes, measurement, name)
+            panels[-1].set_xlabel("time, s")
+            figure.align_ylabels()
+        elif measurement.kind == "friction-map":
+            _map(figure.add_subplot(), measurement)
+        else:
+            _travels(figure.add_subplot(), measurement)
+
+    return on_panels(draw, ax, (880, 110 * len(names) + 60 if series else 320))
+
+
+def _colour(place: int, records: Sequence[Measurement]) -> str:
+    return DATA if len(records) == 1 else f"C{place % 10}"
+
+
+def _overlay(axes: Axes, measurement: Measurement, name: str) -> None:
+    """Draw a signal of all trials that have it."""
+    records = measurement.records()
+    all_values = np.concatenate([np.ravel(r.values(name)) for r in records if _has(r, name)])
+    factor, unit = scale_of(all_values, measurement.unit(name))
+    for place, record in enumerate(records):
+        if _has(record, name) and record.time is not None:
+            time, values = _envelope(
+                np.asarray(record.time), factor * np.asarray(record.values(name))
+            )
+            axes.plot(time, values, color=_colour(place, records), linewidth=1.0)
+    quantity, _, joint = name.partition(".")
+    axes.set_ylabel((f"{joint}\n" if joint else "") + _label(quantity, unit))
+    axes.margins(x=0, y=0.08)
+    axes.grid(axis="y")
+
+
+def _has(record: Measurement, name: str) -> bool:
+    return name in record.quantities() and np.ndim(record.values(name)) > 0
+
+
+def _map(axes: Axes, measurement: Measurement) -> None:
+    """Draw friction against velocity, a point for each row."""
+    records = measurement.records()
+    for place, record in enumerate(records):
+        v, f = record.values("velocity"), record.values("friction")
+        label = record.name or f"trial {place + 1}"
+        axes.plot(v, f, ".", color=_colour(place, records), markersize=4.0, label=label)
+    if 1 < len(records) <= MOST_NAMED:
+        axes.legend(frameon=False)
+    axes.set_xlabel(_label("velocity", measurement.unit("velocity")))
+    axes.set_ylabel(_label("friction", measurement.unit("friction")))
+    axes.grid(axis="y")
+
+
+def _travels(axes: Axes, measurement: Measurement) -> None:
+    """Draw the numbers of each trial beside each other, with their uncertainties."""
+    name = measurement.travelled or measurement.quantities()[0]
+    records = [one for one in measurement.records() if name in one.quantities()]
+    values = [np.ravel(one.values(name)) for one in records]
+    factor, unit = scale_of(np.concatenate(values), measurement.unit(name))
+    for place, (record, found) in enumerate(zip(records, values, strict=True), 1):
+        doubt = factor * record.uncertainty.get(name, 0.0)
+        axes.errorbar(
+            np.full(found.size, place),
+            factor * found,
+            yerr=doubt or None,
+            fmt="o",
+            color=DATA,
+            markersize=5.0,
+            capsize=4.0,
+        )
+    axes.set_xticks(
+        range(1, len(records) + 1), [one.name or f"{n}" for n, one in enumerate(records, 1)]
+    )
+    axes.set_xlim(0.4, len(records) + 0.6)
+    axes.set_xlabel("trial")
+    axes.set_ylabel(_label(name, unit))
+    axes.margins(y=0.15)
+    axes.grid(axis="y")
 
 
 def _sampled(record: Measurement, name: str) -> bool:
