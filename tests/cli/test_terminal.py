@@ -16,7 +16,7 @@ from stickslip import load_rig
 from stickslip.cli import main
 from stickslip.cli.app import app
 from stickslip.cli.help import PANELS
-from stickslip.cli.progress import Compiling, Searching
+from stickslip.cli.progress import Compiling, Drawing, Searching
 
 
 @pytest.fixture
@@ -268,8 +268,41 @@ def test_progress_without_a_terminal_is_a_line_now_and_then(capsys, monkeypatch,
     lines = capsys.readouterr().err.splitlines()
     # four steps, and in each at most one line after 20 s
     assert 4 < len(lines) <= 8
-    assert lines[0] == "Fitting coulomb ..."
-    assert lines[2] == "Fitting viscous (1 of 4 done, 30 s, about 1 min 30 s left) ..."
+    assert lines[0] == "Fitting coulomb (law 1 of 4) ..."
+    assert lines[2] == "Fitting viscous (law 2 of 4, 30 s) ..."
+
+
+def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(capsys, monkeypatch):
+    """Simpler laws are fitted first, and a law with bristles takes 100 times as long."""
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    with Searching(["lugre", "coulomb", "stribeck"], str, Interrupts()) as watch:
+        for now, name in ((0, "coulomb"), (1, "stribeck"), (2, "coulomb"), (6, "lugre")):
+            clock.now = float(now)
+            watch(name, 0.5)
+        clock.now = 400.0
+        watch("lugre", 0.4)
+        watch("block 1 of 8", 0.4)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "Fitting coulomb (law 1 of 3) ...",
+        "Fitting stribeck (law 2 of 3) ...",
+        "Fitting lugre (law 3 of 3, 6 s) ...",
+        "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
+        "Validating on block 1 of 8 (6 min 40 s) ...",
+    ]
+
+
+def test_the_time_left_leaves_out_what_compiling_took(capsys, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    with Drawing("Running") as report:
+        for done in range(1, 400):
+            clock.now = 60.0 + 0.1 * done  # a minute before the first
+            report(done, 1000)
+    (early, late) = capsys.readouterr().err.splitlines()[:2]
+    assert early == "Running (1 of 1000 done, 1 min 0 s) ..."
+    assert "about 1 min 20 s left" in late
 
 
 def test_compiling_without_a_terminal_does_not_tell_the_time_left(capsys, monkeypatch):

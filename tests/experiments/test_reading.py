@@ -1,6 +1,7 @@
 """Files that are not plain tables: MATLAB, several at once, disordered, or no tables at all."""
 
 import io
+import math
 import struct
 
 import h5py
@@ -218,6 +219,36 @@ def test_samples_are_sorted_and_doubles_resolved_and_counted(write):
         "data.csv; sorted by time (2 samples out of order); dropped 1 exact duplicate;"
         " averaged the values at 1 duplicate time"
     )
+
+
+@pytest.mark.parametrize("apart", [1e-12, 1e-9, 9e-7])
+@pytest.mark.parametrize("share", [0.01, 1.0])
+def test_no_steps_that_are_nearly_zero_are_left_by_a_repair(write, apart, share):
+    rng = np.random.default_rng(1)
+    time = np.arange(400) * 1e-3
+    again = time[rng.random(400) < share]
+    times = rng.permutation(np.concatenate([time, again + apart]))
+    rows = "\n".join(f"{t!r},{math.sin(t)!r}" for t in map(float, times))
+    record = load_measurement(write(f"time,position\n{rows}\n"), repair="sort")
+    assert record.time.size == 400
+    assert np.diff(record.time).min() > 0.99e-3  # of 1 ms; an average moves it by half of `apart`
+    np.testing.assert_allclose(record.position, np.sin(time), atol=1e-6)
+    assert "at nearly the same time (at most" in record.provenance
+
+
+@pytest.mark.parametrize(
+    "time",
+    [
+        np.arange(300) * 1e-3 + np.random.default_rng(2).uniform(-4e-4, 4e-4, 300),
+        np.concatenate([np.arange(300) * 1e-3, 1e4 + np.arange(300) * 1e-3]),
+        np.concatenate([burst + np.arange(100) * 1e-6 for burst in (0.0, 0.1, 0.2)]),
+    ],
+    ids=["jitter", "a long gap", "bursts"],
+)
+def test_close_samples_of_a_sound_time_base_stay(write, time):
+    rows = "\n".join(f"{t!r},{t!r}" for t in map(float, time))
+    record = load_measurement(write(f"time,position\n{rows}\n"), repair="sort")
+    np.testing.assert_array_equal(record.time, time)
 
 
 def test_samples_that_are_not_finite_are_dropped_and_counted(write):

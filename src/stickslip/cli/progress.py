@@ -15,6 +15,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from typing_extensions import override
 
 from stickslip.cli.console import is_quiet, stderr
 from stickslip.cli.interrupts import Interrupts
@@ -45,14 +46,15 @@ def _time_text(seconds: float) -> str:
     return f"{whole // 3600} h {round(whole % 3600 / 60)} min"
 
 
-def _bars() -> Progress:
+def _bars(*, steady: bool = False, counted: bool = True) -> Progress:
+    """Return bars; with the time left where parts are `steady`, with numbers where `counted`."""
     return Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
-        MofNCompleteColumn(),
+        *([MofNCompleteColumn()] if counted else []),
         TextColumn("{task.fields[runs]}"),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
+        *([TimeRemainingColumn()] if steady else []),
         console=stderr(),
         transient=True,
     )
@@ -62,14 +64,17 @@ class _Shown:
     """Bars that are there within a `with`; in a file or a pipe, a line now and then.
 
     There is one for each step, and in a long one, one after each `SILENCE`, with the time so far
-    and the time left.
+    and, where it can be estimated, the time left.
     """
 
-    steady: ClassVar[bool] = True
+    steady: ClassVar[bool] = False
     """Whether parts take about as long as each other, so that the time left can be estimated."""
+    counted: ClassVar[bool] = True
+    """Whether a bar has numbers beside it."""
 
-    def __init__(self, bars: Progress) -> None:
-        self._bars = bars
+    def __init__(self) -> None:
+        bars = self._bars = _bars(steady=self.steady, counted=self.counted)
+        self._first: tuple[float, float] | None = None
         self._said: set[str] = set()
         # FORCE_COLOR, as notebooks set it, makes a file a terminal, but draws nothing over there
         self._seen = bars.console.is_terminal and bars.console.file.isatty()
@@ -87,6 +92,8 @@ class _Shown:
             How much is done, and of how much; 0 if unknown.
         """
         now = time.monotonic()
+        if self._first is None and done > 0.0:
+            self._first = now, done
         new = step not in self._said
         self._said.add(step)
         if self._seen or self._quiet or not (new or now - self._last >= SILENCE):
@@ -100,9 +107,17 @@ class _Shown:
         if elapsed < LONG:
             return ""
         share = f"{done:.0f} of {total:.0f} done, " if total else ""
-        left = elapsed * (total - done) / done if self.steady and total and done else 0.0
-        rest = f", about {_time_text(left)} left" if left else ""
-        return f" ({share}{_time_text(elapsed)}{rest})"
+        return f" ({share}{_time_text(elapsed)}{self._left(elapsed, done, total)})"
+
+    def _left(self, elapsed: float, done: float, total: float) -> str:
+        """Return the time left, by the pace since the first part, which may have compiled."""
+        if not (self.steady and self._first and total):
+            return ""
+        since, before = self._first[0] - self._start, self._first[1]
+        if done <= before:
+            return ""
+        left = (elapsed - since) * (total - done) / (done - before)
+        return f", about {_time_text(left)} left" if left else ""
 
     def __enter__(self) -> Self:
         if self._seen and not self._quiet:
@@ -123,10 +138,8 @@ class _Shown:
 class Compiling(_Shown):
     """A bar that is there while code is compiled; callable as ``report(done, total, what)``."""
 
-    steady = False  # the solver, which is first, takes as long as a hundred equations
-
     def __init__(self) -> None:
-        super().__init__(_bars())
+        super().__init__()
         self._task: TaskID | None = None
 
     def __call__(self, done: int, total: int, what: str) -> None:
@@ -151,8 +164,10 @@ class Drawing(_Shown):
         Word before the bar.
     """
 
+    steady = True
+
     def __init__(self, verb: str = "Drawing") -> None:
-        super().__init__(_bars())
+        super().__init__()
         self._verb = verb
         self._said.add(verb)  # short work is done in silence
         self._task = self._bars.add_task(verb, total=None, runs="")
@@ -163,8 +178,36 @@ class Drawing(_Shown):
         self._bars.update(self._task, completed=done, total=total)
 
 
+class _ByLaw(_Shown):
+    """A bar that counts laws in the order in which they come; some take 100 times as long."""
+
+    counted = False
+
+    def __init__(self, names: Sequence[str]) -> None:
+        super().__init__()
+        self._names = set(names)
+        self._met: list[str] = []
+        self._task = self._bars.add_task("", total=len(self._names), runs="")
+
+    def _law(self, verb: str, name: str, reached: str) -> None:
+        """Show which law is in work, and which of how many it is."""
+        if name not in self._met:
+            self._met.append(name)
+        place, total = self._met.index(name) + 1, len(self._names)
+        step = f"{verb} {name}"
+        self._say(step, place, total)
+        text = f"{step} (law {place} of {total})"
+        self._bars.update(self._task, completed=len(self._met) - 1, description=text, runs=reached)
+
+    @override
+    def _far(self, elapsed: float, done: float, total: float) -> str:
+        place = [f"law {done:.0f} of {total:.0f}"] if total else []
+        parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]
+        return f" ({', '.join(parts)})" if parts else ""
+
+
 @final
-class Watching(_Shown):
+class Watching(_ByLaw):
     """A bar that counts laws and names the one in work; callable as ``watch(name, runs)``.
 
     Parameters
@@ -176,21 +219,16 @@ class Watching(_Shown):
     """
 
     def __init__(self, names: Sequence[str], verb: str) -> None:
-        super().__init__(_bars())
-        self._names, self._verb = list(names), verb
-        self._task = self._bars.add_task(f"{verb} ", total=len(self._names), runs="0 runs")
+        super().__init__(names)
+        self._verb = verb
 
     def __call__(self, name: str, runs: float) -> None:
         """Note that a law has had so many runs."""
-        done = self._names.index(name) if name in self._names else 0
-        self._say(f"{self._verb} {name}", done, len(self._names))
-        self._bars.update(
-            self._task, completed=done, description=f"{self._verb} {name}", runs=f"{runs:.0f} runs"
-        )
+        self._law(self._verb, name, f"{runs:.0f} runs")
 
 
 @final
-class Searching(_Shown):
+class Searching(_ByLaw):
     """A bar that counts laws, with the least residual of the one in work.
 
     Callable as ``watch(name, residual)``; the answer is whether to go on. Residuals are put into
@@ -209,20 +247,19 @@ class Searching(_Shown):
     def __init__(
         self, names: Sequence[str], told: Callable[[float], str], interrupts: Interrupts
     ) -> None:
-        super().__init__(_bars())
-        self._names, self._told, self._interrupts = list(names), told, interrupts
-        self._task = self._bars.add_task("Fitting ", total=len(self._names), runs="")
+        super().__init__(names)
+        self._told, self._interrupts = told, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:
-        """Note how close a law has come; what is no law is work after all of them."""
-        known = name in self._names
-        done = self._names.index(name) if known else len(self._names)
+        """Note how close a law has come; what is no law is validation."""
         reached = self._told(residual) if math.isfinite(residual) else ""
-        step = f"Fitting {name}" if known else f"Validating on {name}"
-        if not known:
+        if name in self._names:
+            self._law("Fitting", name, reached)
+        else:
             self._interrupts.promise = NO_SHORTER
-        self._say(step, done, len(self._names) if known else 0)
-        self._bars.update(self._task, completed=done, description=step, runs=reached)
+            step = f"Validating on {name}"
+            self._say(step)
+            self._bars.update(self._task, description=step, runs=reached)
         return not self._interrupts.stopped
 
 
@@ -241,7 +278,7 @@ class Improving(_Shown):
     """
 
     def __init__(self, told: Callable[[float], str], interrupts: Interrupts) -> None:
-        super().__init__(_bars())
+        super().__init__()
         self._told, self._interrupts = told, interrupts
         self._task = self._bars.add_task("Searching ", total=None, runs="")
 

@@ -18,7 +18,7 @@ from stickslip.experiments.readers.layout import Layout, decoded, layout_of
 from stickslip.experiments.readers.reader_options import Column, Reading, motor_constants
 from stickslip.experiments.readers.scope_channels import SCOPE, is_scope
 from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
-from stickslip.experiments.readers.time_base import Repair
+from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.toml import check_file
 from stickslip.formatting import count, number
@@ -528,7 +528,8 @@ def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> 
     ]
     cells = frame.data[headers]
     gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
-    late = times is not None and bool(np.any(np.diff(times[np.isfinite(times)]) <= 0.0))
+    there = np.zeros(0) if times is None else times[np.isfinite(times)]
+    late = bool(np.any(np.diff(there) <= nearly_zero(np.sort(there))))
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 

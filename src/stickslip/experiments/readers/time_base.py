@@ -7,9 +7,14 @@ import numpy as np
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.measurement import Array
-from stickslip.formatting import count
+from stickslip.formatting import count, quantity
 
-__all__ = ["Repair", "repaired", "repairs"]
+__all__ = ["Repair", "nearly_zero", "repaired", "repairs"]
+
+NEAR = 1e-3
+"""Share of the usual step of time below which two samples are of one time."""
+LONG = 0.9
+"""Quantile of the steps that is taken for a usual one: not a double, and not a gap."""
 
 Repair: TypeAlias = Literal["sort", "gaps"]
 """What can be repaired: ``"sort"`` the samples by time and drop doubles, drop ``"gaps"``."""
@@ -102,7 +107,8 @@ def _sorted(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
 
 def _single(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     """Return sorted columns with one sample a time: doubles dropped, what conflicts averaged."""
-    groups = np.concatenate([[0], np.cumsum(np.diff(columns["time"]) != 0)])
+    near = nearly_zero(columns["time"])
+    groups = np.concatenate([[0], np.cumsum(np.diff(columns["time"]) > near)])
     if groups[-1] + 1 == groups.size:
         return columns, []
     table = np.stack(list(columns.values()), axis=1)
@@ -115,8 +121,41 @@ def _single(columns: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     # The first and the mean deviation from it, so that a single sample keeps its last digit.
     deviation = table - table[first][groups]
     single = table[first] + np.add.reduceat(deviation, first, axis=0) / sizes[:, None]
-    exact, conflicts = int(np.count_nonzero(same)), int(np.count_nonzero(sizes > 1))
+    exact, several = int(np.count_nonzero(same)), np.flatnonzero(sizes > 1)
+    time = table[:, list(columns).index("time")]
+    apart = time[first[several] + sizes[several] - 1] - time[first[several]]
+    conflicts = int(np.count_nonzero(apart == 0.0))
     remarks = [f"dropped {count(exact, 'exact duplicate')}"] if exact else []
     if conflicts:
         remarks.append(f"averaged the values at {count(conflicts, 'duplicate time')}")
+    if conflicts < apart.size:
+        remarks.append(
+            f"averaged {count(apart.size - conflicts, 'group')} of samples at nearly the same time"
+            f" (at most {quantity(float(apart.max()), 's', 2)} apart)"
+        )
     return dict(zip(columns, single.T.copy(), strict=True)), remarks
+
+
+def nearly_zero(time: Array) -> float:
+    """Return the step of time that separates no samples [s]: a thousandth of the usual step.
+
+    The usual step is the median of those that are not themselves nearly zero.
+
+    Parameters
+    ----------
+    time : array (n,)
+        Times in order [s].
+
+    Returns
+    -------
+    float
+        The step; 0 if there is no longer one.
+
+    Examples
+    --------
+    >>> round(nearly_zero(np.array([0.0, 1e-9, 0.001, 0.001 + 1e-9, 0.002, 5.0])), 9)
+    1e-06
+    """
+    steps = np.diff(time)
+    usual = steps[steps > NEAR * np.quantile(steps, LONG)] if steps.size else steps
+    return NEAR * float(np.median(usual)) if usual.size else 0.0
