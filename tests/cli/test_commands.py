@@ -54,6 +54,31 @@ def test_models_lists_every_registered_law(run):
     assert all(name in out for name in names)
 
 
+def test_models_shows_a_mechanism_with_its_parameters(run):
+    code, out, _ = run("models", "capsule")
+    assert code == 0
+    assert "inner_mass    m       kg     above 0 kg" in out
+    assert "drive: What moves the inner mass" in out
+    told = json.loads(run("models", "clutch-train", "--json")[1])
+    assert told["contacts"] == "clutch-1, clutch-2, ..., brake"
+    assert [*told["fields"]] == ["rotors", "clutches", "brake"]
+    assert "Did you mean 'capsule'" in run("models", "capsul")[2]
+
+
+def test_an_empty_folder_may_be_written_into_and_another_one_is_refused_at_once(
+    run, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("empty", "full"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "full" / "mine.txt").write_text("mine")
+    monkeypatch.setattr("stickslip.cli.paper.audit", lambda **_: pytest.fail("work began"))
+    code, _, err = run("paper", "-o", "full")
+    assert (code, "full already exists; give --force" in err) == (2, True)
+    with pytest.raises(pytest.fail.Exception, match="work began"):
+        run("paper", "-o", "empty")
+
+
 def test_models_shows_one_law_with_ranges_and_sources(run):
     _, out, _ = run("models", "dahl")
     assert "bristle_stiffness" in out

@@ -646,16 +646,16 @@ def plan(
 
 @command(app, "models")
 def models(
-    name: Annotated[str | None, typer.Argument(help="Friction law to show in full.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Law or mechanism to show in full.")] = None,
     published: Annotated[
         bool, typer.Option("--published", help="Show the equations as printed in the source paper.")
     ] = False,
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """List friction laws and mechanisms, or show a law in full.
+    """List friction laws and mechanisms, or show one in full.
 
-    A single law is shown with its formula, parameters and sources.
+    A single law is shown with its formula, parameters and sources, a mechanism with its parameters.
     """
     from stickslip.cli.models import run
 

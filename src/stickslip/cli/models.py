@@ -1,14 +1,16 @@
 """``stickslip models`` and ``stickslip cite``: the laws and their sources."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from textwrap import fill, indent
 from typing import Any
 
 from rich.text import Text
 
 from stickslip.cli.console import document, plain, print_json, show_table, stdout
+from stickslip.described import texts_below
 from stickslip.errors import UnknownNameError
-from stickslip.formatting import number
+from stickslip.formatting import capital, number
 from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
@@ -20,7 +22,7 @@ from stickslip.friction import (
     law_type,
     laws,
 )
-from stickslip.mechanisms import mechanisms
+from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity, fields_of
 from stickslip.report import formula_text, published_dict
 from stickslip.report import plain as plain_text
@@ -32,12 +34,13 @@ INDENT = "    "
 
 
 def run(name: str | None, *, published: bool, as_json: bool) -> None:
-    """List laws and mechanisms, or show a law.
+    """List laws and mechanisms, or show one.
 
     Parameters
     ----------
     name : str or None
-        Law to show in full; all laws, and mechanisms with their contacts, are listed if None.
+        Law or mechanism to show in full; all laws, and mechanisms with their contacts, are listed
+        if None.
     published : bool
         Whether the printed equations of the source paper are listed instead.
     as_json : bool
@@ -70,9 +73,7 @@ def _all(*, as_json: bool) -> None:
     stdout().print()
     names = [[name, kind.contact_names or "one"] for name, kind in mechanisms().items()]
     show_table("", ["mechanism", "contacts"], names)
-    stdout().print(
-        "\nDetails of a law: stickslip models NAME. As printed: stickslip models --published"
-    )
+    stdout().print("\nDetails: stickslip models NAME. As printed: stickslip models --published")
 
 
 def _printed(*, as_json: bool) -> None:
@@ -112,29 +113,75 @@ def _one(name: str, *, as_json: bool) -> None:
         else:
             _show_form(form)
         return
+    if name in mechanisms():
+        _mechanism(mechanisms()[name], as_json=as_json)
+        return
     if name not in laws():
-        raise UnknownNameError("friction law", name, [*laws(), *PRINTED_FORMS])
+        known = [*laws(), *PRINTED_FORMS, *mechanisms()]
+        raise UnknownNameError("friction law or mechanism", name, known)
     law = laws()[name]
     if as_json:
         print_json(document("models", _law(law)))
         return
     console = stdout()
     console.print(law.title, markup=False, style="bold")
-    console.print(
-        f"{next(iter((vars(law).get('__doc__') or '').splitlines()), '')}\n", markup=False
-    )
+    console.print(f"{_first_line(law)}\n", markup=False)
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
-    rows = [
-        [field, quantity.symbol, quantity.unit, quantity.range, _default(law, field)]
-        for field, quantity in fields_of(law).items()
-    ]
-    show_table("", ["parameter", "symbol", "unit", "range", "default"], rows)
+    _show_parameters(law)
     console.print()
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
 
-def _default(law: type[FrictionLaw], field: str) -> str:
+def _mechanism(kind: type[Mechanism], *, as_json: bool) -> None:
+    """Show a mechanism: its parameters, and its other fields, such as drives and parts."""
+    texts = texts_below(kind)
+    others = {
+        field.name: " ".join(texts.get(field.name, "").split())
+        for field in fields(kind)
+        if field.name not in fields_of(kind)
+    }
+    if as_json:
+        about = {
+            "name": kind.name,
+            "contacts": kind.contact_names or "one",
+            "parameters": _parameters(kind),
+            "fields": others,
+        }
+        print_json(document("models", about))
+        return
+    console = stdout()
+    console.print(capital(kind.name.replace("-", " ")), markup=False, style="bold")
+    console.print(f"{_first_line(kind)}\n", markup=False)
+    _show_parameters(kind)
+    if others:
+        console.print()
+    for field, text in others.items():
+        console.print(f"{field}: {text}", markup=False, soft_wrap=True)
+    console.print(f"\nContacts: {kind.contact_names or 'one'}", markup=False)
+
+
+def _first_line(kind: type) -> str:
+    return (vars(kind).get("__doc__") or "").partition("\n")[0]
+
+
+def _show_parameters(kind: type[FrictionLaw] | type[Mechanism]) -> None:
+    rows = [
+        [field, quantity.symbol, quantity.unit, quantity.range, _default(kind, field)]
+        for field, quantity in fields_of(kind).items()
+    ]
+    if rows:
+        show_table("", ["parameter", "symbol", "unit", "range", "default"], rows)
+
+
+def _parameters(kind: type[FrictionLaw] | type[Mechanism]) -> dict[str, Any]:
+    return {
+        field: {**_quantity(quantity), "default": _default(kind, field)}
+        for field, quantity in fields_of(kind).items()
+    }
+
+
+def _default(law: type[FrictionLaw] | type[Mechanism], field: str) -> str:
     default = law.__dataclass_fields__[field].default
     if isinstance(default, (int, float)):
         return number(default)
@@ -151,10 +198,7 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         "title": law.title,
         "kind": "bristle" if issubclass(law, BristleLaw) else "set-valued",
         "formula": law.formula,
-        "parameters": {
-            field: {**_quantity(quantity), "default": _default(law, field)}
-            for field, quantity in fields_of(law).items()
-        },
+        "parameters": _parameters(law),
         "sources": [SOURCES[key] for key in law.sources],
     }
 
