@@ -3,7 +3,7 @@
 import enum
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -201,6 +201,14 @@ class Trajectory(InPanels):
         if name not in self.names:
             raise UnknownNameError("column", name, self.names)
         return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of the columns, as a mapping does."""
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a column of that name."""
+        return name in self.names
 
     def at(self, t: "ArrayLike") -> "Trajectory":
         """Return the run at other times.

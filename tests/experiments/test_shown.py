@@ -1,12 +1,14 @@
 """A measurement as a user sees it: in the terminal, in a notebook and drawn."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from stickslip import Measurement, SpringBlock, plots, simulate
+from stickslip import Axis, Measurement, SpringBlock, fit, inverse_dynamics, plots, simulate
+from stickslip.errors import UnknownNameError
 from stickslip.friction import Coulomb
 
 TIME = np.arange(300) / 100
@@ -84,3 +86,26 @@ def test_a_run_is_printed_as_how_it_ended_and_where():
     assert "last values: x = 0.2039 m, v = 0 m/s" in lines
     assert repr(run).startswith("<Trajectory: Came to rest")
     assert "array" not in repr(run)
+
+
+def test_a_run_is_a_collection_of_its_columns():
+    block = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
+    run = simulate(block, Coulomb(kinetic_coefficient=0.25), t_end=1.0)
+    assert [*run] == ["x", "v", "friction", "normal_force", "mode"]
+    assert "x" in run
+    assert "y" not in run
+
+
+def test_no_public_result_prints_its_arrays():
+    wave = np.sin(TIME * 3.0)
+    record = Measurement(
+        time=TIME, position=wave, force=0.2 * np.sign(np.cos(TIME * 3.0)) - 9.0 * wave
+    )
+    least = inverse_dynamics(Axis(inertia=1.0), record)
+    assert re.match(r"<InverseDynamics: inertia = .* ± .*; \d+ samples, residual .* %", repr(least))
+    with pytest.raises(UnknownNameError, match="Did you mean 'inertia'"):
+        least["inertias"]
+    along = Measurement(velocity=SPEED, friction=2.0 * np.sign(SPEED) + 0.01 * np.sin(SPEED))
+    fitted = fit(Axis(inertia=1.0), Coulomb, along)
+    assert repr(fitted.predict()).startswith("<Prediction of friction: 40 rows in 1 segment;")
+    assert "array" not in repr(fitted)

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
 from stickslip.errors import InputError
-from stickslip.formatting import number
+from stickslip.formatting import span
 from stickslip.friction import Friction
 from stickslip.mechanisms import Mechanism, slip_among
 from stickslip.simulation import ensemble, event_driven_law
@@ -132,7 +132,7 @@ class VelocityMap(OnAxes):
         rows = [
             (
                 path,
-                f"{number(x.min(), 4)} to {number(x.max(), 4)} {self.units[path]}, {len(x)} values",
+                f"{span(float(x.min()), float(x.max()), self.units[path], 4)}, {len(x)} values",
             )
             for path, x in self.axes.items()
         ]
@@ -141,7 +141,7 @@ class VelocityMap(OnAxes):
             rows.append(
                 (
                     f"mean velocity of {self.coordinate}" if self.coordinate else "mean velocity",
-                    f"{number(known.min(), 4)} to {number(known.max(), 4)} {self.unit}",
+                    span(float(known.min()), float(known.max()), self.unit, 4),
                 )
             )
         return Summary(

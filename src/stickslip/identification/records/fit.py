@@ -21,7 +21,7 @@ from stickslip.experiments import (
     refuse_lack,
     refuse_unused,
 )
-from stickslip.formatting import Scale, quantity
+from stickslip.formatting import Scale, count, quantity
 from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.containment import FittedLaw
@@ -167,7 +167,7 @@ class Score(metaclass=Described):
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Prediction(Tabular):
     """Predicted segments beside what was measured; rows stand in the order of time.
 
@@ -191,6 +191,14 @@ class Prediction(Tabular):
     """Measured (n,), in the same unit."""
     joint: NDArray[np.str_] | None = None
     """Name of the joint of each row (n,); None where there is only one."""
+
+    @override
+    def __repr__(self) -> str:
+        segments = len({*zip(self.record.tolist(), self.segment.tolist(), strict=True)})
+        return (
+            f"<Prediction of {self.quantity}: {len(self.t)} rows in"
+            f" {count(segments, 'segment')}; columns {', '.join(map(str, self.to_dataframe()))}>"
+        )
 
     def of(self, joint: str) -> "Prediction":
         """Return the rows of a joint.

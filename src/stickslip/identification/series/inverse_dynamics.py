@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, between_gaps
-from stickslip.formatting import quantity
+from stickslip.formatting import estimate, percent, quantity
 from stickslip.identification.estimation.directions import Directions
 from stickslip.identification.series.applied_force import applied_force
 from stickslip.identification.validation import LAW, names_of
@@ -59,7 +59,7 @@ SETTLED = 1e-6
 """Change of the estimates, as shares of the force, at which it ends."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class InverseDynamics(Tabular):
     """What linear least squares on forces says, with the usual standard deviations.
 
@@ -106,7 +106,18 @@ class InverseDynamics(Tabular):
 
     def __getitem__(self, name: str) -> float:
         """Return an estimate by name."""
+        if name not in self.names:
+            raise UnknownNameError("estimate", name, self.names)
         return float(self.values[self.names.index(name)])
+
+    @override
+    def __repr__(self) -> str:
+        found = zip(self.names, self.values, self.deviations, strict=True)
+        estimates = ", ".join(f"{name} = {estimate(value, sd)}" for name, value, sd in found)
+        return (
+            f"<InverseDynamics: {estimates} [SI, standard deviations]; {len(self.time)} samples,"
+            f" residual {percent(self.relative_error)} of the force>"
+        )
 
     @property
     def inertial_share(self) -> float:
