@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from typing_extensions import override
 
 from stickslip.display import InPanels, OnAxes, Summary, require_library
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.formatting import number, residue
 
 if TYPE_CHECKING:
@@ -217,6 +217,7 @@ class Trajectory(InPanels):
         import numpy as np
 
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        check_size("times of a run", times.size * len(self.names), "ask for fewer")
         first, last = self.span
         if times.size and not (times.min() >= first and times.max() <= last):
             raise InputError(
@@ -271,6 +272,7 @@ class Trajectory(InPanels):
         """Return the run at evenly spaced times, ends included."""
         import numpy as np
 
+        check_size("samples of a run", count * len(self.names), "ask for fewer")
         return self.at(np.linspace(*self.span, count))
 
     @property
