@@ -16,6 +16,7 @@ __all__ = [
     "TracingError",
     "UndeclaredError",
     "UnknownNameError",
+    "check_size",
     "nearest",
     "not_whole",
 ]
@@ -24,6 +25,8 @@ LONGEST = 60
 """Longest name that a message repeats in full."""
 MOST = 50
 """Most known names that a message lists."""
+MOST_NUMBERS = 100_000_000
+"""Most numbers that a table, a grid or an ensemble may have: 800 MB, before any is copied."""
 COMPARED = 200
 """Longest names that are compared; what that takes grows with the square of their length."""
 
@@ -120,6 +123,42 @@ def nearest(name: str, known: Iterable[str]) -> str:
         return ""
     near = [word for word in known if len(word) <= COMPARED]
     return " or ".join(repr(word) for word in difflib.get_close_matches(name, near, n=2))
+
+
+def check_size(
+    what: str, count: float, cure: str, *, unit: str = "numbers", most: float = MOST_NUMBERS
+) -> None:
+    """Refuse what would hold too many numbers, before memory is taken for it.
+
+    A few bytes of a file or of an argument may stand for any amount of memory: whatever makes
+    arrays of a size that somebody else chose asks here first.
+
+    Parameters
+    ----------
+    what : str
+        What has that many numbers.
+    count : float
+        Numbers it would hold.
+    cure : str
+        What to do instead, as an imperative.
+    unit : str, optional
+        What is counted, if it is not numbers.
+    most : float, optional
+        The limit, if it is not that of numbers.
+
+    Raises
+    ------
+    InputError
+        If there are more than that.
+
+    Examples
+    --------
+    >>> check_size("ensemble", 1e9 * 3, "make several smaller ones")
+    Traceback (most recent call last):
+    stickslip.errors.InputError: ensemble: 3e+09 numbers exceed the limit of 1e+08: make several ...
+    """
+    if not count <= most:
+        raise InputError(f"{what}: {count:.4g} {unit} exceed the limit of {most:.4g}: {cure}.")
 
 
 def not_whole(name: str, least: int, value: object) -> str:

@@ -47,6 +47,9 @@ __all__ = [
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+LARGEST = 1e100
+"""Largest coefficient; where it has to be above 0, its inverse is the smallest."""
+
 T = TypeVar("T", bound="Parametrised")
 Accepted_contra = TypeVar("Accepted_contra", contravariant=True)
 Kept_co = TypeVar("Kept_co", covariant=True)
@@ -273,8 +276,16 @@ class Quantity:
 
     def allows(self, value: float) -> bool:
         """Whether `value` is a finite number in the allowed range."""
-        inside = self.low <= value <= self.high and (self.above is None or value > self.above)
-        return math.isfinite(value) and inside
+        return math.isfinite(value) and self._is_within(value) and self._is_sized(value)
+
+    def _is_within(self, value: float) -> bool:
+        return self.low <= value <= self.high and (self.above is None or value > self.above)
+
+    def _is_sized(self, value: float) -> bool:
+        """Whether a coefficient has a square, and an inverse with one where it divides."""
+        if self.above == 0.0:
+            return 1.0 / LARGEST <= value <= LARGEST
+        return self.low == -math.inf or abs(value) <= LARGEST
 
     @property
     def range(self) -> str:
@@ -305,6 +316,9 @@ class Quantity:
         str
             The range, which begins with "finite" if the value is infinite or NaN.
         """
+        if math.isfinite(value) and self._is_within(value):
+            least = f"between {1.0 / LARGEST:g} and" if self.above == 0.0 else "at most"
+            return f"{self.range}, and {least} {LARGEST:g}"
         told = math.isfinite(value) or self.range.startswith("a finite")
         return self.range if told else f"finite and {self.range}"
 

@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.display import InPanels, OnAxes, Summary, require_library
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.formatting import number, quantity, residue
 
 if TYPE_CHECKING:
@@ -226,6 +226,7 @@ class Trajectory(InPanels):
         import numpy as np
 
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        check_size("times of a run", times.size * len(self.names), "ask for fewer")
         first, last = self.span
         if times.size and not (times.min() >= first and times.max() <= last):
             raise InputError(
@@ -280,6 +281,7 @@ class Trajectory(InPanels):
         """Return the run at evenly spaced times, ends included."""
         import numpy as np
 
+        check_size("samples of a run", count * len(self.names), "ask for fewer")
         return self.at(np.linspace(*self.span, count))
 
     @property

@@ -89,8 +89,9 @@ def test_a_profile_is_optimised_for_laws_by_contact(sled):
     assert found.value >= found.start.value
     assert found.law.names == {"left": "coulomb", "right": "coulomb"}
     assert found.run.certificate.certified
-    # two short searches, whose ways differ by rounding
-    assert optimise_profile(sled, MIDDLE, **how).value == pytest.approx(found.value, rel=1e-2)
+    # ways of searches differ by rounding: the motion that was found is compared, not another one
+    cycle = measure(found.mechanism, MIDDLE)
+    assert cycle.travel / cycle.period == pytest.approx(found.value, rel=1e-9)
     assert np.size(plots.plot(found)) > 1
 
 

@@ -127,7 +127,7 @@ class MotorEnvironment(gymnasium.Env[Array, Array]):
         """
         if self._start is None:
             raise InputError("the environment has not begun: call reset() before step().")
-        told = np.asarray(action, dtype=np.float64).reshape(-1)
+        told = np.asarray(action).reshape(-1)
         done = self._steps.step(told)
         self._actions.append(float(np.clip(told[0], -1.0, 1.0)))
         self._travel += float(done.travel[0])
@@ -223,10 +223,10 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
                 " MotorEnvironment of the same seed and actions."
             )
         self.task, self.num_envs = task_of(task), int(num_envs)
+        self._steps = Steps(self.task, self.num_envs, threads=threads)  # refuses too many
         self.single_observation_space, self.single_action_space = _spaces(self.task)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._steps = Steps(self.task, self.num_envs, threads=threads)
         self._generators: list[np.random.Generator] = []
         self._begun = False
         self._over = np.ones(self.num_envs, dtype=bool)
@@ -311,7 +311,7 @@ class MotorVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         """
         if not self._begun:
             raise InputError("the environments have not begun: call reset() before step().")
-        told = np.asarray(actions, dtype=np.float64)
+        told = np.asarray(actions)
         if told.shape == (self.num_envs, 1):
             told = told[:, 0]
         fresh = self._over

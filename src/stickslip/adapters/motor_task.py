@@ -368,7 +368,12 @@ class Steps:
             If an action is no number.
         """
         task = self.task
-        efforts: Array = np.array(actions, dtype=np.float64)
+        told = np.asarray(actions)
+        if told.dtype.kind not in "iuf":
+            raise InputError(
+                f"actions must be real numbers from -1 to 1, got an array of {told.dtype}."
+            )
+        efforts: Array = np.array(told, dtype=np.float64)
         if efforts.shape != (self.count,):
             raise InputError(
                 f"actions must have the shape ({self.count}, 1), a share of the largest effort for"

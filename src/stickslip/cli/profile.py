@@ -194,7 +194,8 @@ def _show(found: Optimum) -> None:
     console.print(title, markup=False, style="bold")
     if len(found.scenarios) > 1:
         console.print(f"Objective value: {found.scenarios.words}", markup=False)
-    console.print(f"{found.profile}\n", markup=False)
+    console.print("\n".join(filter(None, (str(found.profile), found.shortfall))), markup=False)
+    console.print()
     rows = [
         [
             m.name.replace("_", " "),
@@ -211,7 +212,10 @@ def _show(found: Optimum) -> None:
     others.append(("as given in the rig file", found.start, found.factor_over_start))
     shown = [_compared(name, judged, factor) for name, judged, factor in others]
     show_table("", ["compared with", f"{goal.title}, {goal.unit}", "factor", ""], shown)
-    how = "refined locally" if found.polished else "from the evolution strategy"
+    if found.best is found.start:
+        how = "the motion as given"
+    else:
+        how = "refined locally" if found.polished else "from the evolution strategy"
     console.print(
         f"\n{found.evaluations} motions evaluated, seed {found.seed}, {how}; the run is certified.",
         markup=False,

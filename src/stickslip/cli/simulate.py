@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import typer
 
 from stickslip.cli.console import (
@@ -246,7 +245,7 @@ def _band(
             t_end=t_end,
             count=settings.ensemble,
             seed=settings.seed,
-            times=np.linspace(*run.span, settings.samples),
+            times=run.sampled(settings.samples).t,
             y0=rig.start(friction),
             progress=progress,
         )

@@ -24,7 +24,7 @@ from stickslip.cli.law_choice import (
 )
 from stickslip.cli.progress import Drawing
 from stickslip.cli.simulate import check_table, table_bytes
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_size
 from stickslip.formatting import number, printable
 from stickslip.sweep import VelocityMap, average_velocity
 
@@ -158,7 +158,10 @@ def _axes(vary: Sequence[str]) -> dict[str, "np.typing.NDArray[np.float64]"]:
         path, _, span = text.partition("=")
         try:
             low, high, count = span.split(":")
+            check_size(f"--vary {path}", int(count), "give fewer values")
             values = np.linspace(float(low), float(high), int(count))
+        except InputError:
+            raise
         except ValueError:
             values = np.empty(0)
         if not path.strip() or not values.size:

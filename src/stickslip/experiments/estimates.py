@@ -10,7 +10,7 @@ from typing import Final, Literal, TypeAlias, final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError, check_size
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism, slip_of
@@ -425,6 +425,7 @@ class LawEstimates:
         if not self.intervals:
             raise InputError(self._nothing_to_draw())
         values, names = _values(law), list(self.intervals)
+        check_size("draws", count * len(names), "draw fewer")
         paths = [f"{PREFIX}.{name}" for name in names]
         random = np.random.default_rng(seed)
         kept: list[Array] = []

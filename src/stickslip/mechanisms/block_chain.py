@@ -15,6 +15,9 @@ from stickslip.quantities import Quantity
 
 __all__ = ["BlockChain"]
 
+MOST_BLOCKS = 1000
+"""More blocks have equations that take minutes to be written and compiled."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +44,7 @@ class BlockChain(Mechanism):
     moving_part: ClassVar[str] = "block"
     contact_names: ClassVar[str] = "block-1, block-2, ..."
 
-    blocks: Annotated[int, Quantity("n", low=1, structural=True)]
+    blocks: Annotated[int, Quantity("n", low=1, high=MOST_BLOCKS, structural=True)]
     """Number of blocks."""
     mass: Annotated[float, Quantity("m", "kg", above=0)]
     """Mass of each block."""
@@ -62,7 +65,8 @@ class BlockChain(Mechanism):
         super().__post_init__()
         if self.blocks != int(self.blocks):
             raise ParameterError(
-                f"BlockChain.blocks (n) must be a whole number, at least 1, got {self.blocks:g}."
+                f"BlockChain.blocks (n) must be a whole number of 1 to {MOST_BLOCKS}, got"
+                f" {self.blocks:g}."
             )
         object.__setattr__(self, "blocks", int(self.blocks))
 

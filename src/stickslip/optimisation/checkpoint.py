@@ -103,7 +103,7 @@ class Memory:
             digest = content["problem"]
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error.strerror}.") from error
-        except (AttributeError, KeyError, TypeError, ValueError):
+        except (AttributeError, KeyError, RecursionError, TypeError, ValueError):
             raise InputError(
                 f"{path} is not the saved state of a profile search: name another file, or remove"
                 " it."

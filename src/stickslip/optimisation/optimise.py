@@ -58,8 +58,10 @@ def optimise_profile(
 
     A search by an evolution strategy (CMA-ES) with restarts, whose best is polished by sequential
     quadratic programming; first for the three-phase motion, from which the search for another kind
-    begins. Each motion is run from rest until its cycles repeat, and judged by the last one; the
-    result by runs with certificates, its extremes looked for more finely.
+    begins. It never returns less than a motion within the limits from which it could begin: where
+    nothing better of the kind was found, the result is that motion, and `Optimum.kind` its kind.
+    Each motion is run from rest until its cycles repeat, and judged by the last one; the result by
+    runs with certificates, its extremes looked for more finely.
 
     Parameters
     ----------
@@ -150,11 +152,9 @@ def optimise_profile(
     memory = Memory(state, subject)  # a file that cannot be used is told before anything runs
     start = problem.judge(plan.profile, samples=FINER)
     work = _Work(problem=problem, plan=plan, memory=memory, watch=progress)
-    reference = work.best_of(space_of(REFERENCE, plan.limits, knots), plan.profile, start)
-    best = reference
+    reference = best = work.best_of(space_of(REFERENCE, plan.limits, knots), start)
     if known != REFERENCE:
-        first = reference.judged.profile if reference.judged else plan.profile
-        best = work.best_of(space, first, start, done=reference)
+        best = work.best_of(space, start, done=reference)
     return _optimum(work, law, known, best, reference.judged, start)
 
 
@@ -191,7 +191,7 @@ def _optimum(
     return Optimum(
         mechanism=whole,
         law=law,
-        kind=kind,
+        searched=kind,
         goal=problem.goal,
         limits=plan.limits,
         scenarios=problem.scenarios,
@@ -277,16 +277,20 @@ class _Work:
     memory: Memory
     watch: Told | None
 
-    def best_of(
-        self, space: Space, first: Profile, start: ScoredMotion, *, done: _Best | None = None
-    ) -> _Best:
-        """Return the best motion of a kind: of the start, the search, and the polish."""
+    def best_of(self, space: Space, start: ScoredMotion, *, done: _Best | None = None) -> _Best:
+        """Return the best motion: of those the search may begin from, its own, and the polish.
+
+        It may begin from a motion of another kind, such as a spline from three phases. Whatever a
+        search with a small budget meets, it returns no less than a feasible motion it began from.
+        """
         before = done or _Best(judged=None)
-        inner = self.problem.tighter()
-        own = start if start.feasible and _is_of(space, start.profile) else None
+        begins = [(start, False), *([(before.judged, before.polished)] if before.judged else [])]
+        known = [one for one in begins if one[0].feasible and _has_place(space, one[0])]
         if before.cancelled:
-            return _Best(judged=own, evaluations=before.evaluations, cancelled=True)
-        point, more = self._polished_start(inner, space, first)
+            return _best(known, before.evaluations, cancelled=True)
+        inner = self.problem.tighter()
+        first = _best(known).judged or begins[-1][0]
+        point, more = self._polished_start(inner, space, first.profile)
         found = search(
             inner,
             space,
@@ -298,7 +302,6 @@ class _Work:
             watch=self.watch,
         )
         count = before.evaluations + more + found.evaluations
-        known = [] if own is None else [(own, False)]
         for rank, point in enumerate(found.best[:MOST_POLISHED]):
             if rank == 0:
                 known.append((self._finely(space, point), False))
@@ -309,9 +312,7 @@ class _Work:
                 count += more
                 if finer is not None:
                     known.append((self._finely(space, finer), True))
-        good = [(judged, polished) for judged, polished in known if judged.feasible]
-        best = max(good, key=lambda one: one[0].value, default=(None, False))
-        return _Best(judged=best[0], polished=best[1], evaluations=count, cancelled=found.cancelled)
+        return _best(known, count, cancelled=found.cancelled)
 
     def _polished_start(
         self, problem: Problem, space: Space, first: Profile
@@ -331,6 +332,15 @@ class _Work:
         return self.problem.judge(space.profile(point), samples=FINER)
 
 
-def _is_of(space: Space, profile: Profile) -> bool:
-    """Whether a profile is of the kind of a space."""
-    return isinstance(profile, type(space.profile(np.full(space.size, 0.5))))
+def _has_place(space: Space, motion: ScoredMotion) -> bool:
+    """Whether a search of a kind may begin from a motion."""
+    return space.place(motion.profile) is not None
+
+
+def _best(
+    known: Sequence[tuple[ScoredMotion, bool]], evaluations: int = 0, *, cancelled: bool = False
+) -> _Best:
+    """Return the best motion within the limits, the first of equals."""
+    good = [one for one in known if one[0].feasible]
+    judged, polished = max(good, key=lambda one: one[0].value, default=(None, False))
+    return _Best(judged=judged, polished=polished, evaluations=evaluations, cancelled=cancelled)

@@ -13,6 +13,7 @@ from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import Mechanism
 from stickslip.optimisation.cycle_metrics import Cycle
 from stickslip.optimisation.limits import Limits, Margin
+from stickslip.optimisation.parametrisation import kind_of
 from stickslip.optimisation.problem import Goal, ScoredMotion
 from stickslip.optimisation.scenarios import Scenarios
 from stickslip.tables import Tabular
@@ -30,7 +31,7 @@ SHOWN_CYCLES = 5
 @final
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class Optimum(Tabular):
-    """The best motion of a kind within limits, by certified runs.
+    """The best motion within limits, by certified runs.
 
     `three_phase` is the three-phase motion optimised for the same goal within the same limits and
     in the same scenarios; `start` is the motion that the mechanism came with.
@@ -40,8 +41,8 @@ class Optimum(Tabular):
     """With the best motion."""
     law: FrictionLaw | Laws
     """What holds it back."""
-    kind: str
-    """Kind of motion."""
+    searched: str
+    """Kind of motion that was asked for."""
     goal: Goal
     """What is large."""
     limits: Limits
@@ -69,6 +70,21 @@ class Optimum(Tabular):
     def profile(self) -> Profile:
         """The best motion."""
         return self.best.profile
+
+    @property
+    def kind(self) -> str:
+        """Its kind: another than `searched` where no such motion exceeds the one it began from."""
+        return kind_of(profile_values(self.profile)["type"])
+
+    @property
+    def shortfall(self) -> str:
+        """Sentence that says so; empty where the best motion is of the kind that was searched."""
+        if self.kind == self.searched:
+            return ""
+        return (
+            f"No {self.searched} motion within the limits was found that exceeds this"
+            f" {self.kind} motion, from which the search began."
+        )
 
     @property
     def value(self) -> float:
@@ -101,6 +117,7 @@ class Optimum(Tabular):
             "goal": self.goal.name,
             "unit": self.goal.unit,
             "kind": self.kind,
+            "searched": self.searched,
             "value": self.value,
             "profile": profile_values(self.profile),
             "margins": [_margin(margin) for margin in self.margins],
@@ -163,7 +180,7 @@ class Optimum(Tabular):
             f"{m.name} {number(m.reached, 5)} of {with_unit(number(m.allowed, 5), m.unit)}"
             for m in self.margins
         )
-        return f"<{head}\n {self.profile}\n {left}>"
+        return "\n ".join(filter(None, (f"<{head}", str(self.profile), self.shortfall, left))) + ">"
 
 
 def _over(value: float, other: ScoredMotion | None) -> float | None:

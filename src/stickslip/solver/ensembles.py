@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.formulation import Model, formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
+from stickslip.kernels.batch import EVIDENCE
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, full_path, parameters, vary
 from stickslip.solver.base import path_units
@@ -28,6 +29,7 @@ __all__ = ["run_ensemble"]
 Array = NDArray[np.float64]
 RESERVED = ("status", "certified")
 """Columns that a table of an ensemble has of itself."""
+FEWER = "make several smaller ensembles"
 
 
 def run_ensemble(
@@ -100,9 +102,11 @@ class _Parts:
         self.job = job
         self.model = model
         kinds, _, self.places = asked(job.outputs, model, job.t_end, job.count)
+        slopes = len(model.states) * len(job.gradients())
+        check_size("ensemble", job.count * (len(kinds) // 2 + EVIDENCE + slopes), FEWER)
         self.results = np.full((job.count, len(kinds) // 2), np.nan)
         self.codes = np.zeros(job.count, dtype=np.int8)
-        self.evidence = np.full((job.count, 5), np.nan)
+        self.evidence = np.full((job.count, EVIDENCE), np.nan)
         self.gradients = np.full((job.count, len(model.states), len(job.gradients())), np.nan)
         self.done = 0
 
@@ -182,6 +186,7 @@ def _columns(
     if not isinstance(varied, Mapping):
         raise InputError(f"parameters must be a mapping from paths to arrays, got {varied!r}.")
     known = _quantities(mechanism, law, model)
+    check_size("ensemble", sum(map(np.size, varied.values())), FEWER)
     given = {
         full_path(path, list(known)): _numbers(path, values) for path, values in varied.items()
     }

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_size
 from stickslip.formulation import formulate
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels import enums
@@ -95,6 +95,7 @@ class IncrementalEnsemble:
         self._p, self._cap = inputs.p, inputs.time_scale / 6.0
         self._tolerance, self._most = solver.tolerance_for(law), int(solver.max_steps)
         header = model.sizes.header
+        check_size("ensemble", float(count) * kept_size([*header]), "make fewer runs together")
         self._width, self._y = kept_size([*header]), POLYNOMIAL + header[Y] - NUMBERS
         self._kept = np.zeros((count, self._width))
         # sizes of those that have not begun count too: the kernels look at all rows

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary
-from stickslip.errors import InputError, SimulationError
+from stickslip.errors import InputError, SimulationError, check_size
 from stickslip.experiments import LawEstimates
 from stickslip.formatting import number
 from stickslip.friction import Friction
@@ -234,16 +234,20 @@ def band_of(
     if count < 2:
         raise InputError(f"band_of: count must be at least 2, got {count}.")
     law = event_driven_law(mechanism, law)
+    period = cycle_or_none(mechanism)
+    # with a margin for rounding: the last cycle may end a hair after t_end
+    whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
+    asked = np.asarray(times, dtype=np.float64).ravel()
+    kept_times = POINTS + whole + asked.size
+    check_size(
+        "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
+    )
     draws = estimates.draw(law, count, seed=seed)
     pairs = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
     if has_one_slip(mechanism):
         pairs = dict([slip_names(mechanism)])
     units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
-    period = cycle_or_none(mechanism)
-    # with a margin for rounding: the last cycle may end a hair after t_end
-    whole = 0 if period is None else int(np.floor(t_end / period * (1.0 + WHOLE)))
     marks = np.minimum(np.arange(whole + 1) * (period or 0.0), t_end)
-    asked = np.asarray(times, dtype=np.float64).ravel()
     grid = np.unique(np.concatenate([np.linspace(0.0, t_end, POINTS), marks, asked]))
     runs = ensemble(
         mechanism,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary, require_library
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, UnknownNameError, check_size
 from stickslip.formatting import number
 from stickslip.formulation import formulate
 from stickslip.friction import Friction, FrictionLaw, Laws, PrintedForm
@@ -207,6 +207,9 @@ def bifurcation(
     begun = tuple(dict(start) for start in starts)
     if not begun:
         raise InputError("bifurcation: starts must contain at least one mapping, got none.")
+    check_size(
+        "bifurcation", len(array) * len(begun) * keep, "give fewer values, or a smaller keep"
+    )
     shared = _Shared(mechanism, found, full, state, keep, compiled(solver))
     method = _method(shared, sample, contact, settle, t_end, period)
     tally = Tally(len(array) * len(begun), progress)

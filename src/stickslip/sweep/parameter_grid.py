@@ -1,5 +1,6 @@
 """Grids of parameters: paths, their products, and what each row makes of the mechanism."""
 
+import math
 import numbers
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError, ParameterError
+from stickslip.errors import InputError, ParameterError, check_size
 from stickslip.friction import FrictionLaw, Laws, bristle_names
 from stickslip.mechanisms import Mechanism, cycle_of
 from stickslip.quantities import Quantity, full_path, parameters, vary
@@ -141,6 +142,8 @@ def product(axes: Mapping[str, Array]) -> dict[str, Array]:
     >>> product({"a": np.array([1.0, 2.0]), "b": np.array([5.0, 6.0])})["a"]
     array([1., 1., 2., 2.])
     """
+    count = math.prod(len(values) for values in axes.values())
+    check_size("grid", count * len(axes), "give fewer values")
     grids = np.meshgrid(*axes.values(), indexing="ij")
     return {path: grid.ravel() for path, grid in zip(axes, grids, strict=True)}
 

@@ -11,7 +11,7 @@ from typing import Final
 
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.layout import (
     Layout,
     bare_cells,
@@ -154,6 +154,7 @@ def _parsed(
     if not any(cell for more in cells for cell in more):
         own += [f"Unnamed: {len(own) + i}" for i in range(max(map(len, cells), default=0))]
     above = layout.preface + 1 + layout.units_row
+    check_size(str(path), len(own) * data.count(b"\n"), "split the file, or give fewer columns")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)

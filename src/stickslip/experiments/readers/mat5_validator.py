@@ -10,8 +10,11 @@ import zlib
 from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
+from stickslip.errors import MOST_NUMBERS, check_size
+
 __all__ = ["check_structure", "is_level_5"]
 
+CURE: Final = "split the file, or save fewer variables"
 HEADER: Final = 128
 MATRIX: Final = 14
 COMPRESSED: Final = 15
@@ -48,21 +51,42 @@ def is_level_5(data: bytes) -> bool:
     return data[124:HEADER] in {b"\x00\x01IM", b"\x01\x00MI"}
 
 
-def check_structure(data: bytes) -> None:
-    """Check that all sizes in a file fit each other.
+def check_structure(data: bytes, file: str = "data.mat") -> None:
+    """Check that all sizes in a file fit each other, and that it does not grow without bound.
+
+    Parameters
+    ----------
+    data : bytes
+        Content of the file.
+    file : str
+        Its name, for messages.
 
     Raises
     ------
+    InputError
+        If it has too many numbers.
     ValueError
-        If they do not.
+        If sizes do not fit.
     """
     order = "<" if data[126:HEADER] == b"IM" else ">"
+    numbers, expanded = 0, 0
     for element in _elements(memoryview(data)[HEADER:], order):
+        body = element.body
         if element.kind == COMPRESSED:
-            for inner in _elements(memoryview(zlib.decompress(element.body)), order):
-                _check_variable(inner, order)
+            stream = zlib.decompressobj()
+            head = stream.decompress(body, 8)
+            size = struct.unpack(f"{order}II", head.ljust(8, b"\0"))[1]
+            expanded += size
+            # before anything is expanded
+            check_size(file, expanded, CURE, unit="expanded bytes", most=8 * MOST_NUMBERS)
+            body = memoryview(head + stream.decompress(stream.unconsumed_tail, size + 8))
+            if stream.unconsumed_tail:
+                raise ValueError("a compressed variable is larger than it says")
+            inner = [*_elements(body, order)]
         else:
-            _check_variable(element, order)
+            inner = [element]
+        numbers += sum(_check_variable(one, order) for one in inner)
+        check_size(file, numbers, CURE)
 
 
 def _elements(data: memoryview, order: str) -> Iterator[Element]:
@@ -86,18 +110,19 @@ def _elements(data: memoryview, order: str) -> Iterator[Element]:
         place = after
 
 
-def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
+def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> int:
+    """Check a variable and return how many numbers it has."""
     if element.kind != MATRIX or not depth:
         raise ValueError("an element is not a variable")
     if not len(element.body):
-        return
+        return 0
     parts = list(_elements(element.body, order))
     if parts[0].kind != 6 or len(parts[0].body) != 8:
         raise ValueError("a variable has no flags")
     flags = struct.unpack(f"{order}II", parts[0].body)[0]
     kind = flags & 0xFF
     if kind > NUMERIC[-1]:  # objects of classes, which are left alone
-        return
+        return 0
     if (
         len(parts) < 3
         or parts[1].kind not in {5, 6}
@@ -108,11 +133,11 @@ def _check_variable(element: Element, order: str, depth: int = DEEPEST) -> None:
     shape = struct.unpack(f"{order}{len(parts[1].body) // 4}i", parts[1].body)
     if min(shape) < 0 or parts[2].kind not in NAMES:
         raise ValueError("a variable has no name")
-    _check_content(flags, math.prod(shape), parts[3:], order, depth)
+    return _check_content(flags, math.prod(shape), parts[3:], order, depth)
 
 
-def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, depth: int) -> None:
-    """Check that a variable has as many values as its shape says."""
+def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, depth: int) -> int:
+    """Check that a variable has as many values as its shape says; return how many numbers."""
     kind = flags & 0xFF
     if kind in NUMERIC:
         for part in parts:
@@ -120,7 +145,8 @@ def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, 
                 raise ValueError("the size of a variable differs from its shape")
         if len(parts) != (2 if flags & COMPLEX else 1):  # real, and imaginary if the flag says so
             raise ValueError("a variable has no values")
-    elif kind == CHAR:
+        return size
+    if kind == CHAR:
         if len(parts) != 1 or parts[0].kind not in TEXTS:
             raise ValueError("a text has no characters")
         # Other programs leave out blanks at the end of a text.
@@ -132,8 +158,8 @@ def _check_content(flags: int, size: int, parts: Sequence[Element], order: str, 
             fields, parts = _fields(parts, order), parts[2:]
         if len(parts) != fields * size:
             raise ValueError("the size of a struct or cell differs from its shape")
-        for part in parts:
-            _check_variable(part, order, depth - 1)
+        return sum(_check_variable(part, order, depth - 1) for part in parts)
+    return 0
 
 
 def _fields(parts: Sequence[Element], order: str) -> int:

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.mat5_validator import check_structure, is_level_5
 
 __all__ = ["read_mat"]
@@ -50,6 +50,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
             f" {', '.join(listed[:MOST_LISTED]) or 'nothing'}{more}. Save time and signals as"
             " vectors of equal length."
         )
+    _check(path, sum(value.size for value in vectors.values()))
     sizes = Counter(value.size for value in vectors.values())
     named = Counter(value.size for name, value in vectors.items() if name in names)
     size = max(sizes, key=lambda size: (named[size], sizes[size], size))
@@ -63,9 +64,12 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
 
 
 def _is_vector(value: Any) -> bool:
-    if not isinstance(value, np.ndarray) or value.dtype.kind not in "iuf":
-        return False
-    return value.size > 1 and value.size == max(value.shape)
+    kind = getattr(value, "dtype", None)  # of an array, or of a dataset that is not read yet
+    return kind is not None and kind.kind in "iuf" and 1 < value.size == max(value.shape)
+
+
+def _check(path: Path, numbers: int) -> None:
+    check_size(str(path), numbers, "split the file, or save fewer variables")
 
 
 def _shape(value: Any) -> str:
@@ -102,7 +106,7 @@ def _older(path: Path) -> Iterator[tuple[str, Any]]:
 
     data = path.read_bytes()
     if is_level_5(data):
-        check_structure(data)
+        check_structure(data, str(path))
     content = loadmat(io.BytesIO(data), struct_as_record=False, squeeze_me=False)
     for name, value in content.items():
         if not name.startswith("__"):
@@ -128,20 +132,40 @@ def _newer(path: Path) -> Iterator[tuple[str, Any]]:
     import h5py
 
     with h5py.File(path, "r") as file:
-        yield from _group(file, "", DEEPEST)
+        found = dict(_group(file, "", DEEPEST, set()))
+        vectors = {name: item for name, item in found.items() if _is_vector(item)}
+        _check(path, sum(item.size for item in vectors.values()))
+        for name, item in vectors.items():
+            if item.is_virtual or item.external:
+                raise InputError(
+                    f"{path}: the values of {name} are in another file: copy them here."
+                )
+        yield from (found | {name: item[()].T for name, item in vectors.items()}).items()
 
 
-def _group(group: Any, prefix: str, depth: int) -> Iterator[tuple[str, Any]]:
-    """Yield the variables of a file, or the fields of a struct, of a version that is HDF5."""
+def _group(group: Any, prefix: str, depth: int, seen: set[int]) -> Iterator[tuple[str, Any]]:
+    """Yield the variables of a file, or the fields of a struct, of a version that is HDF5.
+
+    A group may be a member of itself, by a hard or a soft link: each is entered once. Links to
+    other files are not followed.
+    """
     import h5py
 
-    for key, item in group.items():
-        name = f"{prefix}{key}"
+    for key in group:
+        name, link = f"{prefix}{key}", group.get(key, getlink=True)
         if key.startswith("#"):  # MATLAB keeps cells and tables there
             continue
+        if isinstance(link, h5py.ExternalLink):
+            yield name, f"link to {link.filename}"
+            continue
+        item = group.get(key)
         if isinstance(item, h5py.Group):
-            if depth:
-                yield from _group(item, f"{name}.", depth - 1)
+            place = h5py.h5o.get_info(item.id).addr
+            if depth and place not in seen:
+                seen.add(place)
+                yield from _group(item, f"{name}.", depth - 1, seen)
+            continue
+        if not isinstance(item, h5py.Dataset):  # a type, or a link that leads nowhere
             continue
         kind = item.attrs.get("MATLAB_class", b"double")
         kind = kind.decode() if isinstance(kind, bytes) else str(kind)
@@ -149,4 +173,4 @@ def _group(group: Any, prefix: str, depth: int) -> Iterator[tuple[str, Any]]:
         if "MATLAB_empty" in item.attrs or not numeric or item.dtype.kind not in "iuf":
             yield name, f"{' × '.join(map(str, item.shape[::-1]))} {kind}"
         else:
-            yield name, item[()].T
+            yield name, item if _is_vector(item) else np.broadcast_to(0.0, item.shape[::-1])

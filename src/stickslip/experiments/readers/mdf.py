@@ -1,6 +1,9 @@
 """Channels of MDF files, as loggers of vehicles and test rigs write them."""
 
+import re
+import struct
 import warnings
+import zlib
 from collections import Counter
 from collections.abc import Collection
 from pathlib import Path
@@ -9,12 +12,18 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from stickslip.errors import InputError
+from stickslip.errors import MOST_NUMBERS, InputError, check_size
 
 __all__ = ["MDF", "read_mdf"]
 
 MDF: Final = (".mf4", ".mdf")
 """Endings of MDF files."""
+CURE: Final = "split the file, or save fewer channels"
+_COMPRESSED: Final = re.compile(b"##DZ")
+_HEAD: Final = 48
+"""Bytes of such a block before its data."""
+_DEFLATED: Final = {0, 1}
+"""Kinds of compression that are zlib's."""
 
 
 def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
@@ -48,9 +57,14 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
             " the file as CSV."
         ) from None
     try:
+        _check_blocks(path)
         with warnings.catch_warnings(), asammdf.MDF(path) as file:
             warnings.simplefilter("ignore")
+            numbers = sum(one.channel_group.cycles_nr * len(one.channels) for one in file.groups)
+            check_size(str(path), numbers, CURE)
             signals = [one for one in file.iter_channels(skip_master=True) if _is_numeric(one)]
+    except InputError:
+        raise
     except Exception as error:
         # The package has whatever error its parser stumbles over.
         reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
@@ -67,6 +81,25 @@ def read_mdf(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
         unit = f" [{one.unit.strip()}]" if one.unit and one.unit.strip() else ""
         columns.setdefault(f"{one.name}{unit}", np.asarray(one.samples, dtype=float))
     return pd.DataFrame(columns)
+
+
+def _check_blocks(path: Path) -> None:
+    """Refuse compressed blocks that grow beyond measure, or beyond what they say.
+
+    See ASAM MDF 4.1, block ``##DZ``: its length, kind of compression and both sizes of its data.
+    """
+    data, expanded = path.read_bytes(), 0
+    for found in _COMPRESSED.finditer(data):
+        length, kind, original, size = struct.unpack_from("<Q8xxxBx4xQQ", data, found.start() + 8)
+        if length != _HEAD + size:  # bytes that only look like such a block
+            continue
+        expanded += original
+        check_size(str(path), expanded, CURE, unit="expanded bytes", most=8 * MOST_NUMBERS)
+        if kind in _DEFLATED:
+            stream = zlib.decompressobj()
+            begin = found.start() + _HEAD
+            if len(stream.decompress(data[begin : begin + size], original + 1)) > original:
+                raise ValueError("a compressed block is larger than it says")
 
 
 def _is_numeric(signal: Any) -> bool:

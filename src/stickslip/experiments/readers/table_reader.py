@@ -10,7 +10,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.errors import (
+    MOST_NUMBERS,
+    InputError,
+    ParameterError,
+    UnknownNameError,
+    check_size,
+)
 from stickslip.experiments.readers.csv_reader import ambiguous, culprit, grouped, read_text
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.matlab import read_mat
@@ -254,6 +260,9 @@ def read_frame(
         If the file cannot be read, is of another kind, or has no rows.
     """
     check_file(path)
+    check_size(
+        str(path), Path(path).stat().st_size, "split it", unit="bytes", most=16 * MOST_NUMBERS
+    )
     single = dict(_single(columns))
     file, suffix = str(path), Path(path).suffix.lower()
     first_row = 1
@@ -323,13 +332,42 @@ def _single(columns: Mapping[str, Column]) -> Iterator[tuple[str, str]]:
 
 
 def _parquet(path: Path) -> pd.DataFrame:
+    import pyarrow.parquet as pq
+
     try:
-        return pd.read_parquet(path).reset_index(drop=True)
+        with pq.ParquetFile(path) as file:
+            _check_parquet(str(path), file)
+            # Texts stay references to the few that differ: each is written once and repeated.
+            texts = [field.name for field in file.schema_arrow if _is_text(field.type)]
+        data = pd.read_parquet(path, engine="pyarrow", read_dictionary=texts)
+        repeated = [name for name in texts if isinstance(data.get(name), pd.Series)]
+        data = data.astype(dict.fromkeys(repeated, object))
+        return data.reset_index(drop=True)
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}.") from None
     except Exception as error:
         # pyarrow has an exception tree of its own.
         raise InputError(f"{path}: is not a Parquet file: {error}.") from None
+
+
+def _check_parquet(path: str, file: Any) -> None:
+    """Refuse a file whose footer announces too much, lists within cells included."""
+    footer = file.metadata
+    size = 0.0
+    for i in range(footer.num_row_groups):
+        group = footer.row_group(i)
+        for k in range(group.num_columns):
+            column = group.column(k)
+            size += max(column.num_values, column.total_uncompressed_size / 8)
+    check_size(path, max(size, footer.num_rows * footer.num_columns), "split the file")
+
+
+def _is_text(kind: Any) -> bool:
+    from pyarrow import types
+
+    return bool(types.is_string(kind) or types.is_large_string(kind))
 
 
 def _named(

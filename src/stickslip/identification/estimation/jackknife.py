@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from stickslip.errors import check_size
 from stickslip.identification.estimation.directions import Directions, takes_part
 from stickslip.identification.estimation.problem import ResidualJacobian
 
@@ -524,6 +525,7 @@ def bootstrap(
     known = Directions.of(jacobian.slopes @ scale)
     spread = _spread(jacobian, known, blocks)
     _, singular, axes = np.linalg.svd(spread.changes, full_matrices=False)
+    check_size("draws", draws * max(scale.shape), "ask for fewer")
     random = np.random.default_rng(seed)
     weights = random.standard_normal((draws, len(singular)))
     degrees = np.array([spread.freedom(row) for row in known.inverse])

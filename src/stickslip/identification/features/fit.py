@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.errors import ConvergenceError, InputError, check_size
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, percent
 from stickslip.friction import FrictionLaw
@@ -382,6 +382,7 @@ def _spread(
 
     free_parameters = problem.free_parameters
     low, high = free_parameters.limits()
+    check_size("points", points * len(free_parameters), "ask for fewer")
     exponent = max(4, math.ceil(math.log2(max(points, 1))))
     cube = qmc.Sobol(len(free_parameters), rng=np.random.default_rng(seed)).random_base2(exponent)
     places = np.array([free_parameters.values(low + (high - low) * row) for row in cube])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.described import Described
 from stickslip.display import require_library
-from stickslip.errors import InputError, not_whole
+from stickslip.errors import InputError, check_size, not_whole
 from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.results import Fit
 from stickslip.quantities import full_path
@@ -199,6 +199,7 @@ def _count(sampler: str, steps: int | None, live_points: int | None, free: int) 
     whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
     if not whole or count < least:
         raise InputError(not_whole(name, least, count))
+    check_size(name, count * (2 * free + 2) * free, "ask for fewer")
     return int(count)
 
 
