@@ -98,6 +98,7 @@ def run(
         return
     target = known
     refuse_overwriting(output, output, force=True)
+    _number("--largest-speed", wanted.largest_speed, SPEED)
     found = export(
         load_rig(path, allow_import=allow_import),
         to,
@@ -106,7 +107,7 @@ def run(
         contact=wanted.contact,
         load=_number("--load", wanted.load, LOAD),
         law_load=_number("--law-load", wanted.law_load, LOAD),
-        largest_speed=_number("--largest-speed", wanted.largest_speed, SPEED),
+        largest_speed=wanted.largest_speed,
         rig=None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import),
     )
     files = found.save(output, force=force)

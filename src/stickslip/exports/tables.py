@@ -39,7 +39,7 @@ class CsvTable(Target):
         speed = np.unique(speed)
         velocity = np.concatenate([-speed[::-1], speed])
         force = steady_force(subject, velocity, load)
-        unit, speed_unit = turned("N", subject.turning), turned("m/s", subject.turning)
+        unit, speed_unit = turned("N", subject.rotary), turned("m/s", subject.rotary)
         notes = [
             *subject.header(),
             f"Friction of {'long' if isinstance(law, BristleLaw) else 'any'} sliding at a load of"
@@ -77,6 +77,7 @@ def _content(subject: Subject) -> dict[str, Any]:
         "title": law.title,
         "formula": law.formula,
         "sources": list(law.sources),
+        "motion": "rotary" if subject.rotary else "linear",
         "levels": subject.levels,
         "load": subject.load,
         "largest_speed": None if known is None else known.largest_speed,
