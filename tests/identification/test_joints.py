@@ -70,10 +70,8 @@ def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(foun
     assert seen == pytest.approx(found.inference.correlation[i, j], abs=0.06)
     assert known.intervals[names[1]] == (found.estimates[j].low, found.estimates[j].high)
     for contact, coordinate in zip(JOINTS, ARM.coordinates, strict=True):
-        position, time = (
-            found.measurement.joints[coordinate].values(one) for one in ("position", "time")
-        )
-        fastest = np.abs(np.gradient(position, time)).max()
+        one = found.measurement.joints[coordinate]
+        fastest = np.abs(np.gradient(one.position, one.time)).max()
         # a mean over a two hundredth of the record
         assert known.largest_speed[contact] == pytest.approx(fastest, rel=0.1)
     text = export(rig, "csv", contact="elbow").files["coulomb_viscous.csv"]
