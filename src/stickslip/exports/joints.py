@@ -21,7 +21,7 @@ __all__ = ["Mjcf", "Urdf"]
 TIMESTEP: Final = 1e-3
 """Longest step of a model for MuJoCo [s]."""
 STEADINESS: Final = 0.5
-"""Largest step over the shortest time constant of body and bristles; 2 is where it is unstable."""
+"""Largest step over the shortest time constant of body and bristles; up to 1 it is stable."""
 SOFT: Final = "0.002 1"
 """Time constant [s] and damping ratio of MuJoCo's friction constraint."""
 HARD: Final = "0.999 0.9999 0.001"
@@ -179,7 +179,7 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
         ),
         said=(
             f"Steps: errors are proportional to the time step, which must be below"
-            f" {quantity(2.0 * shortest, 's')} for these bristles on this inertia; the model has"
+            f" {quantity(shortest, 's')} for these bristles on this inertia; the model has"
             f" {quantity(step, 's')}. Use the integrator Euler: at the same step, the error of"
             " implicitfast is 20 to 200 times as large where bristles are damped.",
             *dependence,
