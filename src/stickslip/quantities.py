@@ -33,6 +33,8 @@ __all__ = [
     "fields_of",
     "full_path",
     "gathered",
+    "is_rotary",
+    "motion_kinds",
     "named",
     "own_classes",
     "parameters",
@@ -370,6 +372,70 @@ class Quantity:
 
 def _has_unit(value: object) -> bool:
     return isinstance(value, str) or is_pint(value)
+
+
+def motion_kinds(cls: type, given: Mapping[str, object]) -> dict[bool, str]:
+    """Return a value whose unit is of rotary motion (True), and one whose unit is of linear motion.
+
+    Parameters
+    ----------
+    cls : type
+        Class with quantities.
+    given : mapping of str to object
+        Values by name of the field; numbers without a unit say nothing.
+
+    Returns
+    -------
+    dict of bool to str
+        Name and value in words.
+
+    Examples
+    --------
+    >>> from stickslip import Axis
+    >>> motion_kinds(Axis, {"inertia": "0.02 kg m^2", "stiffness": "3 N/m", "damping": 0.1})
+    {True: 'inertia = 0.02 kg m^2', False: 'stiffness = 3 N/m'}
+    """
+    kinds: dict[bool, str] = {}
+    for name, quantity in fields_of(cls).items():
+        value = given.get(name)
+        if not quantity.or_unit or not _has_unit(value):
+            continue
+        for rotary, unit in ((True, quantity.or_unit), (False, quantity.unit)):
+            with contextlib.suppress(ParameterError):
+                number_in(value, unit)
+                kinds.setdefault(rotary, f"{name} = {value}")
+    return kinds
+
+
+def is_rotary(kinds: Mapping[bool, str], stated: bool | None = None) -> bool:
+    """Return whether a motion is rotary by units and by what is stated; linear if neither says.
+
+    Parameters
+    ----------
+    kinds : mapping of bool to str
+        Values whose units are of rotary (True) and of linear motion, as of `motion_kinds`.
+    stated : bool, optional
+        What is stated beside them, as the field ``rotary``.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+
+    Raises
+    ------
+    ParameterError
+        If they contradict each other.
+    """
+    known = dict(kinds)
+    if stated is not None:
+        known.setdefault(stated, f"rotary = {str(stated).lower()}")
+    if len(known) == 2:
+        raise ParameterError(
+            f"{known[True]} is of a rotary axis, but {known[False]} of a linear one: give both in"
+            " units of the same kind of motion, such as kg m^2, N m and rad, or kg, N and m."
+        )
+    return True in known
 
 
 BROKEN_POWER = re.compile(r"\^(?!\d+(?:[\s*/]|$))")

@@ -5,8 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from stickslip import Axis, CoulombViscous, Measurement, check, fit, load_measurement
-from stickslip.errors import InputError
+from stickslip import (
+    Axis,
+    CoulombViscous,
+    Measurement,
+    TwoMassAxis,
+    check,
+    fit,
+    load_measurement,
+    load_rig,
+    simulate,
+)
+from stickslip.errors import InputError, ParameterError
 from stickslip.selection.record_wording import error_text
 
 
@@ -98,3 +108,76 @@ def test_estimates_are_in_the_units_of_what_turns():
     assert slope.quantity.unit == "N m s/rad"
     assert slope.value == pytest.approx(3.0, rel=1e-6)  # the data are exact
     assert result.score().unit == "N m"
+
+
+AXIS = '[mechanism]\ntype = "axis"\n'
+LAW = "[friction.coulomb-viscous]\nkinetic_coefficient = 0.4\nviscous_coefficient = 0.05\n"
+
+
+def rig_of(tmp_path, mechanism, more=""):
+    path = tmp_path / "rig.toml"
+    path.write_text(AXIS + mechanism + more)
+    return load_rig(path)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "rotary"),
+    [
+        ("inertia = 0.02\n", False),
+        ("inertia = 0.02\nrotary = true\n", True),
+        ('inertia = "200 kg cm^2"\n', True),
+        ('inertia = "3 kg"\n', False),
+        ('inertia = 0.02\nlower_stop = "-30 deg"\n', True),
+        ('inertia = 0.02\n[[mechanism.drive]]\ntype = "sine"\namplitude = "40 mN m"\n'
+         "frequency = 2.0\n", True),
+        ('inertia = 0.02\n[mechanism.drive]\ntype = "sine"\namplitude = "40 N"\n'
+         "frequency = 2.0\n", False),
+    ],
+)  # fmt: skip
+def test_an_axis_is_rotary_by_the_units_of_its_values(tmp_path, mechanism, rotary):
+    rig = rig_of(tmp_path, mechanism, LAW)
+    assert rig.mechanism.rotary is rotary
+    assert rig.mechanism.units == (("rad",) if rotary else ("m",))
+    run = simulate(rig.mechanism, rig.laws["coulomb-viscous"], t_end=0.1)
+    assert run.units["v"] == ("rad/s" if rotary else "m/s")
+
+
+def test_an_axis_is_rotary_by_its_record_and_says_so_in_the_file_of_its_law(tmp_path, read):
+    read("time [s],position [deg],force [N m]", [(0.1 * i, i * i, 1 + i % 2) for i in range(9)])
+    data = '[data]\nfile = "record.csv"\n'
+    assert rig_of(tmp_path, "inertia = 0.02\n", data).mechanism.rotary
+    with pytest.raises(InputError, match="linear axis, but the data have angles or torques"):
+        rig_of(tmp_path, 'inertia = "2 kg"\n', data)
+    read("time [s],position [mm],force [N]", ROWS)
+    with pytest.raises(InputError, match=r"position is in mm.* but the mechanism is rotary"):
+        rig_of(tmp_path, 'inertia = "2 kg m^2"\n', data)
+    read("time,position,force", ROWS)
+    assert rig_of(tmp_path, 'inertia = "2 kg m^2"\n', data).measurement.turning
+
+
+@pytest.mark.parametrize(
+    "mechanism",
+    [
+        'inertia = "0.02 kg m^2"\nstiffness = "3 N/m"\n',
+        'inertia = "0.02 kg m^2"\nrotary = false\n',
+        'inertia = "2 kg"\nrotary = true\n',
+        'inertia = "2 kg"\n[mechanism.drive]\ntype = "sine"\namplitude = "4 N m"\n'
+        "frequency = 2.0\n",
+    ],
+)
+def test_units_of_both_kinds_of_motion_are_refused_with_both_values(tmp_path, mechanism):
+    with pytest.raises(ParameterError, match=r"rig\.toml: .* of a rotary axis, but .* linear one"):
+        rig_of(tmp_path, mechanism)
+
+
+def test_a_fit_to_angles_saves_a_rotary_axis_with_torques(tmp_path):
+    v = np.linspace(-3.0, 3.0, 60)
+    truth = CoulombViscous(kinetic_coefficient=0.4, viscous_coefficient=0.05)
+    table = Measurement(velocity=v, friction=[truth.force(one, 1.0) for one in v], turning=True)
+    found = fit(TwoMassAxis(motor_inertia=0.1, load_inertia=0.1, stiffness=10.0), truth, table)
+    found.save(tmp_path / "law.toml")
+    law = load_rig(tmp_path / "law.toml")
+    assert law.mechanism.rotary
+    assert law.estimates.levels == "torques"
+    with pytest.raises(ParameterError, match=r"Axis\.rotary must be True or False, got 'yes'"):
+        Axis(inertia=1.0, rotary="yes")

@@ -27,7 +27,6 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import KnownLaws, LawEstimates
 from stickslip.exports import TARGETS, Target
 from stickslip.exports.identifiers import identifier, identifiers
-from stickslip.exports.verb import _estimates_of
 from stickslip.friction import RateState, SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
@@ -87,7 +86,7 @@ def test_laws_by_contact_are_exported_one_by_one_with_their_own_intervals():
         export(rig, "c")
     with pytest.raises(UnknownNameError, match="wrist"):
         export(rig, "c", contact="wrist")
-    own = _estimates_of(KNOWN, "shoulder")
+    own = KNOWN.of_contact("shoulder", rotary=True)
     assert own.law == "coulomb-viscous"
     assert own.covariance == ((4.0,),)
 

@@ -51,6 +51,23 @@ end
 """
 
 
+ARRAYS = """
+disp('---');
+v = [-0.2 0 0.04; 3 -1 1e-7];
+f = direction_dependent_friction(v, 7.0);
+[e, d, m, s] = direction_dependent_step(3.0, v, 7.0, 2.0, 0.01);
+printf('%d\\n', size(f), size(s), size(direction_dependent_friction([], 1)));
+for n = 1:numel(v)
+    [e1, d1, m1, s1] = direction_dependent_step(3.0, v(n), 7.0, 2.0, 0.01);
+    f1 = direction_dependent_friction(v(n), 7.0);
+    printf('%.17g\\n', f(n) - f1, e(n) - e1, d(n) - d1, s(n) - s1);
+end
+column_by_row = direction_dependent_friction(v(:, 1), [1 7]);
+printf('%.17g\\n', size(column_by_row), column_by_row(2, 2) - direction_dependent_friction(3, 7));
+"""
+"""Functions of arrays, each element of which is to be that of a call of its own."""
+
+
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory):
     """What Octave prints, as numbers by law."""
@@ -65,7 +82,7 @@ def printed(tmp_path_factory):
         script += [*calls(name), "disp('---');"]
     block = export(Coulomb(kinetic_coefficient=0.25), "matlab").files["coulomb_block.m"]
     (folder / "coulomb_block.m").write_text(block, encoding="utf-8")
-    (folder / "run_all.m").write_text("\n".join([*script, BLOCK]), encoding="utf-8")
+    (folder / "run_all.m").write_text("\n".join([*script, BLOCK, ARRAYS]), encoding="utf-8")
     done = subprocess.run(
         [octave, "--quiet", "--no-history", "--no-init-file", "run_all.m"],
         cwd=folder,
@@ -75,7 +92,7 @@ def printed(tmp_path_factory):
     )
     assert done.returncode == 0, done.stderr
     parts = [list(map(float, part.split())) for part in done.stdout.split("---")]
-    return dict(zip((*NAMES, "block"), parts, strict=True))
+    return dict(zip((*NAMES, "block", "arrays"), parts, strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +128,13 @@ def test_octave_gives_what_the_law_and_the_compiled_step_give(printed, compiled,
 def test_the_block_for_simulink_keeps_its_velocity_between_calls(printed):
     gained = (20.0 - 0.25 * 7.0) / 2.0 * 0.01
     np.testing.assert_allclose(printed["block"], gained * np.array([1, 2, 3]), rtol=1e-13)
+
+
+def test_functions_of_arrays_give_arrays(printed):
+    shapes, apart = printed["arrays"][:6], printed["arrays"][6:]
+    assert shapes == [2, 3, 2, 3, 0, 0]
+    assert apart[:-3] == [0.0] * 24
+    assert apart[-3:] == [2, 2, 0.0]
 
 
 def test_the_text_of_the_block_needs_no_other_file():

@@ -14,6 +14,7 @@ from stickslip import (
     Measurement,
     Stribeck,
     check,
+    export,
     fit,
     load_rig,
     plots,
@@ -68,6 +69,13 @@ def test_the_saved_laws_of_joints_keep_their_intervals_and_joint_covariance(foun
     # standard error of a correlation of 4000 draws: below 0.016
     assert seen == pytest.approx(found.inference.correlation[i, j], abs=0.06)
     assert known.intervals[names[1]] == (found.estimates[j].low, found.estimates[j].high)
+    for contact, coordinate in zip(JOINTS, ARM.coordinates, strict=True):
+        one = found.measurement.joints[coordinate]
+        fastest = np.abs(np.gradient(one.position, one.time)).max()
+        # a mean over a two hundredth of the record
+        assert known.largest_speed[contact] == pytest.approx(fastest, rel=0.1)
+    text = export(rig, "csv", contact="elbow").files["coulomb_viscous.csv"]
+    assert f"Fitted at speeds up to {known.largest_speed['elbow']:.6g} rad/s" in text
 
 
 def test_estimates_are_named_by_joint_and_levels_are_torques(found):

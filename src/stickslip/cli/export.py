@@ -18,7 +18,6 @@ from stickslip.quantities import Quantity, named
 
 __all__ = ["Wanted", "run"]
 
-SPEED = Quantity("v_max", "m/s", above=0, or_unit="rad/s")
 FMU = "fmu"
 """The target that takes a rig with its law."""
 BESIDE = (".json", ".html", ".csv")
@@ -98,17 +97,28 @@ def run(
         return
     target = known
     refuse_overwriting(output, output, force=True)
-    found = export(
-        load_rig(path, allow_import=allow_import),
-        to,
-        name=wanted.name,
-        law=wanted.law,
-        contact=wanted.contact,
-        load=_number("--load", wanted.load, LOAD),
-        law_load=_number("--law-load", wanted.law_load, LOAD),
-        largest_speed=_number("--largest-speed", wanted.largest_speed, SPEED),
-        rig=None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import),
+    source = load_rig(path, allow_import=allow_import)
+    rig = None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import)
+    load, law_load = (
+        _number(option, text, LOAD)
+        for option, text in (("--load", wanted.load), ("--law-load", wanted.law_load))
     )
+    try:
+        found = export(
+            source,
+            to,
+            name=wanted.name,
+            law=wanted.law,
+            contact=wanted.contact,
+            load=load,
+            law_load=law_load,
+            largest_speed=wanted.largest_speed,
+            rig=rig,
+        )
+    except ParameterError as error:
+        raise ParameterError(
+            f"{error}".replace("export.largest_speed", "--largest-speed")
+        ) from None
     files = found.save(output, force=force)
     if as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}

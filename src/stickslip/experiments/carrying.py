@@ -278,6 +278,7 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     seen = run.at(np.union1d(np.linspace(*run.span, SAMPLES), run.t))
     speed, unit = float(np.abs(seen[rate]).max()), run.units[rate]
     most = None if known is None else known.largest_speed
+    assert not isinstance(most, Mapping)  # that of one contact
     if most is not None and speed > BEYOND * most:
         said.append(
             f"The run reaches {quantity(speed, unit)}; the law was fitted up to"
@@ -484,6 +485,7 @@ def _about_viscosity(law: FrictionLaw, known: LawEstimates | None, turning: bool
     if not found:
         return []
     speed = known.largest_speed if known is not None else None
+    assert not isinstance(speed, Mapping)  # that of one contact
     unit = turned("m/s", turning)
     reach = "" if speed is None else f", and was fitted up to {quantity(speed, unit)}"
     are = "applies" if len(found) == 1 else "apply"

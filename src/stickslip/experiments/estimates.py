@@ -2,10 +2,10 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Final, Literal, TypeAlias, final, get_args
+from typing import Final, Literal, TypeAlias, TypeVar, final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ __all__ = [
     "unit_on",
 ]
 
+T = TypeVar("T")
 Array: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Literal["per load", "forces", "torques"]
 """What a law's levels are: over the normal force, or forces or torques where no load is known."""
@@ -191,8 +192,9 @@ class LawEstimates:
     levels : {"per load", "forces", "torques"}
         Whether levels, and stiffness and damping of bristles, are over the normal force, or are
         forces or torques because no normal force was known.
-    largest_speed : float, optional
-        Largest slip speed in what was fitted [m/s] or [rad/s].
+    largest_speed : float or mapping of str to float, optional
+        Largest slip speed in what was fitted [m/s] or [rad/s]; by contact where contacts have laws
+        of their own.
     overridden : tuple of str
         Those of `not_fitted` that were fitted and whose values were then replaced.
 
@@ -226,7 +228,7 @@ class LawEstimates:
     not_identified: Mapping[str, str] = field(default_factory=dict)
     not_fitted: tuple[str, ...] = ()
     levels: Levels = "per load"
-    largest_speed: float | None = None
+    largest_speed: float | Mapping[str, float] | None = None
     overridden: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -256,10 +258,85 @@ class LawEstimates:
                     f" got {low:g} and {high:g}. List a parameter without bounds in"
                     " estimates.not_identified."
                 )
-        speed = self.largest_speed
-        if speed is not None and not (math.isfinite(speed) and speed >= 0.0):
-            raise InputError(f"estimates.largest_speed must be at least 0 m/s, got {speed:g}.")
+        self._check_speeds()
         self._check_covariance()
+
+    def _check_speeds(self) -> None:
+        said, contacts = self.largest_speed, isinstance(self.law, Mapping)
+        if isinstance(said, Mapping) and not contacts:
+            raise InputError(
+                f"estimates.largest_speed is given by contact, {', '.join(said)}, but there is one"
+                " law: give one number."
+            )
+        speeds = (
+            {f".{name}": one for name, one in said.items()}
+            if isinstance(said, Mapping)
+            else ({} if said is None else {"": said})
+        )
+        for name, speed in speeds.items():
+            if contacts and name and name[1:] not in self.law:
+                raise UnknownNameError("contact in estimates.largest_speed", name[1:], self.law)
+            if not (math.isfinite(speed) and speed >= 0.0):
+                raise InputError(
+                    f"estimates.largest_speed{name} must be at least 0 m/s, or 0 rad/s about an"
+                    f" axis, got {speed:g}."
+                )
+
+    def of_contact(self, contact: str, *, rotary: bool) -> "LawEstimates":
+        """Return what is known of the law of one of several contacts.
+
+        Parameters
+        ----------
+        contact : str
+            Its name, one of those in `law`.
+        rotary : bool
+            Whether it slips by an angle, so that levels that are no coefficients are torques.
+
+        Returns
+        -------
+        LawEstimates
+            Estimates with the names of the law alone.
+
+        Examples
+        --------
+        >>> known = LawEstimates(
+        ...     law={"elbow": "coulomb", "slide": "coulomb"},
+        ...     intervals={"elbow.kinetic_coefficient": (0.9, 1.1)},
+        ...     levels="forces",
+        ...     largest_speed={"elbow": 2.0, "slide": 0.1},
+        ... )
+        >>> own = known.of_contact("elbow", rotary=True)
+        >>> own.intervals, own.levels, own.largest_speed
+        ({'kinetic_coefficient': (0.9, 1.1)}, 'torques', 2.0)
+        """
+        assert isinstance(self.law, Mapping)  # of laws by contact
+        prefix = f"{contact}."
+
+        def own(names: Iterable[str]) -> list[str]:
+            return [one for one in names if one.startswith(prefix)]
+
+        def table(values: Mapping[str, T]) -> dict[str, T]:
+            return {one.removeprefix(prefix): values[one] for one in own(values)}
+
+        def short(names: Iterable[str]) -> tuple[str, ...]:
+            return tuple(one.removeprefix(prefix) for one in own(names))
+
+        rows = [self.covariance_of.index(one) for one in own(self.covariance_of)]
+        speed = self.largest_speed
+        return dataclasses.replace(
+            self,
+            law=self.law[contact],
+            intervals=table(self.intervals),
+            covariance_of=short(self.covariance_of),
+            covariance=tuple(tuple(self.covariance[i][j] for j in rows) for i in rows),
+            not_identified=table(self.not_identified),
+            not_fitted=short(self.not_fitted),
+            overridden=short(self.overridden),
+            levels=self.levels
+            if self.levels == "per load"
+            else ("torques" if rotary else "forces"),
+            largest_speed=speed.get(contact) if isinstance(speed, Mapping) else speed,
+        )
 
     def _check_covariance(self) -> None:
         names = self.covariance_of

@@ -325,6 +325,7 @@ class _Files:
             gains=gains,
             load=load_stated(self.mechanism, self.common["overrides"]),
             load_offset=reading.offset.get("load", 0.0),
+            rotary=self.mechanism is not None and set(self.mechanism.units) == {"rad"},
         )
         values, turning = scaling.scaled(raw)
         if line is not None and turning:

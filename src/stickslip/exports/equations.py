@@ -29,7 +29,8 @@ LOCAL: Final = (
     "speed_end", "share", "used", "rest", "sense", "pivot", "ahead", "back", "rates",
     "break_away", "step", "slide", "departure", "compensation", "slip", "x", "v", "along",
     "v_start", "force_v", "speed_mid", "first_v", "second_v", "rate", "drop", "low", "miss",
-    "miss_low", "tried", "miss_tried", "scale", "shift", "turn", "settle", "implicit",
+    "miss_low", "tried", "miss_tried", "scale", "shift", "turn", "settle", "implicit", "inertia",
+    "torque", "each",
 )  # fmt: skip
 """Names that programs use themselves."""
 OF_BRISTLES: Final = ("{}_end", "{}_rate")

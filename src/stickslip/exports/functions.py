@@ -15,6 +15,7 @@ only unknown, and is found in a bracket too.
 """
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final, TypeAlias
@@ -32,12 +33,13 @@ from stickslip.exports.program import (
     Statement,
     Variable,
     floored,
+    renamed,
     used,
 )
 from stickslip.formulation import collapsed
 from stickslip.quantities import turned
 
-__all__ = ["functions_of"]
+__all__ = ["functions_of", "rotary_code", "rotary_words", "turned_variable"]
 
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
@@ -66,15 +68,15 @@ WITHOUT: Final = (
 Body: TypeAlias = tuple[Statement, ...]
 
 
-def functions_of(law: Equations, *, turning: bool = False) -> tuple[Function, ...]:
+def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...]:
     """Return the functions of a law, each after those that it calls.
 
     Parameters
     ----------
     law : Equations
         The law.
-    turning : bool
-        Whether it is about an axis, so that forces are torques and displacements angles.
+    rotary : bool
+        Whether it is of a rotary axis, so that forces are torques and displacements angles.
 
     Returns
     -------
@@ -89,25 +91,71 @@ def functions_of(law: Equations, *, turning: bool = False) -> tuple[Function, ..
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
-    return tuple(_turned(one) if turning else one for one in _Writer(law).functions())
+    return tuple(_turned(one) if rotary else one for one in _Writer(law).functions())
+
+
+ROTARY_NAMES: Final = {"mass": "inertia", "force": "torque"}
+"""Names of variables -> those of a rotary axis."""
+ROTARY_WORDS: Final = {
+    r"(?<!normal )\bforce\b": "torque",
+    r"\bForce\b": "Torque",
+    r"\bmass\b": "moment of inertia",
+    r"\bdisplacement\b": "angle",
+    r"\bslip velocity\b": "angular velocity",
+}
+"""Words on forces -> those on torques; the normal force of a contact is one wherever it slips."""
+
+
+def rotary_words(text: str) -> str:
+    """Return a text on a body that slides as one on a body that turns.
+
+    Examples
+    --------
+    >>> rotary_words("friction force at a normal force of 2 N")
+    'friction torque at a normal force of 2 N'
+    """
+    for words, other in ROTARY_WORDS.items():
+        text = re.sub(words, other, text)
+    return text
+
+
+def turned_variable(one: Variable) -> Variable:
+    """Return a variable of a body that slides as that of one that turns.
+
+    Examples
+    --------
+    >>> turned_variable(Variable(name="mass", unit="kg", meaning="mass of the body"))
+    Variable(name='inertia', unit='kg m^2', meaning='moment of inertia of the body', positive=False)
+    """
+    return replace(
+        one,
+        name=ROTARY_NAMES.get(one.name, one.name),
+        unit=one.unit if one.name == "load" else turned(one.unit),
+        meaning=rotary_words(one.meaning),
+    )
+
+
+def rotary_code(line: str) -> str:
+    """Return a line of code on a body that slides as one on a body that turns.
+
+    Examples
+    --------
+    >>> rotary_code("mass*der(v) = applied - force;")
+    'inertia*der(v) = applied - torque;'
+    """
+    for name, other in ROTARY_NAMES.items():
+        line = re.sub(rf"\b{name}\b", other, line)
+    return line
 
 
 def _turned(function: Function) -> Function:
-    """Return a function of forces as one of torques, in units and in words."""
-
-    def about_axis(one: Variable) -> Variable:
-        words = one.meaning.replace("friction force", "friction torque")
-        words = words.replace("force on the body", "torque on the body").replace(
-            "mass of the body", "moment of inertia of the body"
-        )
-        # the normal force of a contact is one wherever it slips
-        unit = one.unit if one.name == "load" else turned(one.unit)
-        return replace(one, unit=unit, meaning=words)
-
+    """Return a function of forces as one of torques, in names, units and words."""
     return replace(
         function,
-        inputs=tuple(map(about_axis, function.inputs)),
-        outputs=tuple(map(about_axis, function.outputs)),
+        summary=rotary_words(function.summary),
+        inputs=tuple(map(turned_variable, function.inputs)),
+        outputs=tuple(map(turned_variable, function.outputs)),
+        body=renamed(function.body, ROTARY_NAMES),
     )
 
 

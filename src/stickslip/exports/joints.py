@@ -1,7 +1,10 @@
-"""MJCF and URDF: dry and viscous friction of a joint, with what that leaves of the law."""
+"""MJCF and URDF: friction of a joint, with what that leaves of the law."""
 
+import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import ClassVar, final
+from dataclasses import dataclass
+from typing import ClassVar, Final, final
 
 from typing_extensions import override
 
@@ -10,16 +13,21 @@ from stickslip.exports.programs import commented
 from stickslip.exports.simplification import Simplified, simplified
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity
-from stickslip.quantities import turned
+from stickslip.friction import Dahl, FrictionLaw, LuGre
+from stickslip.quantities import turned, vary
 
 __all__ = ["Mjcf", "Urdf"]
 
-OF_BODY = 0.1
-"""Share of the inertia of an axis that the body has; the rest is armature.
-
-MuJoCo 4.0 takes the stiffness of its friction constraint from the bodies: with a share of 0.0005,
-friction hardly acts.
-"""
+TIMESTEP: Final = 1e-3
+"""Longest step of a model for MuJoCo [s]."""
+STEADINESS: Final = 0.5
+"""Largest step over the shortest time constant of body and bristles; up to 1 it is stable."""
+SOFT: Final = "0.002 1"
+"""Time constant [s] and damping ratio of MuJoCo's friction constraint."""
+HARD: Final = "0.999 0.9999 0.001"
+"""Its impedance: smallest, largest, and the width between them."""
+CREEP: Final = (1.0 - 0.999) / 0.999 * 0.9999 * 0.002 / 2.0
+"""Creep of a loaded joint with these [s], over force and inverse inertia; 1.06e-3 s by default."""
 
 
 def _safe(text: str) -> str:
@@ -30,7 +38,7 @@ def _safe(text: str) -> str:
 
 def _sentences(subject: Subject, found: Simplified) -> Iterator[str]:
     """Yield what a joint's friction leaves of the law."""
-    unit, speed_unit = turned("N", subject.turning), turned("m/s", subject.turning)
+    unit, speed_unit = turned("N", subject.rotary), turned("m/s", subject.rotary)
     yield (
         f"Least squares over speeds up to {quantity(found.largest_speed, speed_unit)} leave"
         f" {quantity(found.largest, unit)} at most and {quantity(found.rms, unit)} rms."
@@ -39,76 +47,185 @@ def _sentences(subject: Subject, found: Simplified) -> Iterator[str]:
     yield from found.effect
 
 
-def _comment(subject: Subject, found: Simplified, more: Sequence[str]) -> Iterator[str]:
+def _comment(subject: Subject, notes: Sequence[str], said: Sequence[str]) -> Iterator[str]:
     yield "<!--"
-    lines = [*subject.header(), "The joint's friction is a simplification of this law.", *more]
-    said = [f"- {line}" for line in _sentences(subject, found)]
-    yield from (_safe(line) for line in commented([*lines, *said], "  "))
+    lines = [*subject.header(), *notes, *(f"- {line}" for line in said)]
+    yield from (_safe(line) for line in commented(lines, "  "))
     yield "-->"
 
 
-def _inertia(subject: Subject) -> tuple[float, bool]:
-    """Return the inertia of what slips, if it is known, and whether it is that of an axis."""
-    inertia = getattr(subject.mechanism, "inertia", None)
-    if isinstance(inertia, float):
-        return inertia, True
-    mass = getattr(subject.mechanism, "mass", None)
-    return (mass, False) if isinstance(mass, float) and not subject.turning else (1.0, False)
+def _inertia(subject: Subject) -> float | None:
+    """Return the inertia of what slips while all else rests at 0; None if it is not known."""
+    mechanism = subject.mechanism
+    contacts = () if mechanism is None else mechanism.contacts()
+    slips = [one.slip for one in contacts if subject.contact in ("", one.name)]
+    if mechanism is None or len(slips) != 1 or not isinstance(slips[0], str):
+        return None
+    moving = defaultdict(float, {slips[0]: 1.0})
+    found = float(2.0 * mechanism.kinetic_energy(defaultdict(float), moving))
+    return found if math.isfinite(found) and found > 0.0 else None
 
 
-def _export(
-    target: Target, subject: Subject, found: Simplified, name: str, lines: Sequence[str]
-) -> Export:
-    return Export(
-        target=target.name,
-        files={name: "\n".join(lines) + "\n"},
-        remarks=tuple(_sentences(subject, found)),
+def _about_inertia(subject: Subject, inertia: float | None) -> str:
+    unit = turned("kg", subject.rotary)
+    if inertia is None:
+        return f"The inertia is not known: 1.0 {unit} stands for it."
+    return f"The inertia is {inertia!r} {unit}."
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Joint:
+    """Friction of a joint in MuJoCo."""
+
+    attributes: str
+    """Attributes of the joint."""
+    actuators: tuple[str, ...] = ()
+    """Actuators that rub."""
+    timestep: float = TIMESTEP
+    """Time step of the model [s]."""
+    integrator: str = "implicitfast"
+    """Its integrator."""
+    notes: tuple[str, ...]
+    """How it is used, in sentences."""
+    said: tuple[str, ...]
+    """What it leaves of the law, in sentences."""
+
+
+def _by_constraint(subject: Subject, inertia: float) -> _Joint:
+    """Return the friction of a joint as a level and a damping."""
+    found = simplified(subject)
+    level, damping = found.joint.level, found.joint.damping
+    creep = 0.6 * CREEP * level / inertia
+    return _Joint(
+        attributes=f' frictionloss="{level!r}" damping="{damping!r}"'
+        f' solreffriction="{SOFT}" solimpfriction="{HARD}"',
+        notes=(
+            "The joint's friction is a simplification of this law. Copy frictionloss, damping,"
+            " solreffriction and solimpfriction to the joint of your model.",
+        ),
+        said=(
+            *_sentences(subject, found),
+            "Creep: MuJoCo's frictionloss is a soft constraint. Loaded with 60 % of its level, this"
+            f" joint creeps by {quantity(creep, turned('m/s', subject.rotary))}, in proportion to"
+            " load and inverse inertia, at time steps up to 1 ms, and by twice that at 2 ms. With"
+            " MuJoCo's defaults it is 1000 times as fast."
+            + (
+                ""
+                if subject.rotary
+                else " Inertia given as armature does not count in the stiffness of a slide joint,"
+                " which then creeps more: give it as mass."
+            ),
+        ),
+    )
+
+
+def _as_lugre(law: FrictionLaw) -> LuGre | None:
+    """Return a law as LuGre friction that MuJoCo has, if it is such a law."""
+    if isinstance(law, Dahl):
+        values = next(one for one in LuGre.contained if one.law == law.name).embed(law)
+        # without a static surplus, the speed at which it fades has no effect
+        start = LuGre(
+            kinetic_coefficient=1.0,
+            static_coefficient=1.0,
+            stribeck_velocity=1.0,
+            bristle_stiffness=1.0,
+            bristle_damping=0.0,
+            static_switch=law.static_switch,
+        )
+        return (
+            None
+            if values is None
+            else _as_lugre(
+                vary(start, "friction", {f"friction.{name}": x for name, x in values.items()})
+            )
+        )
+    if not isinstance(law, LuGre) or law.static_switch:
+        return None
+    return law if law.exponent == 2.0 and law.viscous_exponent == 1.0 else None
+
+
+def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
+    """Return the friction of a joint as bristles, which MuJoCo's model of a motor has."""
+    load = subject.needed_load()
+    stiffness, damping = law.bristle_stiffness * load, law.bristle_damping * load
+    shortest = math.sqrt(inertia / stiffness)
+    if damping > 0.0:
+        shortest = min(shortest, inertia / damping)
+    step = STEADINESS * shortest
+    step = TIMESTEP if step >= TIMESTEP else float(f"{step:.1e}")
+    numbers = (
+        stiffness,
+        damping,
+        law.kinetic_coefficient * load,
+        law.static_coefficient * load,
+        law.stribeck_velocity,
+    )
+    dependence = (
+        (f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}.",)
+        if subject.levels == "per load"
+        else ()
+    )
+    return _Joint(
+        attributes=f' damping="{law.viscous_coefficient!r}"',
+        actuators=(
+            f'    <dcmotor name="{subject.name}_friction" joint="{subject.name}" resistance="1"'
+            f' motorconst="1e-6 1e-6" lugre="{" ".join(map(repr, numbers))}"/>',
+        ),
+        timestep=step,
+        integrator="Euler",
+        notes=(
+            "MuJoCo has this law since version 3.7, as friction of the actuator dcmotor. Copy that"
+            " actuator and the damping to your model, and leave its control at 0: it is no drive.",
+        ),
+        said=(
+            f"Steps: errors are proportional to the time step, which must be below"
+            f" {quantity(shortest, 's')} for these bristles on this inertia; the model has"
+            f" {quantity(step, 's')}. Use the integrator Euler: at the same step, the error of"
+            " implicitfast is 20 to 200 times as large where bristles are damped.",
+            *dependence,
+        ),
     )
 
 
 @final
 class Mjcf(Target):
-    """A model for MuJoCo with one joint, whose attributes are to be copied."""
+    """A model for MuJoCo with one joint, whose friction is to be copied."""
 
     name: ClassVar[str] = "mjcf"
     title: ClassVar[str] = "MuJoCo (MJCF)"
 
     @override
     def export(self, subject: Subject) -> Export:
-        found = simplified(subject)
-        joint, name = found.joint, subject.name
-        inertia, reflected = _inertia(subject)
-        body = OF_BODY * inertia if reflected else inertia
-        armature = inertia - body
-        principal = " ".join([repr(body)] * 3)
-        kind = "hinge" if subject.turning else "slide"
-        notes = [
-            "Copy frictionloss, damping and armature to the joint of your model.",
-            "MuJoCo enforces frictionloss by a soft constraint: a loaded joint at rest creeps.",
-        ]
-        if reflected:
-            notes.append(
-                f"Armature and body share the inertia of the axis, {inertia!r}"
-                f" {turned('kg', subject.turning)}: divide it as in your model. With a light body"
-                " and a large armature, MuJoCo makes frictionloss too soft to act."
-            )
+        known, law, name = _inertia(subject), _as_lugre(subject.law), subject.name
+        inertia = 1.0 if known is None else known
+        joint = (
+            _by_constraint(subject, inertia) if law is None else _by_bristles(subject, law, inertia)
+        )
+        notes = [*joint.notes, _about_inertia(subject, known)]
+        kind = "hinge" if subject.rotary else "slide"
+        principal = " ".join([repr(inertia)] * 3)
         lines = [
             f'<mujoco model="{name}">',
-            *(f"  {line}" for line in _comment(subject, found, notes)),
-            '  <option timestep="0.001" gravity="0 0 0" integrator="implicitfast"/>',
+            *(f"  {line}" for line in _comment(subject, notes, joint.said)),
+            f'  <option timestep="{joint.timestep!r}" gravity="0 0 0"'
+            f' integrator="{joint.integrator}"/>',
             "  <worldbody>",
             f'    <body name="{name}">',
-            f'      <joint name="{name}" type="{kind}" axis="1 0 0" frictionloss="{joint.level!r}"'
-            f' damping="{joint.damping!r}" armature="{armature!r}"/>',
-            f'      <inertial pos="0 0 0" mass="{body!r}" diaginertia="{principal}"/>',
+            f'      <joint name="{name}" type="{kind}" axis="1 0 0"{joint.attributes}/>',
+            f'      <inertial pos="0 0 0" mass="{inertia!r}" diaginertia="{principal}"/>',
             "    </body>",
             "  </worldbody>",
             "  <actuator>",
             f'    <motor name="{name}" joint="{name}"/>',
+            *joint.actuators,
             "  </actuator>",
             "</mujoco>",
         ]
-        return _export(self, subject, found, f"{name}.xml", lines)
+        return _export(self, joint.said, f"{name}.xml", lines)
+
+
+def _export(target: Target, said: Sequence[str], name: str, lines: Sequence[str]) -> Export:
+    return Export(target=target.name, files={name: "\n".join(lines) + "\n"}, remarks=tuple(said))
 
 
 @final
@@ -121,16 +238,17 @@ class Urdf(Target):
     @override
     def export(self, subject: Subject) -> Export:
         found = simplified(subject)
-        joint, name = found.joint, subject.name
-        inertia, _ = _inertia(subject)
+        joint, name, known = found.joint, subject.name, _inertia(subject)
+        inertia, said = 1.0 if known is None else known, tuple(_sentences(subject, found))
         notes = (
-            "Copy the element dynamics to the joint of your robot. URDF has no armature: reflected"
-            " inertia belongs to the link.",
+            "The joint's friction is a simplification of this law. Copy the element dynamics to the"
+            " joint of your robot. URDF has no armature: reflected inertia belongs to the link.",
+            _about_inertia(subject, known),
         )
         principal = " ".join(f'i{a}{b}="{inertia if a == b else 0.0!r}"' for a, b in _PAIRS)
         lines = [
             f'<robot name="{name}">',
-            *(f"  {line}" for line in _comment(subject, found, notes)),
+            *(f"  {line}" for line in _comment(subject, notes, said)),
             '  <link name="base"/>',
             '  <link name="body">',
             "    <inertial>",
@@ -138,20 +256,20 @@ class Urdf(Target):
             f"      <inertia {principal}/>",
             "    </inertial>",
             "  </link>",
-            f'  <joint name="{name}" type="{"continuous" if subject.turning else "prismatic"}">',
+            f'  <joint name="{name}" type="{"continuous" if subject.rotary else "prismatic"}">',
             '    <parent link="base"/>',
             '    <child link="body"/>',
             '    <axis xyz="1 0 0"/>',
             *(
                 []
-                if subject.turning
+                if subject.rotary
                 else ['    <limit lower="-1e3" upper="1e3" effort="1e6" velocity="1e3"/>']
             ),
             f'    <dynamics damping="{joint.damping!r}" friction="{joint.level!r}"/>',
             "  </joint>",
             "</robot>",
         ]
-        return _export(self, subject, found, f"{name}.urdf", lines)
+        return _export(self, said, f"{name}.urdf", lines)
 
 
 _PAIRS = (("x", "x"), ("x", "y"), ("x", "z"), ("y", "y"), ("y", "z"), ("z", "z"))

@@ -43,6 +43,8 @@ def _function(source: Source, function: Function) -> Iterator[str]:
     yield f"function {head} = {name}({', '.join(one.name for one in function.inputs)})"
     yield from _about(name, function)
     inside = source.inside(function, results=False)
+    if not function.inner:
+        yield from _by_element(name, function)
     yield from inside.constants
     if not function.inner:
         yield from _guard(function)
@@ -58,6 +60,18 @@ def _about(name: str, function: Function) -> Iterator[str]:
     ]
     yield from commented(lines, "%")
     yield "%#codegen"
+
+
+def _by_element(name: str, function: Function) -> Iterator[str]:
+    """Yield the call for each element where an argument is an array."""
+    names = [one.name for one in function.inputs]
+    results = ", ".join(one.name for one in function.outputs)
+    head = f"[{results}]" if len(function.outputs) > 1 else results
+    yield f"    if ~({' && '.join(f'isscalar({one})' for one in names)})"
+    yield f"        each = zeros(size({' + '.join(names)}));"
+    arguments = ", ".join(f"{one} + each" for one in names)
+    yield f"        {head} = arrayfun(@{name}, {arguments});"
+    yield from ("        return", "    end")
 
 
 def _guard(function: Function) -> Iterator[str]:

@@ -7,12 +7,12 @@ from typing import ClassVar, final
 from typing_extensions import override
 
 from stickslip.exports.base import Export, Target
+from stickslip.exports.functions import rotary_code, turned_variable
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.languages import MODELICA
 from stickslip.exports.program import Function, Variable
 from stickslip.exports.programs import Source, commented
 from stickslip.exports.subject import Subject
-from stickslip.quantities import turned
 
 __all__ = ["Modelica", "modelica_unit"]
 
@@ -96,34 +96,42 @@ def _as_modelica(match: re.Match[str]) -> str:
     return f'unit="{modelica_unit(match.group(1))}"'
 
 
-def _declared(one: Variable) -> str:
-    unit = f'(unit="{modelica_unit(one.unit)}")' if one.unit else ""
-    return f'Real {one.name}{unit} "{_safe(one.meaning)}";'
+def _declared(one: Variable, *, inside: str = "", value: str = "") -> str:
+    unit = f'(unit="{modelica_unit(one.unit)}"{inside})' if one.unit else ""
+    return f'Real {one.name}{unit}{value} "{_safe(one.meaning)}";'
 
 
 def _model(source: Source) -> Iterator[str]:
     """Yield a body with one coordinate, whose friction is the law."""
-    law = source.subject.equations
-    units = {
-        name: modelica_unit(turned(unit, source.subject.turning))
-        for name, unit in (("mass", "kg"), ("v", "m/s"), ("x", "m"), ("force", "N"))
-    }
-    yield from (
-        '    model Body "Body under an applied force and friction, which sticks and slips"',
-        f'        parameter Real mass(unit="{units["mass"]}") = 1.0 "mass or moment of inertia";',
-        f'        parameter Real v_start(unit="{units["v"]}") = 0.0 "velocity at the start";',
-        f'        input Real applied(unit="{units["force"]}") "force on the body but friction";',
-        '        input Real load(unit="N") "normal force";',
-        f'        Real x(unit="{units["x"]}", start=0.0, fixed=true) "displacement";',
-        f'        Real v(unit="{units["v"]}", start=v_start, fixed=true) "slip velocity";',
-        *(
-            f'        Real {z}(unit="{units["x"]}", start=0.0, fixed=true) "bristle state";'
-            for z in law.bristles
-        ),
-        f'        Real force(unit="{units["force"]}") "friction force";',
-        *(_held(law.bristles) if law.holds else _free(law.bristles)),
-        "    end Body;",
+    law, rotary = source.subject.equations, source.subject.rotary
+    inertia = Variable(name="mass", unit="kg", meaning="mass of the body")
+    inputs = (
+        Variable(name="applied", unit="N", meaning="force on the body but friction"),
+        Variable(name="load", unit="N", meaning="normal force"),
     )
+    states = (
+        (Variable(name="x", unit="m", meaning="displacement"), "0.0"),
+        (Variable(name="v", unit="m/s", meaning="slip velocity"), "v_start"),
+        *((Variable(name=z, unit="m", meaning="bristle state"), "0.0") for z in law.bristles),
+    )
+    start = Variable(name="v_start", unit="m/s", meaning="velocity at the start")
+    force = Variable(name="force", unit="N", meaning="friction force")
+
+    def declared(one: Variable, inside: str = "", value: str = "") -> str:
+        return _declared(turned_variable(one) if rotary else one, inside=inside, value=value)
+
+    what = "torque" if rotary else "force"
+    yield from (
+        f'    model Body "Body under an applied {what} and friction, which sticks and slips"',
+        f"        parameter {declared(inertia, value=' = 1.0')}",
+        f"        parameter {declared(start, value=' = 0.0')}",
+        *(f"        input {declared(one)}" for one in inputs),
+        *(f"        {declared(one, inside=f', start={at}, fixed=true')}" for one, at in states),
+        f"        {declared(force)}",
+    )
+    for line in _held(law.bristles) if law.holds else _free(law.bristles):
+        yield rotary_code(line) if rotary else line
+    yield "    end Body;"
 
 
 def _free(bristles: tuple[str, ...]) -> Iterator[str]:

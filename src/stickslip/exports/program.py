@@ -1,6 +1,6 @@
 """A program as data: functions of assignments, branches and calls, which languages print."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias, final
 
@@ -19,6 +19,7 @@ __all__ = [
     "assigned",
     "called",
     "floored",
+    "renamed",
     "used",
 ]
 
@@ -149,6 +150,46 @@ def floored(name: str, value: se.Expr) -> tuple[Statement, ...]:
     zero = se.Integer(0)
     below = Branch(se.Symbol(name), zero, (Assign((name,), (zero,)),))
     return Assign((name,), (value,)), below
+
+
+def renamed(body: tuple[Statement, ...], names: Mapping[str, str]) -> tuple[Statement, ...]:
+    """Return statements with other names of variables.
+
+    Parameters
+    ----------
+    body : tuple of Statement
+        The statements.
+    names : mapping of str to str
+        New names by old ones; none of them occurs in the statements.
+
+    Returns
+    -------
+    tuple of Statement
+        The statements.
+    """
+    symbols = {se.Symbol(old): se.Symbol(new) for old, new in names.items()}
+
+    def called_by(old: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(names.get(one, one) for one in old)
+
+    def in_new(values: tuple[se.Expr, ...]) -> tuple[se.Expr, ...]:
+        return tuple(se.sympify(one).subs(symbols) for one in values)
+
+    def of(one: Statement) -> Statement:
+        match one:
+            case Assign():
+                return Assign(called_by(one.names), in_new(one.values))
+            case Call():
+                return Call(called_by(one.names), one.function, in_new(one.arguments))
+            case Branch():
+                left, right = in_new((one.left, one.right))
+                return Branch(left, right, renamed(one.yes, names), renamed(one.no, names))
+            case Repeat():
+                return Repeat(one.times, renamed(one.body, names))
+            case Leave():
+                return one
+
+    return tuple(map(of, body))
 
 
 def _inside(one: Statement) -> tuple[Statement, ...]:

@@ -36,7 +36,7 @@ class Source:
     @cached_property
     def functions(self) -> tuple[Function, ...]:
         """All functions that are called or may be, each after those that it calls."""
-        every = functions_of(self.subject.equations, turning=self.subject.turning)
+        every = functions_of(self.subject.equations, rotary=self.subject.rotary)
         asked = {one.name for one in every if not one.inner} - set(self.left_out)
         asked |= set(self.needed)
         for one in reversed(every):  # each stands after those that it calls

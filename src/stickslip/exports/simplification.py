@@ -186,7 +186,7 @@ def _lost(
     subject: Subject, joint: JointFriction, speed: NDArray[np.float64], load: float
 ) -> Iterator[str]:
     """Yield what a joint with one level cannot have."""
-    law, turning = subject.law, subject.turning
+    law, turning = subject.law, subject.rotary
     unit, speed_unit = turned("N", turning), turned("m/s", turning)
     ahead = steady_force(subject, speed, load)
     back = -steady_force(subject, -speed, load)

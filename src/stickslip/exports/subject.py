@@ -12,13 +12,15 @@ from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
 from stickslip.formatting import parameter_words, printable
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, turned
 
 __all__ = ["Subject"]
 
 LOAD_TEXT: Final = {
     "per load": "Levels are over the normal force: the load is the normal force in N.",
+    "torques per load": "Levels are friction torques over the normal force, in N m per N: the load"
+    " is the normal force in N.",
     "forces": "Levels are forces in N, because no normal force was known: the load is 1.",
     "torques": "Levels are torques in N m, because no normal force was known: the load is 1.",
 }
@@ -37,6 +39,10 @@ class Subject:
     """How well it is known, if its file says so."""
     mechanism: Mechanism | None = None
     """The mechanism on which it was fitted, if there is one."""
+    contact: str = ""
+    """Which contact of the mechanism has it, where there are several."""
+    rotary: bool = False
+    """Whether the contact slips by an angle, so that friction is a torque."""
     levels: Levels = "per load"
     """What levels of the law are."""
     source: str = ""
@@ -55,20 +61,12 @@ class Subject:
         """The equations of the law."""
         return equations_of(self.law)
 
-    @property
-    def turning(self) -> bool:
-        """Whether the contact slips by an angle."""
-        if self.mechanism is None or len(self.mechanism.contacts()) != 1:
-            return self.levels == "torques"
-        slip = slip_of(self.mechanism)
-        return self.mechanism.units[self.mechanism.coordinates.index(slip)] == "rad"
-
     def unit(self, quantity: Quantity) -> str:
         """Return the unit in which a parameter of the law reads."""
         unit = quantity.unit
         if self.levels != "per load" and not quantity.structural:
             unit = AT_UNIT_LOAD.get(unit, unit)
-        return turned(unit, self.turning)
+        return turned(unit, self.rotary)
 
     def constants(self) -> tuple[Constant, ...]:
         """Return the parameters with units and with how well they are known."""
@@ -104,9 +102,10 @@ class Subject:
         yield "Parameters in SI units:"
         for one in self.constants():
             yield f"  {one.name} = {one.value!r} [{one.unit}] ({one.meaning})"
-        yield LOAD_TEXT[self.levels]
+        ratio = self.levels == "per load"
+        yield LOAD_TEXT["torques per load" if ratio and self.rotary else self.levels]
         if self.estimates is not None and self.estimates.largest_speed is not None:
-            unit = turned("m/s", self.turning)
+            unit = turned("m/s", self.rotary)
             yield (
                 f"Fitted at speeds up to {self.estimates.largest_speed:.6g} {unit}; the law is"
                 " extrapolated beyond."

@@ -39,16 +39,17 @@ class CsvTable(Target):
         speed = np.unique(speed)
         velocity = np.concatenate([-speed[::-1], speed])
         force = steady_force(subject, velocity, load)
-        unit, speed_unit = turned("N", subject.turning), turned("m/s", subject.turning)
+        unit, speed_unit = turned("N", subject.rotary), turned("m/s", subject.rotary)
+        what = "torque" if subject.rotary else "force"
         notes = [
             *subject.header(),
-            f"Friction of {'long' if isinstance(law, BristleLaw) else 'any'} sliding at a load of"
-            f" {load!r} N.",
+            f"Friction of {'long' if isinstance(law, BristleLaw) else 'any'} sliding"
+            + (f" at a load of {load!r} N." if subject.levels == "per load" else "."),
             *(
                 f"Break-away {words}: {float(towards(law, side).break_away(load))!r} {unit}."
                 for words, side in (("forward", 1), ("backward", -1))
             ),
-            "Velocity 0 has no row: there friction is any force up to break-away. A table that is"
+            f"Velocity 0 has no row: there friction is any {what} up to break-away. A table that is"
             " interpolated between the rows beside it does not hold a body at rest.",
         ]
         rows = [f"{v!r},{f!r}" for v, f in zip(velocity.tolist(), force.tolist(), strict=True)]
@@ -77,6 +78,7 @@ def _content(subject: Subject) -> dict[str, Any]:
         "title": law.title,
         "formula": law.formula,
         "sources": list(law.sources),
+        "motion": "rotary" if subject.rotary else "linear",
         "levels": subject.levels,
         "load": subject.load,
         "largest_speed": None if known is None else known.largest_speed,

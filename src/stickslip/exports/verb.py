@@ -2,21 +2,35 @@
 
 import contextlib
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from stickslip.errors import InputError, StickslipError, UnknownNameError
-from stickslip.experiments import LOAD, CarriedLaw, LawEstimates, Rig, carried, levels_at
+from stickslip.experiments import (
+    LOAD,
+    CarriedLaw,
+    LawEstimates,
+    Levels,
+    Rig,
+    carried,
+    levels_at,
+)
 from stickslip.exports.base import Export, Target
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.subject import Subject
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import Fit
-from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
-from stickslip.quantities import Quantity, named
+from stickslip.mechanisms import (
+    Mechanism,
+    slip_names,
+    slips_by_angle,
+    static_normal_force,
+)
+from stickslip.quantities import Given, Quantity, named, turned
 from stickslip.selection import Verdict
 from stickslip.simulation import simulate
 
@@ -26,6 +40,7 @@ if TYPE_CHECKING:
 __all__ = ["export"]
 
 SPEED = Quantity("v_max", "m/s", above=0)
+"""End of a range of speeds along a line; about an axis, in rad/s."""
 SAMPLES = 2001
 """Evenly spaced times at which the largest speed of a run is sought, beside the solver's own."""
 
@@ -38,9 +53,10 @@ def export(
     law: str | None = None,
     contact: str | None = None,
     load: float | None = None,
-    largest_speed: float | None = None,
+    largest_speed: Given | None = None,
     law_load: float | None = None,
     rig: Rig | None = None,
+    rotary: bool | None = None,
 ) -> Export:
     r"""Return a friction law as files of another program.
 
@@ -64,15 +80,19 @@ def export(
     load : float, optional
         Normal force [N] at which tables and joints have their friction; that of the mechanism at
         rest if not given.
-    largest_speed : float, optional
-        End of the range of speeds [m/s] of tables, and over which the friction of a joint is
-        adapted to the law. If not given: that of a run of the rig, or of the fit.
+    largest_speed : float or str, optional
+        End of the range of speeds, in m/s or rad/s, of tables, and over which the friction of a
+        joint is adapted to the law; a number or a text with its unit. If not given: that of a run
+        of the rig, or of the fit.
     law_load : float, optional
         Normal force [N] at which the law was fitted, if its levels are forces: they are divided by
         it.
     rig : Rig, optional
         On which the law is used: of joints, the effect of their simplified friction on it is
         computed.
+    rotary : bool, optional
+        Of a law itself, given without a rig: whether it is of a rotary axis, so that its levels are
+        torques [N m] and speeds are in rad/s; linear if not given. All else says what it turns.
 
     Returns
     -------
@@ -98,7 +118,12 @@ def export(
             " stickslip.exports.export_fmu(mechanism, law, path, t_end=...)."
         )
     target: Target = named(TARGETS, to, "target")
-    found = _taken(source, law, contact, rig, law_load)
+    if rotary is not None and (rig is not None or not isinstance(source, FrictionLaw)):
+        raise InputError(
+            f"rotary={rotary} is for a law without a mechanism: leave it out, the mechanism says it"
+            " (of an Axis, its field rotary)."
+        )
+    found = _taken(source, law, contact, rig, law_load, rotary=rotary)
     used = dataclasses.replace(
         found,
         name=identifier(name if name is not None else found.law.name),
@@ -116,6 +141,8 @@ def _taken(
     contact: str | None,
     rig: Rig | None,
     law_load: float | None,
+    *,
+    rotary: bool | None,
 ) -> Subject:
     """Return the law of what was given."""
     if isinstance(source, Verdict):
@@ -145,12 +172,16 @@ def _taken(
         raise InputError(
             "law and law_load choose and divide the law of a rig: leave them out for a law itself."
         )
+    if rig is None:
+        levels: Levels = "torques" if rotary else "per load"
+        return Subject(law=source, name="", rotary=bool(rotary), levels=levels)
     return Subject(
         law=source,
         name="",
         rig=rig,
-        mechanism=None if rig is None else rig.mechanism,
-        levels="per load" if rig is None else levels_at(rig.mechanism),
+        mechanism=rig.mechanism,
+        rotary=slips_by_angle(rig.mechanism),
+        levels=levels_at(rig.mechanism),
     )
 
 
@@ -181,6 +212,7 @@ def _carried(source: Rig, law: str | None, rig: Rig | None, law_load: float | No
         name="",
         estimates=known,
         mechanism=onto,
+        rotary=slips_by_angle(onto),
         levels=levels if law_load is None else "per load",
         source=origin,
         rig=rig,
@@ -210,36 +242,20 @@ def _of_contact(
         )
     if contact not in laws:
         raise UnknownNameError("contact with a law", contact, laws)
-    own = None
+    (one,) = (one for one in mechanism.contacts() if one.name == contact)
+    rotary = slips_by_angle(mechanism, one)
+    said = LawEstimates(law={contact: laws[contact].name}, levels=levels_at(mechanism))
     if known is not None and not isinstance(known.law, str) and contact in known.law:
-        own = _estimates_of(known, contact)
-    levels = levels_at(mechanism) if own is None else own.levels
-    return Subject(law=laws[contact], name="", estimates=own, mechanism=mechanism, levels=levels)
-
-
-def _estimates_of(known: LawEstimates, contact: str) -> LawEstimates:
-    prefix = f"{contact}."
-    assert not isinstance(known.law, str)  # of laws by contact
-
-    def inside(names: Any) -> list[str]:
-        return [one for one in names if one.startswith(prefix)]
-
-    kept = inside(known.covariance_of)
-    rows = [known.covariance_of.index(one) for one in kept]
-    return dataclasses.replace(
-        known,
-        law=known.law[contact],
-        intervals={
-            one.removeprefix(prefix): known.intervals[one] for one in inside(known.intervals)
-        },
-        covariance_of=tuple(one.removeprefix(prefix) for one in kept),
-        covariance=tuple(tuple(known.covariance[i][j] for j in rows) for i in rows),
-        not_identified={
-            one.removeprefix(prefix): known.not_identified[one]
-            for one in inside(known.not_identified)
-        },
-        not_fitted=tuple(one.removeprefix(prefix) for one in inside(known.not_fitted)),
-        overridden=tuple(one.removeprefix(prefix) for one in inside(known.overridden)),
+        said = known
+    own = said.of_contact(contact, rotary=rotary)
+    return Subject(
+        law=laws[contact],
+        name="",
+        estimates=own if said is known else None,
+        mechanism=mechanism,
+        contact=contact,
+        rotary=rotary,
+        levels=own.levels,
     )
 
 
@@ -259,12 +275,14 @@ def _load(subject: Subject, given: float | None) -> float | None:
     return static_normal_force(mechanism)
 
 
-def _speed(subject: Subject, given: float | None) -> float | None:
+def _speed(subject: Subject, given: Given | None) -> float | None:
     if given is not None:
-        return SPEED.check("export", "largest_speed", given)
+        quantity = dataclasses.replace(SPEED, unit=turned(SPEED.unit, subject.rotary))
+        return quantity.check("export", "largest_speed", given)
     if subject.rig is not None and len(subject.rig.mechanism.contacts()) == 1:
         return _fastest(subject, subject.rig)
     known = None if subject.estimates is None else subject.estimates.largest_speed
+    assert not isinstance(known, Mapping)  # that of one contact
     if known is None and subject.own_rig is not None:
         with contextlib.suppress(StickslipError):  # nobody has asked for a run of it
             return _fastest(subject, subject.own_rig)

@@ -301,7 +301,7 @@ def estimates_for(
     correlation: ArrayLike,
     *,
     levels: Levels,
-    largest_speed: float | None,
+    largest_speed: float | Mapping[str, float] | None,
 ) -> LawEstimates:
     """Return what estimates say of a law; those of the mechanism are left out.
 
@@ -315,8 +315,8 @@ def estimates_for(
         Of the estimates, in their order.
     levels : {"per load", "forces", "torques"}
         What the levels are.
-    largest_speed : float or None
-        Largest slip speed in what was fitted, if it is known.
+    largest_speed : float, mapping of str to float, or None
+        Largest slip speed in what was fitted, if it is known; by contact of laws by contact.
 
     Returns
     -------

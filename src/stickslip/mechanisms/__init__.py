@@ -48,7 +48,9 @@ HOMES = {
 }
 
 INSIDE = {
+    "LinearOrRotary": "base",
     "WHOLE": "drive_period",
+    "as_rotary": "base",
     "checked_contacts": "contacts",
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
@@ -58,6 +60,7 @@ INSIDE = {
     "only_contact": "contacts",
     "repeats": "drive_period",
     "slip_among": "contacts",
+    "slips_by_angle": "contacts",
     "slip_of": "contacts",
     "slipping": "contacts",
 }

@@ -13,8 +13,10 @@ from stickslip.mechanisms.axis import Axis as _Axis
 from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
 from stickslip.mechanisms.base import Contact as Contact
 from stickslip.mechanisms.base import Guide as Guide
+from stickslip.mechanisms.base import LinearOrRotary as LinearOrRotary
 from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
+from stickslip.mechanisms.base import as_rotary as as_rotary
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
@@ -29,6 +31,7 @@ from stickslip.mechanisms.contacts import slip_among as slip_among
 from stickslip.mechanisms.contacts import slip_names as slip_names
 from stickslip.mechanisms.contacts import slip_of as slip_of
 from stickslip.mechanisms.contacts import slipping as slipping
+from stickslip.mechanisms.contacts import slips_by_angle as slips_by_angle
 from stickslip.mechanisms.contacts import static_normal_force as static_normal_force
 from stickslip.mechanisms.contacts import static_normal_forces as static_normal_forces
 from stickslip.mechanisms.disc_brake import DiscBrake as _DiscBrake
@@ -65,6 +68,7 @@ class Axis(_Axis):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
         *,
+        rotary: bool = ...,
         inertia: _Given,
         drive: _Drive | None = ...,
         stiffness: _Given = ...,
@@ -344,6 +348,7 @@ class TwoMassAxis(_TwoMassAxis):  # type: ignore[misc]  # final but for this
     def __init__(
         self,
         *,
+        rotary: bool = ...,
         motor_inertia: _Given,
         load_inertia: _Given,
         stiffness: _Given,

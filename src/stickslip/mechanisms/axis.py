@@ -8,7 +8,13 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import BoundedMechanism, Contact, Stop, stops_between
+from stickslip.mechanisms.base import (
+    BoundedMechanism,
+    Contact,
+    LinearOrRotary,
+    Stop,
+    stops_between,
+)
 from stickslip.quantities import Quantity
 
 __all__ = ["Axis"]
@@ -16,7 +22,7 @@ __all__ = ["Axis"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Axis(BoundedMechanism):
+class Axis(LinearOrRotary, BoundedMechanism):
     """An inertia with a drive, a spring and a damper; linear or rotary.
 
     With the default load of 1, friction levels read as forces [N] or torques [N m].
@@ -34,7 +40,6 @@ class Axis(BoundedMechanism):
     name: ClassVar[str] = "axis"
     coordinates: ClassVar[tuple[str, ...]] = ("x",)
     rates: ClassVar[tuple[str, ...]] = ("v",)
-    units: ClassVar[tuple[str, ...]] = ("m",)
     moving_part: ClassVar[str] = "axis"
 
     inertia: Annotated[float, Quantity("J", "kg", above=0, or_unit="kg m^2")]
@@ -49,9 +54,9 @@ class Axis(BoundedMechanism):
     """Normal force at the contact, or 1 where levels are forces."""
     offset: Annotated[float, Quantity("o", "N", or_unit="N m")] = 0.0
     """Constant force against the drive: gravity, a cable, a sensor's bias."""
-    lower_stop: Annotated[float, Quantity("x_l", "m")] | None = None
+    lower_stop: Annotated[float, Quantity("x_l", "m", or_unit="rad")] | None = None
     """Hard stop that x does not fall below; none if not given."""
-    upper_stop: Annotated[float, Quantity("x_u", "m")] | None = None
+    upper_stop: Annotated[float, Quantity("x_u", "m", or_unit="rad")] | None = None
     """Hard stop that x does not rise above; none if not given."""
     restitution: Annotated[float, Quantity("e", low=0, high=1)] = 0.0
     """Speed after an impact at a stop over the speed before; 0 if nothing bounces."""

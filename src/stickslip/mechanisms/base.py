@@ -3,7 +3,7 @@
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar, Literal, TypeAlias, final
 
 from typing_extensions import override
@@ -12,15 +12,17 @@ from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.maths import Scalar, cos, sin
-from stickslip.quantities import Parametrised, Quantity
+from stickslip.quantities import Parametrised, Quantity, is_rotary, motion_kinds
 
 __all__ = [
     "BoundedMechanism",
     "Contact",
     "Guide",
     "Incline",
+    "LinearOrRotary",
     "Mechanism",
     "Stop",
+    "as_rotary",
     "height",
     "stops_between",
     "stops_of",
@@ -303,6 +305,44 @@ class BoundedMechanism(Mechanism, ABC):
     @abstractmethod
     def stops(self) -> tuple[Stop, ...]:
         """Return the stops, at most one on each side of a coordinate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearOrRotary(Mechanism, ABC):
+    """A mechanism whose coordinates are all lengths or all angles."""
+
+    rotary: bool = False
+    """Whether coordinates are angles [rad] and forces are torques [N m]; units of values, such as
+    kg m^2, set it, and so does a fit to angles."""
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the parameters, and that their units are of one kind of motion."""
+        if not isinstance(self.rotary, bool):
+            raise ParameterError(
+                f"{type(self).__name__}.rotary must be True or False, got {self.rotary!r}."
+            )
+        kinds = motion_kinds(type(self), vars(self))
+        object.__setattr__(self, "rotary", is_rotary(kinds, True if self.rotary else None))
+        super().__post_init__()
+
+    @property
+    @override
+    def units(self) -> tuple[str, ...]:  # type: ignore[override]
+        """SI units of the coordinates."""
+        return ("rad" if self.rotary else "m",) * len(self.coordinates)
+
+
+def as_rotary(mechanism: Mechanism) -> Mechanism:
+    """Return a mechanism that may be linear or rotary as a rotary one; others as they are.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, SpringBlock
+    >>> as_rotary(Axis(inertia=2.0)).units, as_rotary(SpringBlock(mass=1.0)).units
+    (('rad',), ('m',))
+    """
+    return replace(mechanism, rotary=True) if isinstance(mechanism, LinearOrRotary) else mechanism
 
 
 def _by_coordinate(mechanism: BoundedMechanism, side: str) -> dict[str, float]:

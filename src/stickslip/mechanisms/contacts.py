@@ -15,6 +15,7 @@ __all__ = [
     "slip_names",
     "slip_of",
     "slipping",
+    "slips_by_angle",
     "static_normal_force",
     "static_normal_forces",
 ]
@@ -102,6 +103,42 @@ def has_one_slip(mechanism: Mechanism) -> bool:
     """
     contacts = mechanism.contacts()
     return len(contacts) == 1 and isinstance(contacts[0].slip, str)
+
+
+def slips_by_angle(mechanism: Mechanism, contact: Contact | None = None) -> bool:
+    """Return whether a contact slips by an angle, or by the sum or difference of angles.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    contact : Contact, optional
+        One of its contacts; if not given, whether all of them do.
+
+    Returns
+    -------
+    bool
+        Whether its friction is a torque.
+
+    Examples
+    --------
+    >>> from stickslip import Axis, Pendulum
+    >>> [
+    ...     slips_by_angle(one)
+    ...     for one in (
+    ...         Axis(inertia=1.0),
+    ...         Axis(inertia=1.0, rotary=True),
+    ...         Pendulum(mass=1.0, length=0.5),
+    ...     )
+    ... ]
+    [False, True, True]
+    """
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    return all(
+        units.get(q) == "rad" and abs(factor) == 1.0
+        for one in (mechanism.contacts() if contact is None else (contact,))
+        for q, factor in ({one.slip: 1.0} if isinstance(one.slip, str) else one.slip).items()
+    )
 
 
 def slip_of(mechanism: Mechanism) -> str:

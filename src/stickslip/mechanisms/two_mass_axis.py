@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, LinearOrRotary
 from stickslip.quantities import Quantity
 
 __all__ = ["TwoMassAxis"]
@@ -17,7 +17,7 @@ __all__ = ["TwoMassAxis"]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class TwoMassAxis(Mechanism):
+class TwoMassAxis(LinearOrRotary):
     """A motor that drives a load through a spring and a damper: a belt, a shaft, a screw.
 
     Where one of the two rubs, `x` is the place of that one and `other` that of the other. Where
@@ -44,7 +44,6 @@ class TwoMassAxis(Mechanism):
     name: ClassVar[str] = "two-mass-axis"
     coordinates: ClassVar[tuple[str, ...]] = ("x", "other")
     rates: ClassVar[tuple[str, ...]] = ("v", "other_dot")
-    units: ClassVar[tuple[str, ...]] = ("m", "m")
     moving_part: ClassVar[str] = "axis"
     contact_names: ClassVar[str] = "load, motor (with rubs = both)"
 

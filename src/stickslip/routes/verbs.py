@@ -16,7 +16,7 @@ from stickslip.identification import (
     RouteName,
     check_given,
 )
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, as_rotary
 from stickslip.routes.registry import AnyRoute, refuse_foreign, refuse_unused, route_of
 from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
 from stickslip.selection import PurposeName, Verdict
@@ -137,6 +137,8 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
+    if measurement.turning:
+        mechanism = as_rotary(mechanism)
     way = route_of(measurement, route)
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, {name: name for name in options.given}, options)
@@ -246,6 +248,8 @@ def select(
     ('coulomb', ['coulomb', 'viscous'])
     """
     check_given("select", mechanism, measurement)
+    if measurement.turning:
+        mechanism = as_rotary(mechanism)
     way = route_of(measurement, route)
     options = Options(
         route=route,

@@ -1,11 +1,11 @@
 """What a solver is."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.friction import FrictionLaw, Laws, PrintedForm
-from stickslip.mechanisms import Contact, Mechanism
+from stickslip.mechanisms import Mechanism, slips_by_angle
 from stickslip.quantities import Parametrised, parameters, turned
 from stickslip.trajectory import Trajectory
 
@@ -73,7 +73,7 @@ def column_units(mechanism: Mechanism, columns: Sequence[str]) -> dict[str, str]
         rate: f"{unit}/s" for rate, unit in zip(mechanism.rates, mechanism.units, strict=True)
     }
     efforts = {guide.effort: guide.unit for guide in mechanism.guided().values()}
-    turning = {one.name: _turns(one, units) for one in mechanism.contacts()}
+    turning = {one.name: slips_by_angle(mechanism, one) for one in mechanism.contacts()}
     several = len(turning) > 1
     own = {}
     for column in columns:
@@ -115,17 +115,11 @@ def path_units(
     angular = set(mechanism.units) == {"rad"}
     for path, quantity, _ in parameters(mechanism, "mechanism"):
         units[path] = turned(quantity.unit, angular and bool(quantity.or_unit))
-    turning = {one.name: _turns(one, own) for one in mechanism.contacts()}
+    turning = {one.name: slips_by_angle(mechanism, one) for one in mechanism.contacts()}
     everywhere = all(turning.values())  # a law of all contacts
     for path, quantity, _ in parameters(law, "friction"):
         units[path] = turned(quantity.unit, turning.get(path.split(".")[1], everywhere))
     return units
-
-
-def _turns(contact: Contact, units: Mapping[str, str]) -> bool:
-    """Whether a contact slips along an angle, or the sum or difference of angles."""
-    factors = {contact.slip: 1.0} if isinstance(contact.slip, str) else contact.slip
-    return all(units.get(q) == "rad" and abs(factor) == 1.0 for q, factor in factors.items())
 
 
 def name_of_only_contact(mechanism: Mechanism) -> str:

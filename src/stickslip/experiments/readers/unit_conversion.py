@@ -183,6 +183,8 @@ class Scaling:
     """Normal force [N] by which coefficients are multiplied where the file has none."""
     load_offset: float = 0.0
     """Offset of a load in the file [N]."""
+    rotary: bool = False
+    """Whether the mechanism turns, as columns without units then do."""
 
     def scaled(self, raw: Mapping[str, Array]) -> tuple[dict[str, Array], bool]:
         """Return columns (n,) in SI, and whether they are of an axis that turns."""
@@ -272,7 +274,12 @@ class Scaling:
                 " for a linear one: combine angles with torques, such as N m, and lengths with"
                 " forces."
             )
-        turning = True in kinds
+        if self.rotary and False in kinds:
+            raise InputError(
+                f"{self.frame.file}: {kinds[False]}, as for a linear axis, but the mechanism is"
+                " rotary: correct the unit of the column or the mechanism."
+            )
+        turning = True in kinds or self.rotary
         targets = {"time": "s"}
         for name in moving:
             quantity = quantity_called(name)

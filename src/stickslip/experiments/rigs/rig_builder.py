@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stickslip.drives import Drive, Sum
+from stickslip.drives import DRIVES, Drive, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
@@ -44,8 +44,14 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.friction import FrictionLaw, Laws, laws
-from stickslip.mechanisms import Mechanism, checked_contacts, mechanisms
-from stickslip.quantities import Quantity
+from stickslip.mechanisms import (
+    LinearOrRotary,
+    Mechanism,
+    as_rotary,
+    checked_contacts,
+    mechanisms,
+)
+from stickslip.quantities import Quantity, is_rotary, motion_kinds
 
 __all__ = ["read_rig"]
 
@@ -83,6 +89,7 @@ def read_rig(
     raw = parse(data, file)
     overrides = resolved(raw, overrides, _settable(raw))
     apply(raw, overrides)
+    stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
     contacts = _contacts(raw, own, file, overrides)
@@ -94,13 +101,22 @@ def read_rig(
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
+    reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
+    measurement = _measured(table, mechanism, reading, file)
+    if measurement is not None and measurement.turning:
+        if stated is False:
+            raise InputError(
+                f"{file}: [mechanism] is a linear axis, but the data have angles or torques: give"
+                ' its values as of a rotary one, such as inertia = "0.02 kg m^2", or correct the'
+                " units of the data."
+            )
+        mechanism = as_rotary(mechanism)
     kinds = {**laws(), **own.laws}
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()
     if not of_contacts:
         known = known_laws(table.friction, file, overrides, kinds)
-    reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
     named = _paths(table, file)
     return Rig(
         title=table.title or Path(file).stem,
@@ -114,7 +130,7 @@ def read_rig(
         contacts=of_contacts,
         vary=_varied(table.mechanism),
         parameter_uncertainties=_doubts(table.mechanism),
-        measurement=_measured(table, mechanism, reading, file),
+        measurement=measurement,
         validate=_files([table.data.second], mechanism, replace(reading, conditions=()), file),
         reading=reading,
         hold=table.data.hold,
@@ -126,6 +142,35 @@ def read_rig(
         path=file,
         files=tuple(named),
     )
+
+
+def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
+    """Put in that an axis is rotary where units say so; return what the file says of it."""
+    table: Any = raw.get("mechanism")
+    kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
+    if kind is None or not issubclass(kind, LinearOrRotary):
+        return None
+    drives = table.get("drive", [])
+    parts: list[tuple[str, type, dict[str, Any]]] = [("mechanism", kind, table)]
+    for one in drives if isinstance(drives, list) else [drives]:
+        if isinstance(one, dict) and one.get("type") in DRIVES:
+            parts.append(("mechanism.drive", DRIVES[one["type"]], one))
+    kinds: dict[bool, str] = {}
+    for where, owner, part in parts:
+        given = {
+            name: value.get("value") if isinstance(value, dict) else value
+            for name, value in part.items()
+        }
+        for rotary, words in motion_kinds(owner, given).items():
+            kinds.setdefault(rotary, f"{where}.{words}")
+    said = table.get("rotary")
+    try:
+        rotary = is_rotary(kinds, said if isinstance(said, bool) else None)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+    if rotary:
+        table["rotary"] = True
+    return rotary if kinds or said is not None else None
 
 
 def _settable(raw: Mapping[str, Any]) -> Iterator[str]:

@@ -153,7 +153,9 @@ def _estimates(known: LawEstimates) -> dict[str, object]:
         "law": known.law if isinstance(known.law, str) else dict(known.law),
         "interval": known.interval,
         "levels": known.levels,
-        "largest_speed": known.largest_speed,
+        "largest_speed": dict(known.largest_speed)
+        if isinstance(known.largest_speed, Mapping)
+        else known.largest_speed,
         "not_fitted": list(known.not_fitted),
         "covariance_of": list(known.covariance_of),
         "covariance": tomlkit.item([list(row) for row in known.covariance]).multiline(True),

@@ -299,8 +299,10 @@ class EstimatesTable(Table):
         description="unit of levels and bristle stiffness: coefficients per normal force, or"
         " forces or torques",
     )
-    largest_speed: float | None = Field(
-        default=None, description="largest slip speed in the fitted data"
+    largest_speed: float | dict[str, float] | None = Field(
+        default=None,
+        description="largest slip speed in the fitted data; by contact where contacts have laws of"
+        " their own",
     )
     not_fitted: list[str] = Field(
         default=[], description="parameters that were given or assumed, not fitted"

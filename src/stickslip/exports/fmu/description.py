@@ -48,7 +48,7 @@ class Heading:
     stop: float
     """End of a simulation unless the importer says otherwise [s]."""
     tolerance: float
-    """Relative tolerance of steps."""
+    """Relative tolerance for solvers of importers."""
 
 
 def model_description(heading: Heading, variables: Sequence[Variable], fmi: Fmi) -> bytes:

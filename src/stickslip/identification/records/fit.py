@@ -2,7 +2,7 @@
 
 import math
 import numbers
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, Self, cast, final
 
@@ -314,14 +314,26 @@ class RecordFit(Fit[AnyLaw_co]):
         records = self.measurement.records()
         weighed = any("load" in record.quantities() for record in records)
         weighed = weighed or any("mechanism.load" in record.overrides for record in records)
-        speeds = [speed for speed in map(_largest_speed, records) if speed is not None]
         return estimates_for(
             self.law,
             self.estimates,
             self.inference.correlation,
             levels="per load" if weighed else levels_at(self.mechanism),
-            largest_speed=max(speeds, default=None),
+            largest_speed=self._largest_speeds(records),
         )
+
+    def _largest_speeds(self, records: Sequence[Measurement]) -> float | dict[str, float] | None:
+        """Return the largest slip speed in the records; by contact of laws by contact."""
+        if not isinstance(self.law, Laws):
+            return _largest(records)
+        joints = {
+            one.name: _largest(
+                [r.joints[one.slips[0]] for r in records if one.slips[0] in r.joints]
+            )
+            for one in self.mechanism.contacts()
+            if one.name in dict(self.law.members)
+        }
+        return {name: speed for name, speed in joints.items() if speed is not None} or None
 
     @override
     def __str__(self) -> str:
@@ -541,6 +553,11 @@ class RecordFit(Fit[AnyLaw_co]):
 
 LAGS = 200
 """Stretches of a record over which a mean velocity is taken, so that noise does not count."""
+
+
+def _largest(records: Iterable[Measurement]) -> float | None:
+    """Return the largest slip speed of several records, if one of them tells it."""
+    return max((one for one in map(_largest_speed, records) if one is not None), default=None)
 
 
 def _largest_speed(record: Measurement) -> float | None:

@@ -489,7 +489,7 @@ static bool entered(struct instance *self, double start, bool has_stop, double s
     }
     core->time = self->last_time = start;
     core->horizon = has_stop && stop > start ? fmin(stop, LAST_TIME) : fmin(start + DEFAULT_STOP, LAST_TIME);
-    if (has_tolerance && tolerance > 0.0) {
+    if (has_tolerance && tolerance > 0.0 && tolerance < STORED_TOLERANCE) { /* finer is asked for */
         core->tolerance = fmax(fmin(tolerance, TOLERANCE), LEAST_TOLERANCE); /* never coarser */
     }
     core->phase = INITIALIZING;
