@@ -207,6 +207,31 @@ class Mechanics:
             rows += [changes.get(i, se.Integer(0)) / own for i in range(len(self.coordinates))]
         return rows
 
+    def rates_after(self, rates: Sequence[se.Expr]) -> list[list[se.Expr]]:
+        """Return the rates after an impact at each stop, then those after one that does not bounce.
+
+        Parameters
+        ----------
+        rates : sequence of Expr (n,)
+            Rates of the moving coordinates before.
+
+        Returns
+        -------
+        list of list of Expr (2 m, n)
+            Rates after the impact, first with the restitution of each of the m stops, then with 0.
+        """
+        wide = 3 + len(rates)
+        rows = self.wall_rows()
+        walls = [rows[i : i + wide] for i in range(0, len(rows), wide)]
+        return [
+            [
+                rate - (1 + bounces * row[1]) * rates[wall.coordinate] * change
+                for rate, change in zip(rates, row[3:], strict=True)
+            ]
+            for bounces in (1, 0)
+            for wall, row in zip(self.walls, walls, strict=True)
+        ]
+
 
 def _traced(symbols: Mapping[str, se.Expr], board: Switchboard) -> dict[str, Traced]:
     return {name: Traced(symbol, board) for name, symbol in symbols.items()}
