@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import FreeParameters
@@ -27,7 +27,7 @@ from stickslip.identification.shooting.initial_states import (
     settled,
     worse,
 )
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
 from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
@@ -145,6 +145,23 @@ class Shooting(RecordProblem):
         edges = np.linspace(0, len(self.segments), FEW + 1).astype(int)
         chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
         return replace(self, segments=tuple(self.segments[k] for k in chosen))
+
+    def shortened(self, share: float) -> "Shooting":
+        """Return the same with the first rows of each segment only."""
+        rows = [max(min(FIRST, len(s.times)), round(share * len(s.times))) for s in self.segments]
+        return replace(
+            self,
+            segments=tuple(
+                replace(s, times=s.times[:count], measured=s.measured[:count])
+                for s, count in zip(self.segments, rows, strict=True)
+            ),
+        )
+
+    def starting_from(self, seen: ResidualJacobian) -> "Shooting":
+        """Return the same with the initial states of an answer as first guesses."""
+        segments = enumerate(self.segments)
+        guesses = (replace(s, guess=seen.memory[k].state) for k, s in segments)
+        return replace(self, segments=tuple(guesses))
 
     @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
@@ -328,7 +345,7 @@ def _differenced(
     root, _, name = path.partition(".")
     if root == "initial":
         own = run.states.index(name)
-        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured)))
+        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or SHIFT
     else:
         known = parameters(law if root == "friction" else mechanism, root)
         value = next(value for other, _, value in known if other == path)
@@ -344,7 +361,7 @@ def _differenced(
             else:
                 rig = vary(mechanism, root, {path: value + change})
             moved = SOLVER.bare(rig, own_law, y0=first.tolist(), t_end=float(segment.times[-1]))
-        except ParameterError:  # out of its range
+        except InputError:  # out of its range, or beyond a stop
             continue
         if moved.status.complete:
             ends.append((change, moved.at(segment.times)[:, column]))
@@ -360,7 +377,11 @@ def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> 
     """Return the first states of a segment: coordinates, rates and bristles."""
     bristles = len(law.bristles) if isinstance(law, BristleLaw) else 0
     first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
-    return [*state.tolist(), *[first] * bristles]
+    begun = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
+    for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it
+        nearer = min if stop.side == "upper" else max
+        begun[stop.coordinate] = nearer(begun[stop.coordinate], float(stop.position))
+    return [*begun.values(), *state[len(begun) :].tolist(), *[first] * bristles]
 
 
 def _slip_velocity(mechanism: Mechanism) -> int:
