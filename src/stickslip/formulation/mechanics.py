@@ -12,7 +12,7 @@ from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.matrix_form import matrix_rows, matrix_supply
 from stickslip.formulation.prescribed_motion import guides_of, held_of
 from stickslip.formulation.slip_directions import SlipDirections
-from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
+from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression, is_zero
 from stickslip.mechanisms import Contact, MatrixMechanism, Mechanism, only_contact, slip_of
 
 __all__ = ["Mechanics", "Motion", "Rows", "derive_mechanics", "lagrange_rows"]
@@ -270,6 +270,20 @@ def _lagrange(
     return [p.diff(speeds[j]) for p in momentum.values() for j in moving], forces
 
 
+def _uncancelled(potential: se.Expr, places: Mapping[str, se.Symbol]) -> se.Expr:
+    """Return a potential that is 0 at the origin without differences such as 1 - cos q.
+
+    These are half a square of q, and lost in the rounding of 1 where swings are small: the
+    certificate of a run compares energies with each other.
+    """
+    moving = set(places.values())
+    cosines = [e for e in potential.atoms(se.cos) if e.free_symbols & moving]
+    if not cosines or not is_zero(potential.subs(dict.fromkeys(moving, 0))):
+        return potential
+    halves = {e: 1 - 2 * se.sin(e.args[0] / 2) ** 2 for e in cosines}
+    return se.expand(potential.xreplace(halves))
+
+
 @dataclass(frozen=True)
 class Rows:
     """Equations of motion ``M q'' = h``, friction left out, of moving and of held coordinates."""
@@ -348,7 +362,7 @@ def lagrange_rows(
     return Rows(
         mass=[[e.subs(at_rest) for e in mass[n * i : n * (i + 1)]] for i in range(len(places))],
         forces=[collapsed(e.subs(at_rest)) for e in forces],
-        energy=(kinetic + potential).subs(at_rest),
+        energy=(kinetic + _uncancelled(potential, places)).subs(at_rest),
         supplied=collapsed((potential.diff(t) + supplied).subs(at_rest)),
     )
 
