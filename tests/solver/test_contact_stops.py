@@ -340,12 +340,20 @@ def test_both_tiers_agree_to_the_last_bit_and_ensembles_with_single_runs():
     assert runs["end"][0] == single["shoulder"][-1]
 
 
-def test_there_is_no_derivative_beyond_an_impact():
+def test_an_impact_passes_its_moment_and_its_speed_on():
     run = run_of(Walled(), LEVELS, 1.0, MOVING)
     path = "friction.x1.kinetic_coefficient"
     slopes = run.differentiate(np.array([0.4, 0.8]), [path])[:, :, 0]
     assert slopes[0, 0] == pytest.approx(-0.5 * 0.4**2, rel=1e-12)
-    assert np.all(np.isnan(slopes[1]))
+    # x = 2 t - F t^2 / 2 meets 1 m at t1; v1 is the speed then, half of it is left
+    level = 0.5
+    v1 = math.sqrt(4.0 - 2.0 * level)
+    t1 = (2.0 - v1) / level
+    late, slow = 0.5 * t1**2 / v1, -1.0 / v1
+    since = 0.8 - t1
+    expected = -0.5 * slow * since + 0.5 * v1 * late + 0.5 * since**2 - level * since * late
+    assert slopes[1, 0] == pytest.approx(expected, rel=1e-12)
+    assert np.all(slopes[1, [1, 3]] == 0.0)  # the other block knows nothing of it
 
 
 def test_a_run_that_begins_at_its_stop():

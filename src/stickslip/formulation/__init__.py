@@ -2,6 +2,7 @@
 
 from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
+from stickslip.formulation.matrix_form import mass_fault, mass_vanishes
 from stickslip.formulation.model import Model, formulate
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.slip_directions import refuse_singular
@@ -18,5 +19,7 @@ __all__ = [
     "collapsed",
     "expression",
     "formulate",
+    "mass_fault",
+    "mass_vanishes",
     "refuse_singular",
 ]

@@ -209,11 +209,17 @@ class _Equations:
             *[e for row in parts.held_normals for e in row],
         ]
 
+    @property
+    def walls(self) -> list[se.Expr]:
+        """Place and restitution of each stop."""
+        return [e for wall in self.parts.walls for e in (wall.position, wall.restitution)]
+
     def part_slopes(self, along: Sequence[se.Symbol | None]) -> list[dict[int, se.Expr]]:
         """Return the derivatives of all parts, by row, along each variable; None is in no part.
 
         Rows are those of M a - h, with the accelerations behind the states, of moving coordinates
-        and of held ones; then come loads, how contacts slip, and margins of switches.
+        and of held ones; then come loads, how contacts slip, margins of switches, and places and
+        restitutions of stops.
         """
         behind = _motion(self.symbols, 0).accelerations
         rows = [-e for e in self.forces]
@@ -221,7 +227,7 @@ class _Equations:
             rows[i] += entry * behind[j]
             if j < i < len(self.parts.coordinates):
                 rows[j] += entry * behind[i]
-        rows += [*self.loads, *self.geometry, *self.margins]
+        rows += [*self.loads, *self.geometry, *self.margins, *self.walls]
         names = [_names(e) for e in rows]
         return [
             {
@@ -355,7 +361,7 @@ def _functions(equations: _Equations, columns: Sequence[Mapping[int, se.Expr]]) 
         "loops": parts.directions.loops.numbers(),
         "efforts": equations.efforts,
         "limits": equations.limits,
-        "walls": [e for wall in parts.walls for e in (wall.position, wall.restitution)],
+        "walls": equations.walls,
     }
     same = {**same, **{name: case for name, case in some.items() if case}}
     if columns:

@@ -186,6 +186,11 @@ def _functions(
     if quantities:
         parts["field_slopes"] = each(lambda m: _slopes(rates[m], quantities))
         parts["guard_parameters"] = each(lambda m: _slopes(guards[m], quantities))
+    if quantities and mechanics.walls:
+        impacts = dict(enumerate(mechanics.rates_after(symbols.rates)))
+        parts["impact"] = impacts
+        parts["impact_slopes"] = {k: _slopes(after, y) for k, after in impacts.items()}
+        parts["impact_parameters"] = {k: _slopes(a, quantities) for k, a in impacts.items()}
     return parts
 
 

@@ -277,9 +277,9 @@ def sense_end(
     `sense`; `gradients` gets states by directions.
 
     Reads: TIME, Y, DENSE, WALLS, TURN, FOLLOWED, STEPS, EVENTS, MODES, FOLLOWERS.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
-    columns 5, directions, guard slopes.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, WALLS, SIZE, BOUNDS,
+    MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2,
+    columns 3, columns 4, columns 5, directions, guard slopes.
     """
     size = len(starts)
     first = columns_at(0, q, len(own), whole)
@@ -310,10 +310,10 @@ def batch_sensed(
     Writes: TIME, STEP, STRIDE, SUPPLIED, TAKEN, VIOLATION, RESIDUAL, FRACTION, LENGTH, GROSS, LOST,
     ADDRESS, SEVERAL, LIVELIEST, RHYTHM, PIVOT, FRICTIONLESS, HELD_STRIDE, POLYNOMIAL, ROOM, drives,
     GIVEN, Y, Y1, SCALE, END, POINT, VALUES, PULLS, STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED,
-    REACHED, LOWEST, SLOPES, WALLS, SIZE, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED, EVENTS,
-    STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5, directions,
-    guard slopes.
+    REACHED, LOWEST, SLOPES, WALLS, SIZE, BOUNDS, BOX, MODE, FLAGS, PIECE, STATUS, STEPS, REJECTED,
+    EVENTS, STALLS, STEPPER, SLOW, BOOKS, DECISIONS, PIVOTINGS, AMBIGUOUS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2, columns 3, columns 4, columns 5,
+    directions, guard slopes.
 
     Parameters
     ----------

@@ -25,6 +25,9 @@ __all__ = [
     "GUARDS",
     "GUARD_PARAMETERS",
     "GUARD_SLOPES",
+    "IMPACT",
+    "IMPACT_PARAMETERS",
+    "IMPACT_SLOPES",
     "JACOBIAN",
     "LAW",
     "LAW_MARGINS",
@@ -73,6 +76,9 @@ LIMITS = 21
 TURNING = 22
 LOOPS_OF = 23
 CONSTANTS_OF = 24
+IMPACT = 25
+IMPACT_SLOPES = 26
+IMPACT_PARAMETERS = 27
 CALLED: tuple[str, ...] = (
     "field",
     "jacobian",
@@ -99,6 +105,9 @@ CALLED: tuple[str, ...] = (
     "turning",
     "loops",
     "constants",
+    "impact",
+    "impact_slopes",
+    "impact_parameters",
 )
 """Names of the generated functions by these numbers."""
 LAW = 1000

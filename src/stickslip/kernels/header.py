@@ -182,6 +182,9 @@ class ModeSizes(Sizes):
             "constants": self.constants,
             "field_slopes": n * quantities,
             "guard_parameters": guards * quantities,
+            "impact": self.coordinates,
+            "impact_slopes": self.coordinates * n,
+            "impact_parameters": self.coordinates * quantities,
         }
 
     @override
@@ -348,7 +351,7 @@ class ContactSizes(Sizes):
     def _part_rows(self) -> int:
         """Rows of the parts that have slopes."""
         rows = self.coordinates + self.held + self.contacts * (2 + 2 * self.held)
-        return rows + self.switches
+        return rows + self.switches + WALL_NUMBERS * len(self.walls)
 
     def law_places(self) -> tuple[int, ...]:
         """Return the place in the vector of a run of the numbers of each law."""

@@ -9,6 +9,8 @@ from stickslip.kernels.equations import (
     GUARD_PARAMETERS,
     GUARD_SLOPES,
     GUARDS,
+    IMPACT_PARAMETERS,
+    IMPACT_SLOPES,
     JACOBIAN,
     LINEAR,
     POWER,
@@ -20,6 +22,8 @@ from stickslip.kernels.questions import (
     GUARD_QUANTITIES,
     GUARD_STATES,
     GUARDS_OF,
+    IMPACT_QUANTITIES,
+    IMPACT_STATES,
     IS_LINEAR,
     POWERS,
     QUANTITY_SLOPES,
@@ -38,6 +42,8 @@ __all__ = [
     "guard_parameters",
     "guard_slopes",
     "guards",
+    "impact_parameters",
+    "impact_slopes",
     "jacobian",
     "linear",
     "power",
@@ -321,3 +327,60 @@ def guard_parameters(t: float, w: Vector, whole: Wholes, at: int, to: int) -> No
         ask_of(GUARD_QUANTITIES, t, w, whole, at, to)
     else:
         evaluate(GUARD_PARAMETERS, whole[MODE], whole[FLAGS], t, w, at, to)
+
+
+def impact_slopes(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Derivatives of the rates after an impact with respect to the states before it.
+
+    Of several contacts, STRUCK and BOUNDS tell which coordinates are stopped, and what the rates
+    change by.
+
+    Reads: `at`, FLAGS.
+    Writes: `to`, ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    case : int
+        With one contact, index of the stop, plus the number of stops if nothing bounces.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_COORDINATES N_STATES,), row by row.
+    """
+    if whole[N_CONTACTS] > 0:
+        ask_of(IMPACT_STATES, t, w, whole, at, to)
+    else:
+        evaluate(IMPACT_SLOPES, case, whole[FLAGS], t, w, at, to)
+
+
+def impact_parameters(case: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
+    """Derivatives of the rates after an impact with respect to all quantities.
+
+    Reads: `at`, FLAGS.
+    Writes: `to`, ANSWER, CHANGED.
+
+    Parameters
+    ----------
+    case : int
+        As in `impact_slopes`.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state.
+    to : int
+        Place of the result (N_COORDINATES quantities,), row by row.
+    """
+    if whole[N_CONTACTS] > 0:
+        ask_of(IMPACT_QUANTITIES, t, w, whole, at, to)
+    else:
+        evaluate(IMPACT_PARAMETERS, case, whole[FLAGS], t, w, at, to)

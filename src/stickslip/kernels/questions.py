@@ -27,6 +27,8 @@ TIME_SLOPES = 18
 QUANTITY_SLOPES = 19
 GUARD_STATES = 20
 GUARD_QUANTITIES = 21
+IMPACT_STATES = 22
+IMPACT_QUANTITIES = 23
 
 
 def ask_of(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

@@ -3,8 +3,8 @@
 The rows of the run are gone through once more. In each the variational equations, linear along the
 known solution, are solved: in exact modes by the derivative of the series, elsewhere by collocation
 (Radau IIA, order nine, which stiffness does not hurt and which needs no second derivatives). At an
-event, sensitivities jump with the moment of it (saltation). Beyond an impact at a hard stop there
-are none: they are NaN.
+event, sensitivities jump with the moment of it (saltation), and those of the rates change by an
+impact. Where two events coincide by chance there are none beyond: they are NaN.
 
 The vector of the run is longer here: behind SIZE stand the slopes of the field and of the guards
 with respect to all `q` quantities, the directions of the drives' numbers, and `m` columns of
@@ -22,9 +22,9 @@ from stickslip.kernels.dense_output import interpolate
 from stickslip.kernels.directions import bind
 from stickslip.kernels.drive_segments import load_piece
 from stickslip.kernels.enums import HELD_FAST, STOP
-from stickslip.kernels.equations import put_constants
+from stickslip.kernels.equations import IMPACT, WALLS_OF, evaluate, put_constants
 from stickslip.kernels.guard_roots import NO_GUARD
-from stickslip.kernels.hard_stops import wall_coordinate
+from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
 from stickslip.kernels.lu import lu_factor, lu_solve
 from stickslip.kernels.model_interface import (
     field,
@@ -32,11 +32,14 @@ from stickslip.kernels.model_interface import (
     guard_parameters,
     guard_slopes,
     guards,
+    impact_parameters,
+    impact_slopes,
     jacobian,
 )
 from stickslip.kernels.questions import PREPARE, SERIES_FROM, ask, ask_of
 from stickslip.kernels.radau_tableau import RADAU, RADAU_NODES, RADAU_STAGES
 from stickslip.kernels.state_layout import (
+    BOUNDS,
     CAN_STICK,
     DENSE,
     DRIFT,
@@ -62,6 +65,7 @@ from stickslip.kernels.state_layout import (
     SIZE,
     SLIP,
     SLOPES,
+    STRUCK,
     TIME,
     VALUES,
     WALL_COLUMNS,
@@ -282,24 +286,22 @@ def advance_sensed(
         radau_sensed(log[at], log[at + 2], length, w, whole, own, q, m)
 
 
-def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
-    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
+def guard_changes(
+    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Write how a guard changes; state in Y.
 
-    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
+    Reads: Y, MODE, FLAGS, columns 0, directions.
     Writes: SLOPES, ANSWER, CHANGED, columns 4, guard slopes.
     """
     y = whole[Y]
     slopes = whole[SLOPES]
-    y1 = whole[Y1]
     n_drives = whole[N_DRIVES]
     n = whole[N_STATES]
     now, to = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
     guard_slopes(t, w, whole, y, slopes)
     guard_parameters(t, w, whole, y, guards_at(q, whole))
     row = slopes + guard * (n + 1)
-    rate = w[row + n]
-    for i in range(n):
-        rate += w[row + i] * w[y1 + i]
     parameters, directions = guards_at(q, whole) + guard * q, directions_at(q, whole)
     for c in range(m):
         total = w[parameters + int(own[c])] if own[c] >= 0.0 else 0.0
@@ -307,8 +309,42 @@ def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int,
             total += w[parameters + k] * w[directions + k * m + c]
         for i in range(n):
             total += w[row + i] * w[now + i * m + c]
+        w[to + c] = total
+
+
+def moments(guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+    """Write how the moment changes at which a guard reaches zero; state in Y, its slope in Y1.
+
+    Reads: Y, Y1, MODE, FLAGS, columns 0, directions.
+    Writes: SLOPES, ANSWER, CHANGED, columns 4, guard slopes.
+    """
+    n, to = whole[N_STATES], columns_at(4, q, m, whole)
+    guard_changes(guard, t, w, whole, own, q, m)
+    row = whole[SLOPES] + guard * (n + 1)
+    rate = w[row + n]
+    for i in range(n):
+        rate += w[row + i] * w[whole[Y1] + i]
+    for c in range(m):
         # implicit function theorem; where the guard only touches zero there is no such derivative
-        w[to + c] = -total / rate if rate != 0.0 else 0.0
+        w[to + c] = -w[to + c] / rate if rate != 0.0 else 0.0
+
+
+def same_moment(
+    guard: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Give up the moments in columns 4 along directions in which another guard has a moment else.
+
+    Reads: Y, Y1, MODE, FLAGS, columns 0, columns 4, directions.
+    Writes: SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
+    """
+    kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
+    for c in range(m):
+        w[kept + c] = w[moment + c]
+    moments(guard, t, w, whole, own, q, m)
+    for c in range(m):
+        size = abs(w[kept + c]) + abs(w[moment + c])
+        apart = abs(w[kept + c] - w[moment + c]) > TOGETHER_TOO * size
+        w[moment + c] = math.nan if apart else w[kept + c]
 
 
 def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
@@ -330,7 +366,7 @@ def jump(w: Vector, whole: Wholes, q: int, m: int) -> None:
 
 
 def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Give the sensitivities up: an impact changes the rates in a way that is not followed.
+    """Give the sensitivities up: what came before the start is not known.
 
     Writes: columns 0.
     """
@@ -338,6 +374,46 @@ def lose(w: Vector, whole: Wholes, q: int, m: int) -> None:
     now = columns_at(0, q, m, whole)
     for i in range(n * m):
         w[now + i] = math.nan
+
+
+def rebound(case: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int) -> None:
+    """Let an impact change the sensitivities; slope before in Y1, moments in columns 4.
+
+    They become those of the state right after the impact, whenever it comes: as the slope of that
+    is what is left to subtract, the slope before is 0 from here on.
+
+    Reads: Y, Y1, FLAGS, columns 0, columns 4.
+    Writes: Y1, MATRIX, SIZE, ANSWER, CHANGED, columns 0, columns 3.
+    """
+    n, coordinates = whole[N_STATES], whole[N_COORDINATES]
+    y1, size, slopes = whole[Y1], whole[SIZE], whole[MATRIX]
+    now, new = columns_at(0, q, m, whole), columns_at(3, q, m, whole)
+    moment = columns_at(4, q, m, whole)
+    for i in range(n):
+        for c in range(m):
+            w[now + i * m + c] += w[y1 + i] * w[moment + c]
+        w[y1 + i] = 0.0
+    impact_slopes(case, t, w, whole, whole[Y], slopes)
+    impact_parameters(case, t, w, whole, whole[Y], size)
+    for i in range(coordinates):
+        for c in range(m):
+            total = w[size + i * q + int(own[c])] if own[c] >= 0.0 else 0.0
+            for j in range(n):
+                total += w[slopes + i * n + j] * w[now + j * m + c]
+            w[new + i * m + c] = total
+    for i in range(coordinates * m):
+        w[now + coordinates * m + i] = w[new + i]
+
+
+def bounces(wall: int, end: float, held: bool, w: Vector, whole: Wholes) -> bool:
+    """Whether what strikes a stop bounces, by its rate after the instant and whether it is held.
+
+    Without restitution nothing bounces, but more of it would make what is not held then do so.
+
+    Reads: WALLS.
+    """
+    restitution = w[whole[WALLS] + wall * whole[WALL_COLUMNS] + 1]
+    return end != 0.0 or (restitution == 0.0 and not held)
 
 
 def load_directions(piece: int, dtable: Vector, w: Vector, whole: Wholes, q: int, m: int) -> None:
@@ -379,12 +455,41 @@ def pass_event(guard: int, t: float, w: Vector, whole: Wholes, q: int, m: int) -
     Writes: Y, VALUES, ANSWER, CHANGED, columns 0.
     """
     y = whole[Y]
-    if guard >= whole[FIRST_WALL]:
-        lose(w, whole, q, m)
     if guard == STOP and whole[CAN_STICK]:
         w[y + whole[SLIP]] = 0.0
     field(t, w, whole, y, whole[VALUES])
     jump(w, whole, q, m)
+
+
+def pass_impact(
+    guard: int,
+    mode: int,
+    following: int,
+    t: float,
+    log: Vector,
+    w: Vector,
+    whole: Wholes,
+    own: Vector,
+    q: int,
+    m: int,
+) -> None:
+    """Make an impact of a mechanism with one contact, after which it is in a mode.
+
+    `following` is the row that begins after the instant.
+
+    Reads: Y, Y1, FLAGS, columns 0, columns 4.
+    Writes: Y, Y1, VALUES, MATRIX, WALLS, SIZE, ANSWER, CHANGED, columns 0, columns 3.
+    """
+    n, y, wall = whole[N_COORDINATES], whole[Y], guard - whole[FIRST_WALL]
+    rate = n + wall_coordinate(wall, whole)
+    evaluate(WALLS_OF, 0, whole[FLAGS], t, w, y, whole[WALLS])
+    held = rate == whole[SLIP] and mode not in (1, -1)
+    end = log[following * whole[ROW_COLUMNS] + ROW_DENSE + 1 + rate]
+    case = wall if bounces(wall, end, held, w, whole) else whole[N_WALLS] + wall
+    rebound(case, t, w, whole, own, q, m)
+    evaluate(IMPACT, case, whole[FLAGS], t, w, y, whole[VALUES])
+    for i in range(n):
+        w[y + n + i] = w[whole[VALUES] + i]
 
 
 def pass_instant(
@@ -405,9 +510,10 @@ def pass_instant(
 
     What follows at the same instant has its moment from what came first.
 
-    Reads: DENSE, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, SLOPES, MODE, FLAGS, ANSWER, CHANGED, MODES,
-    LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
+    Reads: DENSE, WALLS, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, SLOPES, WALLS, SIZE, BOUNDS, MODE, FLAGS,
+    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 3, columns 4, directions,
+    guard slopes.
     """
     width = whole[ROW_COLUMNS]
     point = whole[POINT]
@@ -422,17 +528,16 @@ def pass_instant(
         w[y + i] = w[point + i]
     if whole[N_CONTACTS] > 0:
         guard = first_guard(events, first, number, t)
-        pass_contacts(log, row, guard, table, dtable, w, whole, own, q, m)
+        struck = note_struck(log, row + 1, events, number, first, w, whole)
+        pass_contacts(log, row, guard, struck, table, dtable, w, whole, own, q, m)
         while first < number and events[first * EVENT_COLUMNS] <= t:
-            if events[first * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
-                lose(w, whole, q, m)
             first += 1
         return first
     following = int(log[at + width + 5])
     known = following != int(log[at + 5])
     if known:
         pass_piece(t, following, table, dtable, w, whole, q, m)
-    k = first
+    k, last = first, NO_GUARD
     while k < number and events[k * EVENT_COLUMNS] <= t:
         event = k * EVENT_COLUMNS
         guard = int(events[event + 3])
@@ -440,6 +545,11 @@ def pass_instant(
         if not known:
             moments(guard, t, w, whole, own, q, m)
             known = True
+        elif guard >= whole[FIRST_WALL] and guard != last:
+            same_moment(guard, t, w, whole, own, q, m)
+        if guard >= whole[FIRST_WALL]:
+            last = guard
+            pass_impact(guard, int(events[event + 2]), row + 1, t, log, w, whole, own, q, m)
         whole[MODE] = int(events[event + 2])
         whole[FLAGS] = int(events[event + 4])
         pass_event(guard, t, w, whole, q, m)
@@ -471,9 +581,38 @@ def first_guard(events: Vector, k: int, number: int, t: float) -> int:
     return guard
 
 
+def note_struck(
+    log: Vector, row: int, events: Vector, number: int, first: int, w: Vector, whole: Wholes
+) -> bool:
+    """Write which coordinates an instant's impacts stop, and how all rates change; whether any is.
+
+    What else changes then, such as a rate that friction has stopped, was 0 but for rounding.
+
+    Reads: Y, WALLS.
+    Writes: BOUNDS, STRUCK.
+    """
+    n, rates = whole[N_COORDINATES], whole[Y] + whole[N_COORDINATES]
+    after = row * whole[ROW_COLUMNS] + ROW_DENSE + 1 + n
+    modes = (row + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
+    t, found, k = log[row * whole[ROW_COLUMNS]], False, first
+    for i in range(n):
+        whole[whole[STRUCK] + i] = 0
+        w[whole[BOUNDS] + i] = log[after + i] - w[rates + i]
+    while k < number and events[k * EVENT_COLUMNS] <= t:
+        wall = int(events[k * EVENT_COLUMNS + 3]) - whole[FIRST_WALL]
+        if wall >= 0:
+            i = wall_coordinate(wall, whole)
+            held = int(log[modes + i]) == HELD_FAST
+            whole[whole[STRUCK] + i] = 2 if bounces(wall, log[after + i], held, w, whole) else 1
+            found = True
+        k += 1
+    return found
+
+
 def own_moments(
     first: int,
     following: int,
+    struck: bool,
     t: float,
     log: Vector,
     w: Vector,
@@ -491,12 +630,9 @@ def own_moments(
     Reads: Y, Y1, MODE, FLAGS, MODES, columns 0, directions.
     Writes: VALUES, SLOPES, ANSWER, CHANGED, columns 3, columns 4, guard slopes.
     """
-    values = whole[VALUES]
-    kept, moment = columns_at(3, q, m, whole), columns_at(4, q, m, whole)
+    values, rates = whole[VALUES], whole[Y1] + whole[N_COORDINATES]
     after = (following + 1) * whole[ROW_COLUMNS] - whole[N_PAIRS] - 2 * whole[N_CONTACTS]
     moments(first, t, w, whole, own, q, m)
-    for c in range(m):
-        w[kept + c] = w[moment + c]
     guards(t, w, whole, whole[Y], values)
     for other in range(2 * whole[N_PAIRS]):
         mode, is_cut = whole[whole[MODES] + other // 2], other >= 2 * whole[N_DIRECTIONS]
@@ -505,22 +641,19 @@ def own_moments(
         if mode == HELD_FAST and whole[whole[LOOPED] + other // 2]:
             continue  # its cuts tell
         stops = mode != HELD_FAST and other % 2 == 0 and not is_cut
+        if stops and struck:  # an impact may give it another mode, however fast it is
+            stops = abs(w[values + other]) <= COINCIDENT * t * abs(w[rates + other // 2])
         level = w[values + other] + w[values + other + 1 - 2 * (other % 2)]
         breaks = mode == HELD_FAST and abs(w[values + other]) <= COINCIDENT * level
         if stops or breaks:
-            moments(other, t, w, whole, own, q, m)
-            for c in range(m):
-                size = abs(w[kept + c]) + abs(w[moment + c])
-                if abs(w[kept + c] - w[moment + c]) > TOGETHER_TOO * size:
-                    w[kept + c] = math.nan
-    for c in range(m):
-        w[moment + c] = w[kept + c]
+            same_moment(other, t, w, whole, own, q, m)
 
 
 def pass_contacts(
     log: Vector,
     row: int,
     guard: int,
+    struck: bool,
     table: Vector,
     dtable: Vector,
     w: Vector,
@@ -531,9 +664,9 @@ def pass_contacts(
 ) -> None:
     """Make all that changes at the end of a row where several contacts rub, as one jump.
 
-    Reads: Y, FOLLOWED, MODE, FLAGS, MODES, FOLLOWERS, columns 0, directions.
-    Writes: TIME, drives, Y, Y1, VALUES, SLOPES, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN,
-    columns 0, columns 3, columns 4, directions, guard slopes.
+    Reads: Y, FOLLOWED, MODE, FLAGS, MODES, STRUCK, FOLLOWERS, columns 0, directions.
+    Writes: TIME, drives, Y, Y1, VALUES, MATRIX, SLOPES, SIZE, FLAGS, ANSWER, CHANGED, MODES,
+    LAW_FLAGS, OPEN, columns 0, columns 3, columns 4, directions, guard slopes.
     """
     at = row * whole[ROW_COLUMNS]
     y, t = whole[Y], log[at + 1]
@@ -547,9 +680,16 @@ def pass_contacts(
         for c in range(m):
             w[moment + c] = dtable[piece * (1 + 3 * whole[N_DRIVES]) * m + c]
     elif guard != NO_GUARD:
-        own_moments(guard, row + 1, t, log, w, whole, own, q, m)
+        own_moments(guard, row + 1, struck, t, log, w, whole, own, q, m)
     else:
         return
+    if struck:
+        for wall in range(whole[N_WALLS]):
+            meets = whole[whole[STRUCK] + wall_coordinate(wall, whole)] != 0
+            other = whole[FIRST_WALL] + wall
+            if meets and other != guard and approach(other, w, whole) > 0.0:
+                same_moment(other, t, w, whole, own, q, m)
+        rebound(0, t, w, whole, own, q, m)
     restore_contacts(log, row + 1, w, whole)
     field(t, w, whole, y, whole[VALUES])
     jump(w, whole, q, m)
@@ -572,32 +712,44 @@ def hold_contacts(w: Vector, whole: Wholes, q: int, m: int) -> None:
             bind(now + n * m + c, m, w, whole)
 
 
-def at_stop(w: Vector, whole: Wholes) -> bool:
-    """Whether something is held at its stop: what follows depends on what an impact would do.
+def hold_at_stops(
+    mode: int, t: float, w: Vector, whole: Wholes, own: Vector, q: int, m: int
+) -> None:
+    """Give up the directions in which what is held at its stop as a run begins would leave it.
 
-    Reads: Y, WALLS, MODES.
+    What follows there depends on what an impact would do right after the start.
+
+    Reads: Y, WALLS, MODE, FLAGS, MODES, columns 0, directions.
+    Writes: SLOPES, MODE, ANSWER, CHANGED, columns 0, columns 4, guard slopes.
     """
-    found = False
+    n, states = whole[N_COORDINATES], whole[N_STATES]
+    now, moves = columns_at(0, q, m, whole), columns_at(4, q, m, whole)
     for wall in range(whole[N_WALLS]):
-        i = wall_coordinate(wall, whole)
-        held = whole[whole[MODES] + i] == HELD_FAST
-        position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
-        found = found or (held and w[whole[Y] + i] == position)
-    return found
+        i, side = wall_coordinate(wall, whole), wall_side(wall, whole)
+        if whole[N_CONTACTS] > 0:
+            position = w[whole[WALLS] + wall * whole[WALL_COLUMNS]]
+            held = whole[whole[MODES] + i] == HELD_FAST and w[whole[Y] + i] == position
+        else:
+            held = mode == 2 * side and n + i == whole[SLIP]
+            whole[MODE] = side if held else mode  # one that slips watches its stop
+        if held:
+            guard_changes(whole[FIRST_WALL] + wall, t, w, whole, own, q, m)
+            for c in range(m):
+                if w[moves + c] != 0.0 or w[now + (n + i) * m + c] != 0.0:
+                    for j in range(states):
+                        w[now + j * m + c] = math.nan
+    whole[MODE] = mode
 
 
 def hold(mode: int, w: Vector, whole: Wholes, q: int, m: int) -> None:
-    """Take away what a body that is held at the start does not do.
+    """Take away what a body that is held at the start does not do: it loses a small velocity.
 
     Writes: columns 0.
     """
-    slip = whole[SLIP]
-    if mode == 0:  # it loses a small velocity at once
+    if mode == 0:
         now = columns_at(0, q, m, whole)
         for c in range(m):
-            w[now + slip * m + c] = 0.0
-    if abs(mode) == 2:  # what follows depends on what an impact at the start would do
-        lose(w, whole, q, m)
+            w[now + whole[SLIP] * m + c] = 0.0
 
 
 def sense(
@@ -620,9 +772,9 @@ def sense(
     `dtable` has the derivatives of the drives' table, a column a direction.
 
     Reads: TIME, Y, DENSE, WALLS, TURN, FOLLOWED, MODES, FOLLOWERS, columns 0.
-    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, SIZE, MODE, FLAGS,
-    ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, columns 0, columns 1, columns 2, columns 3, columns 4,
-    columns 5, directions, guard slopes.
+    Writes: TIME, drives, Y, Y1, POINT, VALUES, MATRIX, DRIFT, DENSE, SLOPES, WALLS, SIZE, BOUNDS,
+    MODE, FLAGS, ANSWER, CHANGED, MODES, LAW_FLAGS, OPEN, STRUCK, columns 0, columns 1, columns 2,
+    columns 3, columns 4, columns 5, directions, guard slopes.
 
     Parameters
     ----------
@@ -660,15 +812,18 @@ def sense(
     asked = 0
     k = 0
     while k < number and events[k * EVENT_COLUMNS] <= log[0]:
+        if events[k * EVENT_COLUMNS + 3] >= whole[FIRST_WALL]:
+            lose(w, whole, q, m)
         k += 1
     put_constants(w, whole)
     if whole[N_CONTACTS] > 0:
         ask(PREPARE, log[0], w, whole)
         turn_columns(now, m, 0, w, whole)
-        restore(log, 0, table, w, whole)
+    load_directions(int(log[5]), dtable, w, whole, q, m)
+    restore(log, 0, table, w, whole)
+    hold_at_stops(int(log[3]), log[0], w, whole, own, q, m)
+    if whole[N_CONTACTS] > 0:
         hold_contacts(w, whole, q, m)
-        if at_stop(w, whole):
-            lose(w, whole, q, m)
     else:
         hold(int(log[3]), w, whole, q, m)
     for row in range(count):

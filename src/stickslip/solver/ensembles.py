@@ -20,7 +20,12 @@ from stickslip.solver.certify import passes
 from stickslip.solver.chunks import Chunk, Job, run_chunks
 from stickslip.solver.drive_schedule import refuse_turned
 from stickslip.solver.event_driven import EventDriven, status_of
-from stickslip.solver.initial_states import narrowest, starts_as_told, starts_within_stops
+from stickslip.solver.initial_states import (
+    narrowest,
+    refuse_masses,
+    starts_as_told,
+    starts_within_stops,
+)
 from stickslip.solver.reducers import Final, Output, asked, is_gradient, output_unit, value_of
 from stickslip.trajectory import Ensemble
 
@@ -88,7 +93,14 @@ def run_ensemble(
         return answer is None or bool(answer)
 
     begun = starts_as_told(mechanism, columns, told)
-    run_chunks(job, starts_within_stops(mechanism, begun, y0), executor, keep)
+    begun = starts_within_stops(mechanism, begun, y0)
+    for row in _extreme(columns):
+        state = [
+            float(begun.get(f"initial.{name}", np.full(count, value))[row])
+            for name, value in zip(mechanism.coordinates, y0, strict=False)
+        ]
+        refuse_masses(_varied(mechanism, "mechanism", columns, row), state)
+    run_chunks(job, begun, executor, keep)
     bristles = model.states[2 * len(mechanism.coordinates) :]
     units = path_units(mechanism, law, bristles)
     units |= {state: units[f"initial.{state}"] for state in model.states}
@@ -261,8 +273,7 @@ def _check(
             raise ParameterError(f"{path} must be finite in all runs, got {_odd(values)}.")
         for value in (values.min(), values.max()):
             known[path].check(owner, name, float(value))
-    rows = {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
-    for row in sorted(rows | narrowest(mechanism, columns)):
+    for row in sorted(_extreme(columns) | narrowest(mechanism, columns)):
         own = _varied(mechanism, "mechanism", columns, row)
         try:
             refuse_turned(own, model)
@@ -270,6 +281,11 @@ def _check(
             raise InputError(f"run {row}: {error}") from None
         _varied(law, "friction", columns, row)
     _check_order(law, "friction", columns)
+
+
+def _extreme(columns: Mapping[str, Array]) -> set[int]:
+    """Return the runs with the least and the largest value of anything."""
+    return {int(f(values)) for values in columns.values() for f in (np.argmin, np.argmax)}
 
 
 def _odd(values: Array) -> str:

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.formulation import PAINLEVE, Model, formulate
+from stickslip.formatting import number
+from stickslip.formulation import PAINLEVE, Model, formulate, mass_fault, mass_vanishes
 from stickslip.friction import BristleLaw, FrictionLaw, Laws, PrintedForm
 from stickslip.kernels import enums
 from stickslip.kernels.reducers import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import MatrixMechanism, Mechanism
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
 from stickslip.solver.certify import certify
@@ -29,7 +30,7 @@ from stickslip.solver.step_limits import (
     cause_of_step_limit,
     cause_of_zeno,
 )
-from stickslip.trajectory import Event, Status, Trajectory
+from stickslip.trajectory import Certificate, Event, Status, Trajectory
 
 __all__ = ["BareRun", "EventDriven", "status_of", "trajectory_of"]
 
@@ -65,6 +66,8 @@ def status_of(code: int, model: Model) -> Status:
     return Status.LIMIT if limits and limits[0] != PAINLEVE else Status.PAINLEVE
 
 
+PLACES = 200
+"""Places of a run at which a mass matrix that was given is looked at."""
 TIGHTEST = 1e-13
 """Least tolerance: rounding is not far below it."""
 
@@ -278,7 +281,8 @@ def trajectory_of(
     if status is Status.STEP_LIMIT:
         cause = cause_of_step_limit(mechanism, law, model, inputs, record, t_end)
     elif status is Status.STEP_TOO_SMALL:
-        cause = cause_of_small_steps(mechanism, law, model, inputs, record)
+        cause = _cause_of_vanishing_mass(mechanism, playback)
+        cause = cause or cause_of_small_steps(mechanism, law, model, inputs, record)
     events = _events(mechanism, model, record)
     if status is Status.ZENO:
         cause = cause_of_zeno(events, playback.span()[1])
@@ -289,12 +293,45 @@ def trajectory_of(
         events=events,
         status=status,
         cause=cause,
-        certificate=certify(playback, record.w, whole, tolerance),
+        certificate=_with_masses(
+            mechanism, playback, certify(playback, record.w, whole, tolerance)
+        ),
         span=playback.span(),
         evaluate=playback,
         states=model.states,
         differentiate=Sensing(mechanism, law, inputs, record, t_end, tuple(told)),
         only_contact=name_of_only_contact(mechanism),
+    )
+
+
+def _with_masses(mechanism: Mechanism, playback: Playback, certificate: Certificate) -> Certificate:
+    """Return a certificate that also knows whether matrices given were masses all along the run."""
+    if not isinstance(mechanism, MatrixMechanism):
+        return certificate
+    times = playback.times()
+    states = playback.played(times[:: 1 + len(times) // PLACES])[0]
+    for state in states[:, : len(mechanism.coordinates)]:
+        fault = mass_fault(mechanism, state.tolist())
+        if fault:
+            return replace(certificate, problems=(*certificate.problems, fault.rstrip(".")))
+    return certificate
+
+
+def _cause_of_vanishing_mass(mechanism: Mechanism, playback: Playback) -> str:
+    """Return why steps have become too small where masses that were given have vanished."""
+    if not isinstance(mechanism, MatrixMechanism):
+        return ""
+    n, span = len(mechanism.coordinates), np.array(playback.span())
+    start, end = playback.played(span)[0][:, :n].tolist()
+    if not mass_vanishes(mechanism, start, end):
+        return ""
+    at = ", ".join(
+        f"{name} = {number(place, 4)} {unit}"
+        for name, place, unit in zip(mechanism.coordinates, end, mechanism.units, strict=True)
+    )
+    return (
+        f"{type(mechanism).__name__}.mass_matrix tends to a singular one there, at {at}: a motion"
+        " without mass has no acceleration."
     )
 
 

@@ -1,4 +1,4 @@
-"""Where runs may begin in view of the hard stops."""
+"""Where runs may begin: within hard stops, with masses above 0."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.formatting import number
-from stickslip.formulation import PAINLEVE
-from stickslip.mechanisms import Mechanism, Stop, stops_of
+from stickslip.formulation import PAINLEVE, mass_fault
+from stickslip.mechanisms import MatrixMechanism, Mechanism, Stop, stops_of
 from stickslip.quantities import parameters, shadow
 
 __all__ = [
     "narrowest",
     "refuse_limits",
+    "refuse_masses",
     "refuse_stops",
     "start_slopes",
     "starts_as_told",
@@ -126,6 +127,7 @@ def within_stops(mechanism: Mechanism, y0: Sequence[float]) -> list[float]:
         The state, moved by rounding at most.
     """
     start = [float(value) for value in y0]
+    refuse_masses(mechanism, start)
     if not stops_of(mechanism):
         return start
     moved = starts_within_stops(mechanism, {}, start)
@@ -244,6 +246,29 @@ def refuse_limits(mechanism: Mechanism, limits: Sequence[str]) -> None:
             f"FixedStep does not support limits, and this {type(mechanism).__name__} has some"
             f" ({', '.join(limits)}): run it with EventDriven(), or without limits."
         )
+
+
+def refuse_masses(mechanism: Mechanism, y0: Sequence[float]) -> None:
+    """Raise if matrices given for a mechanism are no masses where a run begins.
+
+    Those of energies are symmetric, and their parameters have ranges.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    y0 : sequence of float (n,)
+        State at time 0 [SI].
+
+    Raises
+    ------
+    InputError
+        If the mass matrix is not symmetric or not positive definite.
+    """
+    if isinstance(mechanism, MatrixMechanism):
+        fault = mass_fault(mechanism, y0[: len(mechanism.coordinates)])
+        if fault:
+            raise InputError(fault)
 
 
 def refuse_stops(mechanism: Mechanism) -> None:

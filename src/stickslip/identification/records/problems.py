@@ -20,7 +20,11 @@ from stickslip.identification.force_map.force_balance import BalanceProblemBuild
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.force_map.problem import FEW, SAMPLES, constant_of, map_along
 from stickslip.identification.records.fit import ProblemBuilder
-from stickslip.identification.records.scanning import scanned_scales, surplus_starts
+from stickslip.identification.records.scanning import (
+    lengthened_starts,
+    scanned_scales,
+    surplus_starts,
+)
 from stickslip.identification.sensor_response import SensorResponse
 from stickslip.identification.series.applied_force import drives_itself
 from stickslip.identification.series.inertia import inertia_of
@@ -36,7 +40,7 @@ from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.shooting.segments import measured_quantity, segments_of
 from stickslip.identification.validation import check_varied
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, vary
 
 __all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulated"]
@@ -233,6 +237,9 @@ def simulated(wanted: ProblemRequest) -> FitSetup[Shooting]:
         drives_itself(mechanism, under_load) or _acts_at_rest_alone(wanted.law)
     ):
         tried = (*surplus_starts(problem), *tried)
+    if stops_of(mechanism):
+        problem, near_stops = lengthened_starts(problem)
+        tried = (*near_stops, *tried)
     near = _by_inverse_dynamics(wanted, free_parameters)
     if near is not None:
         tried = (free_parameters.start, *tried)

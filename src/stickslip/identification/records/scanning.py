@@ -14,8 +14,9 @@ from stickslip.errors import ConvergenceError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number
 from stickslip.friction import Coulomb
+from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
-from stickslip.identification.estimation.problem import RecordProblem
+from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.series.inverse_dynamics import mass_of
 from stickslip.identification.series.start_values import Scales, load_of
 from stickslip.identification.shooting.multiple_shooting import Shooting
@@ -23,7 +24,7 @@ from stickslip.identification.shooting.segments import segments_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of
 
-__all__ = ["scanned_scales", "surplus_starts"]
+__all__ = ["lengthened_starts", "scanned_scales", "surplus_starts"]
 
 LEVELS: Final = tuple(np.geomspace(0.01, 2.0, 16).tolist())
 """Levels over the load that are tried: a third more each, from rolling to rubber."""
@@ -35,6 +36,10 @@ SURPLUSES: Final = (1.02, 1.1, 1.2, 1.35, 1.6, 2.0)
 """Levels at rest over those of sliding that are tried, beside ..."""
 NEAR: Final = (0.9, 0.95, 1.0, 1.05, 1.1)
 """... levels of sliding over the one that fits best alone."""
+SPREAD: Final = tuple(np.geomspace(0.4, 2.5, 38).tolist())
+"""Levels over the one to start from that are tried where there are stops: a twentieth more each."""
+SHARES: Final = (0.1, 0.2, 0.35, 0.6, 1.0)
+"""Shares of a segment that are taken in one after the other there."""
 KEPT: Final = 3
 """Starts that are kept of these."""
 LONGEST: Final = 1e9
@@ -143,3 +148,48 @@ def surplus_starts(problem: RecordProblem) -> tuple[NDArray[np.float64], ...]:
         found.append((problem.linearise(values, slopes=False).cost, values))
     found.sort(key=lambda one: one[0])
     return tuple(values for cost, values in found[:KEPT] if np.isfinite(cost))
+
+
+def lengthened_starts(problem: Shooting) -> tuple[Shooting, tuple[NDArray[np.float64], ...]]:
+    """Return a problem with better initial states, and starts (p,), from its first part on.
+
+    After some impacts a run depends so much on friction and on its initial state that the sum of
+    squares has a valley for each sequence of impacts, and the way down leads into the nearest.
+    Before them it has few: levels are tried one by one there, and the best ends are followed while
+    ever more of the record is taken in.
+
+    Parameters
+    ----------
+    problem : Shooting
+        With start values of its unknowns, of a mechanism with hard stops.
+    """
+    free_parameters = problem.free_parameters
+    levels = [item.quantity.scale == "level" for item in free_parameters.items]
+    if not any(levels):
+        return problem, ()
+    part = problem.shortened(SHARES[0])
+    tried = [
+        free_parameters.values(
+            free_parameters.coordinates(np.where(levels, factor, 1.0) * free_parameters.start)
+        )
+        for factor in SPREAD
+    ]
+    ends = [part.linearise(values, slopes=False) for values in tried]
+    costs = [np.inf, *(one.cost for one in ends), np.inf]
+    ends = [one for i, one in enumerate(ends, 1) if costs[i] <= min(costs[i - 1], costs[i + 1])]
+    for share in SHARES:
+        part = problem.shortened(share)
+        ends = [_end(part, one) for one in sorted(ends, key=lambda one: one.cost)[:KEPT]]
+    ends = sorted((one for one in ends if np.isfinite(one.cost)), key=lambda one: one.cost)
+    if not ends:
+        return problem, ()
+    return problem.starting_from(ends[0]), tuple(one.values for one in ends)
+
+
+def _end(problem: Shooting, near: ResidualJacobian) -> ResidualJacobian:
+    """Return where a descent on more of a record ends that begins where one on less has ended."""
+    here = problem.linearise(near.values, near)
+    try:
+        return improve(problem, near.values, near=here)[0]
+    except ConvergenceError:
+        return here

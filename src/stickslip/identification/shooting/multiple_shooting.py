@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from stickslip.errors import ParameterError
+from stickslip.errors import InputError, ParameterError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import FreeParameters
@@ -27,8 +27,8 @@ from stickslip.identification.shooting.initial_states import (
     settled,
     worse,
 )
-from stickslip.mechanisms import Mechanism, slip_of
-from stickslip.quantities import vary
+from stickslip.mechanisms import Mechanism, slip_of, stops_of
+from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
 
@@ -41,6 +41,8 @@ SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_
 thousands, parameters have gone where nothing moves as measured."""
 
 
+SHIFT = 1e-5
+"""Share of its size by which a quantity is moved where sensitivities have to be differences."""
 FIRST = 20
 """First rows of a segment from whose slope it is seen whether the body may be at rest ..."""
 UNSEEN = 3.0
@@ -144,6 +146,23 @@ class Shooting(RecordProblem):
         chosen = [int(random.integers(a, b)) for a, b in pairwise(edges.tolist())]
         return replace(self, segments=tuple(self.segments[k] for k in chosen))
 
+    def shortened(self, share: float) -> "Shooting":
+        """Return the same with the first rows of each segment only."""
+        rows = [max(min(FIRST, len(s.times)), round(share * len(s.times))) for s in self.segments]
+        return replace(
+            self,
+            segments=tuple(
+                replace(s, times=s.times[:count], measured=s.measured[:count])
+                for s, count in zip(self.segments, rows, strict=True)
+            ),
+        )
+
+    def starting_from(self, seen: ResidualJacobian) -> "Shooting":
+        """Return the same with the initial states of an answer as first guesses."""
+        segments = enumerate(self.segments)
+        guesses = (replace(s, guess=seen.memory[k].state) for k, s in segments)
+        return replace(self, segments=tuple(guesses))
+
     @override
     def with_free_parameters(self, free_parameters: FreeParameters) -> "Shooting":
         return replace(self, free_parameters_=free_parameters)
@@ -204,7 +223,7 @@ class Shooting(RecordProblem):
         column = run.states.index(_state_of(mechanism, self.quantity))
         sense = partial(_sensed, run, segment, mechanism, law, state, column)
         local = sense([f"initial.{name}" for name in run.states[: len(state)]])
-        if np.max(np.abs(local)) >= STEEPEST:
+        if not np.max(np.abs(local)) < STEEPEST:  # NaN included
             return None
         units = np.ones(len(state))
         units[len(mechanism.coordinates) :] = 1.0 / float(segment.times[-1])
@@ -295,11 +314,13 @@ def _sensed(
     column: int,
     paths: Sequence[str],
 ) -> Array:
-    """Return the slopes (n, paths) of what is compared; 0 where they are no numbers."""
+    """Return the slopes (n, paths) of what is compared, by differences where a run has none."""
     bristle = [f"initial.{name}" for name in run.states[len(state) :]]
     bristle = bristle if len(bristle) == 1 else []
-    table = run.differentiate(segment.times, [*paths, *bristle])[:, column, :]
-    table = np.where(np.isfinite(table), table, 0.0)
+    known = [*paths, *bristle]
+    table = run.differentiate(segment.times, known)[:, column, :]
+    for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
+        table[:, k] = _differenced(run, segment, mechanism, law, state, column, known[k])
     if not bristle:
         return table
     slip = _slip_velocity(mechanism)
@@ -310,11 +331,57 @@ def _sensed(
     return np.asarray(table[:, :-1] + table[:, -1:] * moved)
 
 
+def _differenced(
+    run: BareRun,
+    segment: Segment,
+    mechanism: Mechanism,
+    law: FrictionLaw,
+    state: Array,
+    column: int,
+    path: str,
+) -> Array:
+    """Return the slopes (n,) along one path by a difference of runs; NaN if none can be made."""
+    start = np.array(_start(mechanism, law, state, float(segment.times[-1])))
+    root, _, name = path.partition(".")
+    if root == "initial":
+        own = run.states.index(name)
+        size = max(abs(start[own]), 1e-3 * float(np.ptp(segment.measured))) or SHIFT
+    else:
+        known = parameters(law if root == "friction" else mechanism, root)
+        value = next(value for other, _, value in known if other == path)
+        size = abs(value) or 1e-3
+    ends = []
+    for change in (-SHIFT * size, SHIFT * size):
+        try:
+            first, rig, own_law = start, mechanism, law
+            if root == "initial":
+                first = start + change * (np.arange(len(start)) == own)
+            elif root == "friction":
+                own_law = vary(law, root, {path: value + change})
+            else:
+                rig = vary(mechanism, root, {path: value + change})
+            moved = SOLVER.bare(rig, own_law, y0=first.tolist(), t_end=float(segment.times[-1]))
+        except InputError:  # out of its range, or beyond a stop
+            continue
+        if moved.status.complete:
+            ends.append((change, moved.at(segment.times)[:, column]))
+    if len(ends) == 1:
+        ends.append((0.0, run.at(segment.times)[:, column]))
+    if not ends:
+        return np.full(len(segment.times), np.nan)
+    (less, low), (more, high) = ends
+    return (high - low) / (more - less)
+
+
 def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
     """Return the first states of a segment: coordinates, rates and bristles."""
     bristles = len(law.bristles) if isinstance(law, BristleLaw) else 0
     first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
-    return [*state.tolist(), *[first] * bristles]
+    begun = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
+    for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it
+        nearer = min if stop.side == "upper" else max
+        begun[stop.coordinate] = nearer(begun[stop.coordinate], float(stop.position))
+    return [*begun.values(), *state[len(begun) :].tolist(), *[first] * bristles]
 
 
 def _slip_velocity(mechanism: Mechanism) -> int:

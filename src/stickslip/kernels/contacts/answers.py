@@ -17,7 +17,11 @@ from stickslip.kernels.contacts.series import (
     contact_series_step,
     first_contact_crossing,
 )
-from stickslip.kernels.contacts.slopes import guard_slopes_along, rate_slopes_along
+from stickslip.kernels.contacts.slopes import (
+    guard_slopes_along,
+    impact_slopes_along,
+    rate_slopes_along,
+)
 from stickslip.kernels.contacts.transitions import begin_contacts, change_contacts, settle_contacts
 from stickslip.kernels.questions import (
     BEGIN,
@@ -29,6 +33,8 @@ from stickslip.kernels.questions import (
     GUARD_QUANTITIES,
     GUARD_STATES,
     GUARDS_OF,
+    IMPACT_QUANTITIES,
+    IMPACT_STATES,
     IS_LINEAR,
     MOTION,
     POWERS,
@@ -103,15 +109,15 @@ def answer(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> N
 def answer_of_slopes(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write slopes along states, time, or all quantities.
 
-    Reads: `at`, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LAW_SLOPES, BRISTLE_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED,
-    FOLLOWERS.
+    Reads: `at`, FRICTIONLESS, Y, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
+    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, BOUNDS,
+    REACTION_ROWS, LAW_SLOPES, BRISTLE_SLOPES, LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS,
+    OPEN, ASKED, STRUCK, FOLLOWERS.
     Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
     LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MOTION_POINT, PART_SLOPES, LAW_SLOPES, PART_COLUMN,
     ACCELERATION_SLOPES, NEEDED_SLOPES, LOAD_SLOPES, FRICTION_SLOPES, LEVEL_SLOPES, BRISTLE_SLOPES,
-    PROJECTED, BORNE, SHARES, ASKED.
+    PROJECTED, BORNE, SHARES, MODES, ASKED, KEPT, STRUCK.
     """
     states = whole[N_STATES]
     quantities = whole[N_VARIABLES] - states - 1
@@ -125,6 +131,10 @@ def answer_of_slopes(name: int, t: float, w: Vector, whole: Wholes, at: int, to:
         guard_slopes_along(0, states + 1, t, w, whole, at, to)
     elif name == GUARD_QUANTITIES:
         guard_slopes_along(states + 1, quantities, t, w, whole, at, to)
+    elif name == IMPACT_STATES:
+        impact_slopes_along(0, states, t, w, whole, at, to)
+    elif name == IMPACT_QUANTITIES:
+        impact_slopes_along(states + 1, quantities, t, w, whole, at, to)
 
 
 def answer_of_run(name: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:

@@ -14,35 +14,41 @@ from stickslip.kernels.contacts.assembly import (
     equal_part,
     note_surplus,
     put_loads,
+    put_mass,
     put_motion,
     set_row,
     side_of,
 )
-from stickslip.kernels.contacts.factors import solve_free
+from stickslip.kernels.contacts.factors import factorise, solve_free
 from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
 from stickslip.kernels.contacts.loops import cut_levels
+from stickslip.kernels.contacts.stops import stopped_side
 from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
-from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
 from stickslip.kernels.equations import (
     LAW_MARGIN_SLOPES,
     LAW_SLOPES_OF,
     PART_SLOPES_OF,
     evaluate,
 )
+from stickslip.kernels.hard_stops import approach, wall_coordinate, wall_side
 from stickslip.kernels.state_layout import (
     ACCELERATION_SLOPES,
+    BOUNDS,
     BRISTLE_COUNTS,
     BRISTLE_SLOPES,
     BRISTLES,
     CONSTANT_LOADS,
     DIAGONAL,
     DIRECTIONAL,
+    FIRST_WALL,
     FLAGS,
     FRICTION_CONSTANT,
     FRICTION_FACTOR,
     FRICTION_SLOPES,
     HELD_SLIPS,
     HOLDS,
+    KEPT,
     KINDS,
     LAW_BRISTLES,
     LAW_FLAGS,
@@ -68,6 +74,7 @@ from stickslip.kernels.state_layout import (
     N_REACTIONS,
     N_STATES,
     N_SWITCHES,
+    N_WALLS,
     NEEDED,
     NEEDED_SLOPES,
     OPEN,
@@ -78,10 +85,13 @@ from stickslip.kernels.state_layout import (
     REACTS,
     SLIP_FACTORS,
     SLIPS,
+    STRUCK,
     VARIABLE_PLACES,
+    WALL_COLUMNS,
+    WALLS,
 )
 
-__all__ = ["guard_slopes_along", "rate_slopes_along"]
+__all__ = ["guard_slopes_along", "impact_slopes_along", "rate_slopes_along"]
 
 
 def prepare_slopes(t: float, w: Vector, whole: Wholes, at: int) -> None:
@@ -213,10 +223,7 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
     """
     column = whole[PART_COLUMN]
     n, held, contacts = whole[N_COORDINATES], whole[N_HELD], whole[N_CONTACTS]
-    for i in range(n + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]):
-        w[column + i] = 0.0
-    for j in range(whole[whole[PART_STARTS] + k], whole[whole[PART_STARTS] + k + 1]):
-        w[column + whole[whole[PART_ROWS] + j]] = w[whole[PART_SLOPES] + j]
+    part_column(k, w, whole)
     for c in range(contacts):
         w[whole[LOAD_SLOPES] + c] = w[column + n + held + c]
     if whole[N_REACTIONS] > 0:
@@ -232,6 +239,25 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
                 w[place] = law_slope(c, 0, 4 + b, k, w, whole) if bends(c, whole) else 0.0
     if whole[N_DIRECTIONS] > n:
         cut_levels(whole[LEVEL_SLOPES], w, whole)
+
+
+def part_column(k: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes of all parts along a variable.
+
+    Reads: PART_SLOPES.
+    Writes: PART_COLUMN.
+    """
+    column = whole[PART_COLUMN]
+    for i in range(stops_of_column(whole) + whole[N_WALLS] * whole[WALL_COLUMNS]):
+        w[column + i] = 0.0
+    for j in range(whole[whole[PART_STARTS] + k], whole[whole[PART_STARTS] + k + 1]):
+        w[column + whole[whole[PART_ROWS] + j]] = w[whole[PART_SLOPES] + j]
+
+
+def stops_of_column(whole: Wholes) -> int:
+    """Return the first row of the parts that is of a hard stop; margins of switches end there."""
+    held, contacts = whole[N_HELD], whole[N_CONTACTS]
+    return whole[N_COORDINATES] + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
@@ -482,7 +508,105 @@ def guard_slopes_along(
                     sign = 1.0 if whole[whole[LAW_FLAGS] + c] & (1 << s) else -1.0
                     slope = margin_slope(c, s, k, w, whole)
                     w[to + (row - whole[LAW_SWITCHES] + s) * count + j] = sign * slope
-        margins = whole[PART_COLUMN] + n + whole[N_HELD] + 2 * contacts * (1 + whole[N_HELD])
+        margins = whole[PART_COLUMN] + stops_of_column(whole) - whole[N_SWITCHES]
         for s in range(whole[N_SWITCHES]):
             sign = 1.0 if whole[FLAGS] & (1 << s) else -1.0
             w[to + (first_own_switch(whole) + s) * count + j] = sign * w[margins + s]
+        stop_slopes(k, to + j, count, w, whole)
+
+
+def stop_slopes(k: int, to: int, stride: int, w: Vector, whole: Wholes) -> None:
+    """Write the slopes of the distances from hard stops along the variable at hand.
+
+    Reads: PART_COLUMN.
+    Writes: `to`.
+    """
+    stops = whole[PART_COLUMN] + stops_of_column(whole)
+    for wall in range(whole[N_WALLS]):
+        moves = 1.0 if k == wall_coordinate(wall, whole) else 0.0
+        slope = w[stops + wall * whole[WALL_COLUMNS]] - moves
+        w[to + (whole[FIRST_WALL] + wall) * stride] = wall_side(wall, whole) * slope
+
+
+def impact_slopes_along(
+    first: int, count: int, t: float, w: Vector, whole: Wholes, at: int, to: int
+) -> None:
+    """Write the slopes of all rates after the impacts of an instant along some variables.
+
+    STRUCK is not 0 where a coordinate is stopped: it is 1 where it comes to rest. BOUNDS has what
+    the rates change by. The momentum of all other coordinates stays, whatever the variables are.
+
+    Reads: `at`, Y, WALLS, CHOLESKY, BOUNDS, FOLLOWED, FLAGS, MODES, STRUCK, FOLLOWERS.
+    Writes: `to`, MASS, CHOLESKY, LAW_VALUES, MOTION_POINT, PART_SLOPES, PART_COLUMN,
+    ACCELERATION_SLOPES, NEEDED_SLOPES, PROJECTED, MODES, KEPT, STRUCK.
+
+    Parameters
+    ----------
+    first : int
+        Index of the first variable: a state, time, a number of a drive, or a parameter.
+    count : int
+        How many variables.
+    t : float
+        Time [s].
+    w : array (SIZE,)
+        Vector of the run.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+    at : int
+        Place in `w` of the state before the impacts.
+    to : int
+        Place of the results (N_COORDINATES count,), row by row.
+    """
+    n, change, point = whole[N_COORDINATES], whole[BOUNDS], whole[MOTION_POINT]
+    for i in range(n):
+        whole[whole[KEPT] + i] = whole[whole[MODES] + i]
+        if w[change + i] == -w[at + n + i] and stopped_side(i, w, whole, at) != 0:
+            whole[whole[STRUCK] + i] = 1
+        whole[whole[MODES] + i] = FREE if whole[whole[STRUCK] + i] == 0 else HELD_FAST
+    put_mass(t, w, whole, at)
+    if not whole[DIAGONAL]:
+        factorise(w, whole)
+    for i in range(whole[N_STATES]):
+        w[point + i] = w[at + i]
+    for i in range(n * count):
+        w[to + i] = 0.0
+    for trial in range(2):  # of M a - h with and without the changes: what the mass matrix adds
+        for i in range(n):
+            w[point + whole[N_STATES] + i] = w[change + i] if trial == 0 else 0.0
+        evaluate(PART_SLOPES_OF, 0, whole[FLAGS], t, w, point, whole[PART_SLOPES])
+        for j in range(count):
+            part_column(first + j, w, whole)
+            for i in range(n):
+                slope = w[whole[PART_COLUMN] + i]
+                w[to + i * count + j] += slope if trial == 1 else -slope
+    for j in range(count):
+        part_column(first + j, w, whole)
+        respond_to_impact(first + j, to + j, count, w, whole, at)
+    for i in range(n):
+        whole[whole[MODES] + i] = whole[whole[KEPT] + i]
+
+
+def respond_to_impact(k: int, to: int, stride: int, w: Vector, whole: Wholes, at: int) -> None:
+    """Write the slopes of all rates after impacts along a variable, from those of the momenta.
+
+    Reads: `to`, `at`, Y, WALLS, MASS, CHOLESKY, PART_COLUMN, FOLLOWED, MODES, STRUCK, FOLLOWERS.
+    Writes: `to`, ACCELERATION_SLOPES, NEEDED_SLOPES.
+    """
+    n, found, given = whole[N_COORDINATES], whole[ACCELERATION_SLOPES], whole[NEEDED_SLOPES]
+    stops = whole[PART_COLUMN] + stops_of_column(whole)
+    for i in range(n):
+        w[found + i] = w[to + i * stride]
+        w[given + i] = -1.0 if k == n + i and whole[whole[STRUCK] + i] != 0 else 0.0
+    for wall in range(whole[N_WALLS]):
+        i, columns = wall_coordinate(wall, whole), whole[WALL_COLUMNS]
+        if whole[whole[STRUCK] + i] > 1 and approach(whole[FIRST_WALL] + wall, w, whole) > 0.0:
+            w[given + i] *= 1.0 + w[whole[WALLS] + wall * columns + 1]
+            w[given + i] -= w[stops + wall * columns + 1] * w[at + n + i]
+    for i in range(n):
+        for j in range(n):
+            if whole[whole[STRUCK] + j] != 0 and j != i:
+                w[found + i] -= w[whole[MASS] + i * n + j] * w[given + j]
+    solve_free(w, whole, found)
+    for i in range(n):
+        own = w[given + i] if whole[whole[STRUCK] + i] != 0 else w[found + i]
+        w[to + i * stride] = own + (1.0 if k == n + i else 0.0)

@@ -151,7 +151,7 @@ def decide_start(w: Vector, whole: Wholes) -> None:
         whole[whole[BEFORE] + i] = whole[whole[MODES] + i]
     for c in range(whole[N_CONTACTS]):
         pulls = whole[whole[REACTS] + c] and w[whole[LOAD] + c] < 0.0
-        if pulls and whole[STATUS] != LIFTED_OFF:
+        if pulls and whole[STATUS] == RUNNING:  # beyond a limit loads have no meaning
             lift_off(lift_guard(c, whole), c, w, whole)
     end_beyond_limits(w, whole)
 
@@ -326,6 +326,8 @@ def end_beyond_limits(w: Vector, whole: Wholes) -> None:
     ASKED.
     """
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
+    if pivots > 0 and whole[STATUS] == LIMITED:
+        write_remark(whole[FIRST_LIMIT], 0, w, whole)
     if whole[STATUS] != RUNNING or whole[N_LIMITS] == pivots:
         return
     contact_guards(w[TIME], w, whole, whole[Y], whole[VALUES])
