@@ -190,15 +190,13 @@ def _lede(
         if in_sentence(own).removesuffix(".") not in short_verdict(name, one):
             text += f" {joint_label(name)}: {in_sentence(own)}"
     text += f" {count(sweeps, 'sweep')} over the joints compared {count(compared, 'combination')}"
-    return (
-        text
-        + " of laws"
-        + (
-            "; the last sweep changed no choice."
-            if settled
-            else "; the choices had not settled, so that another combination may predict as well."
-        )
+    text += " of laws" + (
+        "; the last sweep changed no choice."
+        if settled
+        else "; the choices had not settled, so that another combination may predict as well."
     )
+    fits = (one.closest.fit for one in verdicts.values())
+    return " ".join([text, *dict.fromkeys(line for fit in fits if fit for line in fit.hold_text)])
 
 
 def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, ...]:

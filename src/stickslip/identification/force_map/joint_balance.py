@@ -73,6 +73,7 @@ def joint_stretches(
     segment: float | None = None,
     samples: Sequence[float] = (SAMPLES,),
     slipping: bool = False,
+    wider: float = 1.0,
 ) -> tuple[tuple[Stretches, ...], ...]:
     """Return stretches of the friction of each joint, which all have the same times and segments.
 
@@ -98,6 +99,8 @@ def joint_stretches(
         Samples of a record along which friction is predicted, unless the filter asks for more.
     slipping : bool
         Whether rows that see much of what is at rest are left out.
+    wider : float
+        Factor on what the common filter passes.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def joint_stretches(
         for piece in between_gaps(record):
             if np.asarray(piece.time).size < LEAST:
                 continue
-            own = _Piece.of(torques, set_up, piece, hold)
+            own = _Piece.of(torques, set_up, piece, hold, wider)
             count = max(1, round(own.span / length))
             share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
             pieces.append((number, own, first + share.astype(np.intp)))
@@ -251,7 +254,12 @@ class _Piece:
 
     @classmethod
     def of(
-        cls, torques: JointTorques, mechanism: Mechanism, record: Measurement, hold: Hold
+        cls,
+        torques: JointTorques,
+        mechanism: Mechanism,
+        record: Measurement,
+        hold: Hold,
+        wider: float,
     ) -> "_Piece":
         """Return one stretch of a record without a gap."""
         joints = [record.joints[name] for name in torques.coordinates]
@@ -265,7 +273,8 @@ class _Piece:
         dt = float(time[1] - time[0])
         applied = np.column_stack([mean_force(u, joined=hold == "first") for u in forces])
         fastest = max(mean_frequency(x) for x in raw)
-        passed = min(max(FEWEST * fastest / np.pi, 2.0 * RIPPLES / len(time)), HIGHEST)
+        passed = max(FEWEST * fastest / np.pi, 2.0 * RIPPLES / len(time))
+        passed = min(wider * passed, HIGHEST)
         motions = tuple(
             filtered_motion(x, dt, passed, tracked="position" in one.quantities())
             for x, one in zip(raw, joints, strict=True)

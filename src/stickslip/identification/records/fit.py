@@ -35,6 +35,7 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
+from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
@@ -255,6 +256,8 @@ class RecordFit(Fit[AnyLaw_co]):
     """What the record cannot tell, in words."""
     search_failure: str = ""
     """Which contained law fits more closely than this one, in words; empty if none does."""
+    hold: HoldFinding | None = None
+    """How the recorded force runs between its samples, as given or estimated from the record."""
     route_reason: str = ""
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None
@@ -328,7 +331,12 @@ class RecordFit(Fit[AnyLaw_co]):
 
     @override
     def _notes(self) -> Sequence[str]:
-        return (*map(str, self.model_errors), *self.sentences)
+        return (*self.hold_text, *map(str, self.model_errors), *self.sentences)
+
+    @property
+    def hold_text(self) -> tuple[str, ...]:
+        """What is to be said of the hold of the force: a sentence or none."""
+        return (self.hold.sentence,) if self.hold and self.hold.sentence else ()
 
     @property
     def free_parameters(self) -> FreeParameters:
@@ -513,6 +521,7 @@ class RecordFit(Fit[AnyLaw_co]):
             "law": self.law.name,
             "route": self.route,
             "route_reason": self.route_reason,
+            "hold": self.hold.to_dict() if self.hold else None,
             "quantity": self.problem.quantity,
             "residual_rms": self.rms,
             "estimates": [estimate.to_dict() for estimate in self.estimates],

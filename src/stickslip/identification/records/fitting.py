@@ -254,6 +254,7 @@ def fit_record(
         If no start predicts the record.
     """
     choice = _route(mechanism, measurement, unknown, route, settings)
+    choice = choice.with_hold(mechanism, measurement)
     refuse_unused(measurement, inside(mechanism, measurement))
     wanted = ProblemRequest(
         mechanism=mechanism,
@@ -273,7 +274,7 @@ def fit_record(
             raise
     if choice.alternative is None or not to_compare(choice, fits):
         return fits[0]
-    other = RouteChoice(route=choice.alternative, settings=choice.settings)
+    other = replace(choice, route=choice.alternative, reason="", alternative=None)
     try:
         derived = _fitted_by(other, wanted, None, watch)
     except (ConvergenceError, InputError):
@@ -302,9 +303,15 @@ def _fitted_by(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.hold)
+    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.holding)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
-    return replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
+    return replace(
+        fit,
+        sentences=sentences,
+        search_failure=failure,
+        route_reason=choice.reason,
+        hold=choice.hold,
+    )
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:

@@ -45,6 +45,7 @@ from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
 from stickslip.identification.records.level_units import OFFSET
 from stickslip.identification.records.problems import SOME, FitSetup
+from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import (
@@ -312,6 +313,8 @@ class JointFitter:
     """Starts, seed and hold."""
     motion: _Motion
     """What the records say whatever the laws are."""
+    hold: HoldFinding | None = None
+    """How forces run between samples, as given or estimated from the records."""
     wrong_columns: str = ""
     """Which columns seem to be exchanged, or of another sign or unit, as a sentence; or empty."""
 
@@ -359,8 +362,10 @@ class JointFitter:
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
         with with_doubts(measurement, asked.mechanism):
-            motion = _Motion.of(asked, measurement, settings.hold, bristles=bristles)
-            wrong_columns = _wrong_columns(asked, measurement, settings.hold, motion)
+            hold = hold_of(asked.mechanism, measurement, settings.hold, vary=asked.linear)
+            settings = settings if hold is None else hold.applied(settings)
+            motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
+            wrong_columns = _wrong_columns(asked, measurement, settings.holding, motion)
         return cls(
             mechanism=mechanism,
             measurement=measurement,
@@ -368,6 +373,7 @@ class JointFitter:
             fixed=fixed,
             settings=settings,
             motion=motion,
+            hold=hold,
             wrong_columns=wrong_columns,
         )
 
@@ -431,7 +437,7 @@ class JointFitter:
             *((failure,) if failure else ()),
             *fit.sentences,
         )
-        return replace(fit, sentences=sentences, search_failure=failure)
+        return replace(fit, sentences=sentences, search_failure=failure, hold=self.hold)
 
     def _searched(
         self,
@@ -456,7 +462,7 @@ class JointFitter:
             asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", own))
             bristles = any(map(_has_bristles, asked.laws.values()))
             motion = _Motion.along(
-                motion.torques, asked, self.measurement, self.settings.hold, bristles=bristles
+                motion.torques, asked, self.measurement, self.settings.holding, bristles=bristles
             ).at(np.array(list(own.values())))
             near = None
         return ready, found
@@ -504,7 +510,7 @@ class JointFitter:
         slips = {name: coordinate for coordinate, name in contacts.items()}
         rubbing = [name for name, law in asked.laws.items() if law is not None]
         laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
-        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.hold, samples)
+        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
         return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
 
 
