@@ -120,6 +120,7 @@ def joint_wording(
     settled: bool,
     checks: Checks,
     compared: int,
+    resting: Sequence[str] = (),
 ) -> Wording:
     """Put a selection for several joints into words.
 
@@ -135,6 +136,8 @@ def joint_wording(
         What was checked of the records.
     compared : int
         Combinations that were compared.
+    resting : sequence of str
+        What is to be said of joints that rest.
 
     Returns
     -------
@@ -142,7 +145,8 @@ def joint_wording(
         Verdict, reasons, what is open and what to measure next.
     """
     wrong = checks.of("joint columns")
-    verdict = " ".join(f"{short_verdict(name, one)}." for name, one in verdicts.items())
+    said = [f"{short_verdict(name, one)}." for name, one in verdicts.items()]
+    verdict = " ".join([*said, *resting])
     if wrong:
         verdict = f"No law is recommended. {wrong[0].sentence}"
     return Wording(

@@ -330,7 +330,12 @@ class _Descent:
             mechanism=self.fitter.mechanism,
             measurement=self.fitter.measurement,
             words=joint_wording(
-                verdicts, sweeps, settled=settled, checks=self.checks, compared=len(known)
+                verdicts,
+                sweeps,
+                settled=settled,
+                checks=self.checks,
+                compared=len(known),
+                resting=self.fitter.resting,
             ),
             candidates=tuple(outcomes),
             ranked=True,

@@ -222,6 +222,8 @@ def _joints(
         for name, one in record.joints.items()
     }
     found = {name: [*_record(one, None, grave, coupled=True)] for name, one in joints.items()}
+    if not all(any(map(_still, own)) for own in found.values()):
+        found = {name: [_resting(one) for one in own] for name, own in found.items()}
     said = [{one.sentence for one in own} for own in found.values()]
     shared = set.intersection(*said)
     for number, (name, own) in enumerate(found.items()):
@@ -230,6 +232,19 @@ def _joints(
                 yield replace(one, record=f"{label}, {name}" if label else name)
             elif number == 0:
                 yield replace(one, record=label)
+
+
+def _still(one: Finding) -> bool:
+    return one.kind == "constant" and one.severity == "error"
+
+
+def _resting(one: Finding) -> Finding:
+    """Return that a joint rests as no fault of a record in which others move."""
+    if not _still(one):
+        return one
+    why = one.sentence.removesuffix("no motion was recorded.")
+    said = f"{why}the joint rests, which says little of its friction."
+    return replace(one, severity="warning", sentence=said)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:

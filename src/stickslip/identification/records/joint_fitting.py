@@ -226,6 +226,12 @@ class _Motion:
     stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
     """By samples of a record, stretches of each joint at the parameters' start."""
 
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """Coordinates that rest in all records, or hardly move: nothing tells their friction."""
+        names, whole = self.torques.coordinates, self.stretches[SAMPLES]
+        return tuple(n for n, own in zip(names, whole, strict=True) if not _rows(own))
+
     @classmethod
     def of(
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
@@ -379,8 +385,18 @@ class JointFitter:
 
     @property
     def contacts(self) -> Mapping[str, str]:
-        """Contacts by coordinate, the joints that rub."""
-        return {along: one.name for along, one in contacts_along(self.mechanism).items()}
+        """Contacts by coordinate: the joints that rub and move."""
+        known = contacts_along(self.mechanism).items()
+        return {along: one.name for along, one in known if along not in self.motion.resting}
+
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """What is to be said of joints that rest, whose friction is not fitted: sentences."""
+        return tuple(
+            f"The joint {name} rests throughout: its friction is not identified, and was not"
+            " fitted. Record it moving."
+            for name in self.motion.resting
+        )
 
     def fitted(
         self,
@@ -412,6 +428,12 @@ class JointFitter:
         RecordFit
             The laws by contact, estimates with intervals, predictions of the force of each joint.
         """
+        if isinstance(laws, Mapping):  # of what rests, none has to be given
+            known = contacts_along(self.mechanism)
+            laws = {
+                **{known[one].name: None for one in self.motion.resting if one in known},
+                **laws,
+            }
         asked = _Asked.of(
             self.mechanism,
             laws,
@@ -432,6 +454,7 @@ class JointFitter:
             failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
         said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
         sentences = (
+            *self.resting,
             *said,
             *unexplained(fit, said),
             *((failure,) if failure else ()),
@@ -487,6 +510,8 @@ class JointFitter:
         )
         maps, names, starts = {}, {}, {}
         for i, coordinate in enumerate(torques.coordinates):
+            if coordinate in motion.resting:
+                continue
             contact = contacts.get(coordinate, "")
             further: tuple[Array, ...] = ()
             whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
@@ -499,19 +524,32 @@ class JointFitter:
                 _among_all(path, contact, coordinate) for path in one.free_parameters.paths
             )
         free = _joined(maps, names, contacts)
-        size = float(np.sqrt(np.mean(np.square(motion.left))))
-        weights = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        known = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        left = {name: one for name, one in known if name in maps}
+        size = float(np.sqrt(np.mean(np.square([*left.values()]))))
         problem = JointBalance(
             maps=maps,
             names=names,
-            weights={name: size / one for name, one in weights},
+            weights={name: size / one for name, one in left.items()},
             free_parameters_=free,
         )
         slips = {name: coordinate for coordinate, name in contacts.items()}
-        rubbing = [name for name, law in asked.laws.items() if law is not None]
-        laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
+        laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
         build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
         return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _members(
+    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None],
+    slips: Mapping[str, str],
+    maps: Mapping[str, ForceMap],
+) -> Iterator[tuple[str, FrictionLaw]]:
+    """Yield the laws of contacts: those that are fitted, and what was given of one that rests."""
+    for name, law in laws.items():
+        if law is not None and name in slips:
+            yield name, maps[slips[name]].law
+        elif isinstance(law, FrictionLaw):
+            yield name, law
 
 
 def _wrong_columns(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
@@ -749,7 +787,19 @@ def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
 def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
     """Return the standard deviation of the applied force of each joint (m,)."""
     columns = [[one.applied[one.segment >= 0] for one in own] for own in stretches]  # type: ignore[index]
-    return np.array([max(float(np.std(np.concatenate(own))), 1e-300) for own in columns])
+    sizes = [np.std(np.concatenate(own)) if sum(map(len, own)) else 0.0 for own in columns]
+    return np.maximum(np.array(sizes, dtype=float), 1e-300)
+
+
+def _rows(stretches: Sequence[MotionSegment]) -> int:
+    """Return how many rows of a joint are fitted."""
+    return sum(int(np.count_nonzero(one.segment >= 0)) for one in stretches)
+
+
+def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
+    """Return the root mean square of the rows of each joint (m,); 0 where it has none."""
+    squares = np.bincount(joint, residual**2, minlength=count)
+    return np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
@@ -783,14 +833,14 @@ def _start(
             wanted.append((i, friction))
     table = np.concatenate(tables)
     target = np.concatenate([column for _, column in wanted])
-    joint = np.concatenate([np.full(len(column), i) for i, column in wanted])
+    joint = np.concatenate([np.full(len(column), i, dtype=np.intp) for i, column in wanted])
     size = np.linalg.norm(table, axis=0)
     scaled = table / np.where(size > 0.0, size, 1.0)
     if torques.bent:
         _refuse_alike(torques.linear, scaled[:, :k])
     found = np.linalg.lstsq(scaled, target, rcond=1e-8)[0] / np.where(size > 0.0, size, 1.0)
     residual = target - table @ found
-    left = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    left = _by_joint(residual, joint, count)
     values = {path: (quantity, v) for path, quantity, v in parameters(asked.mechanism, "mechanism")}
     force = float(np.sqrt(np.mean(target**2)))
     items = []
@@ -810,7 +860,7 @@ def _start(
     held = target - table[:, :k] @ change
     rest = scaled[:, k:]
     residual = held - rest @ np.linalg.lstsq(rest, held, rcond=1e-8)[0]
-    within = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    within = _by_joint(residual, joint, count)
     least = 1e-12 * max(force, 1e-300)
     return tuple(items), np.maximum(left, least), np.maximum(within, least)
 
