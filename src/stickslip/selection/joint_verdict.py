@@ -200,7 +200,7 @@ def _lede(
         else "; the choices had not settled, so that another combination may predict as well."
     )
     fits = (one.closest.fit for one in verdicts.values())
-    return " ".join([text, *dict.fromkeys(line for fit in fits if fit for line in fit.hold_text)])
+    return " ".join([text, *dict.fromkeys(line for fit in fits if fit for line in fit.assumptions)])
 
 
 def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, ...]:

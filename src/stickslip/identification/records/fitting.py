@@ -31,7 +31,7 @@ from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
-from stickslip.identification.records.level_units import by_joint, in_forces, turned_as
+from stickslip.identification.records.level_units import told
 from stickslip.identification.records.problems import (
     FitSetup,
     ProblemRequest,
@@ -632,28 +632,23 @@ def finished(
         *_of_one_row(ready.problem, best.residual, measurement),
         *_doubtful(searched),
     )
-    told = (
-        by_joint(free_parameters, ready.mechanism)
-        if measurement.joint_names()
-        else turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
-    )
-    return _with_estimates(fit, told, sentences)
+    return _with_estimates(fit, told(free_parameters, ready.mechanism, measurement), sentences)
 
 
-def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[str]) -> RecordFit:
+def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
     best = fit.optimum.best
     halves = None if fit.optimum.cancelled else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
-    estimates = estimates_of(told, best, inference, fit.at_bounds)
+    estimates = estimates_of(free, best, inference, fit.at_bounds)
     return replace(
         fit,
         estimates=estimates,
         inference=inference,
         halves=halves,
         sentences=(
-            *(() if halves is None else contradiction(told, halves)),
-            *sentences_of(told, best, inference, fit.at_bounds, estimates),
+            *(() if halves is None else contradiction(free, halves)),
+            *sentences_of(free, best, inference, fit.at_bounds, estimates),
             *sentences,
         ),
     )

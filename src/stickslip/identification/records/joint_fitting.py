@@ -524,8 +524,8 @@ class JointFitter:
                 _among_all(path, contact, coordinate) for path in one.free_parameters.paths
             )
         free = _joined(maps, names, contacts)
-        known = zip(torques.coordinates, motion.left.tolist(), strict=True)
-        left = {name: one for name, one in known if name in maps}
+        every = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        left = {name: one for name, one in every if name in maps}
         size = float(np.sqrt(np.mean(np.square([*left.values()]))))
         problem = JointBalance(
             maps=maps,
@@ -740,6 +740,7 @@ class _Asked:
             held_laws[name] = mine
             whole = LAW in varied or f"friction.{name}.*" in varied
             named = [f"friction.{p.removeprefix(prefix)}" for p in varied if p.startswith(prefix)]
+            whole |= isinstance(law, type) and not named and not mine  # no values of it were given
             free[name] = (*(usual[name] if whole else ()), *(p for p in named if "*" not in p))
         return cls(
             mechanism=vary(mechanism, "mechanism", held_own) if held_own else mechanism,
@@ -788,7 +789,8 @@ def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
     """Return the standard deviation of the applied force of each joint (m,)."""
     columns = [[one.applied[one.segment >= 0] for one in own] for own in stretches]  # type: ignore[index]
     sizes = [np.std(np.concatenate(own)) if sum(map(len, own)) else 0.0 for own in columns]
-    return np.maximum(np.array(sizes, dtype=float), 1e-300)
+    found: Array = np.maximum(np.array(sizes, dtype=float), 1e-300)
+    return found
 
 
 def _rows(stretches: Sequence[MotionSegment]) -> int:
@@ -799,7 +801,8 @@ def _rows(stretches: Sequence[MotionSegment]) -> int:
 def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
     """Return the root mean square of the rows of each joint (m,); 0 where it has none."""
     squares = np.bincount(joint, residual**2, minlength=count)
-    return np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
+    found: Array = np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
+    return found
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:

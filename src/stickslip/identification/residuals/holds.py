@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, usual_top_speed
+from stickslip.formatting import fixed
 from stickslip.formulation import JointTorques
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
@@ -73,8 +74,8 @@ class HoldFinding:
     def sentence(self) -> str:
         """What is to be said: nothing where the user gave a hold that the record may have."""
         late = (
-            f"it acts {self.lateness:.2f} ± {self.half_width:.2f} samples later than along straight"
-            " lines (0.5 if held)"
+            f"it acts {fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples later than along"
+            " straight lines (0.5 if held)"
         )
         if self.contradicted:
             return (
