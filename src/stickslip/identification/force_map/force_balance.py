@@ -458,7 +458,20 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
 
 
 def followed_beyond(x: Array, reach: float) -> Array:
-    """Return positions (n,) that follow others only where these leave their reach, as play does."""
+    """Return positions (n,) that follow others only where these leave their reach, as play does.
+
+    Parameters
+    ----------
+    x : array (n,)
+        Positions [m].
+    reach : float
+        Displacement to either side that they do not follow [m].
+
+    Returns
+    -------
+    array (n,)
+        The positions without what stays within reach.
+    """
     found, at = [], float(x[0])
     for one in x.tolist():
         at = min(max(at, one - reach), one + reach)

@@ -83,15 +83,26 @@ class RouteChoice:
     """How the recorded force runs between samples, as given or estimated; None if none drives."""
 
     def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
-        """Return the same with what the record says of the hold, which its settings then have."""
+        """Return the same with what the record says of the hold, which its settings then have.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured.
+        measurement : Measurement
+            Records in time, or measured friction, which has no hold.
+
+        Returns
+        -------
+        RouteChoice
+            The choice, whose settings have a hold where a recorded force drives.
+        """
         if self.hold is not None or self.route == "force-map":
             return self
         found = hold_of(mechanism, measurement, self.settings.hold)
-        return (
-            self
-            if found is None
-            else replace(self, settings=found.applied(self.settings), hold=found)
-        )
+        if found is None:
+            return self
+        return replace(self, settings=found.applied(self.settings), hold=found)
 
 
 def asked_for(route: str | RouteChoice | None) -> str | None:

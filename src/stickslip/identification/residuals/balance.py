@@ -313,7 +313,24 @@ def _kept(stretches: Sequence[MotionSegment]) -> Array:
 def with_rows_before(
     picked: NDArray[np.intp], edges: Sequence[int], every: int, order: int
 ) -> NDArray[np.intp]:
-    """Return which picked samples have `order` picked ones right before them in their stretch."""
+    """Return which picked samples have `order` picked ones right before them in their stretch.
+
+    Parameters
+    ----------
+    picked : array of int (k,)
+        Samples that may be rows.
+    edges : sequence of int
+        Where stretches begin, and the end.
+    every : int
+        Distance of neighbouring rows in samples.
+    order : int
+        Rows that each needs before it.
+
+    Returns
+    -------
+    array of int (m,)
+        Which of the picked samples are rows.
+    """
     stretch = np.searchsorted(edges, picked, side="right")
     near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
     run = np.arange(len(picked)) - np.maximum.accumulate(np.where(near, 0, np.arange(len(picked))))
@@ -321,7 +338,22 @@ def with_rows_before(
 
 
 def autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
-    """Return the coefficients (order,) that predict rows from those before them."""
+    """Return the coefficients (order,) that predict rows from those before them.
+
+    Parameters
+    ----------
+    residual : array (k,)
+        What is predicted, at the picked samples.
+    rows : array of int (m,)
+        Which of them are rows.
+    order : int
+        Number of coefficients.
+
+    Returns
+    -------
+    array (order,)
+        Coefficients, the nearest row first.
+    """
     if not order or not len(rows):
         return np.zeros(order)
     past = np.stack([residual[rows - k] for k in range(1, order + 1)], axis=1)

@@ -44,6 +44,8 @@ ORDERS: Final = (0, 4)
 """Orders of the autoregressions that make residuals white; both have to find the same."""
 TELLS: Final = 0.5
 """Largest half width of an interval, in half samples, from which the record tells the hold."""
+VAGUE: Final = 2.0
+"""Half width, in half samples, beyond which an estimate is no reason to assume anything."""
 PEAKS: Final = (0.03, 0.1, 0.3)
 """Widths of peaks of friction about rest, over the largest speed."""
 
@@ -74,8 +76,8 @@ class HoldFinding:
     def sentence(self) -> str:
         """What is to be said: nothing where the user gave a hold that the record may have."""
         late = (
-            f"it acts {fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples later than along"
-            " straight lines (0.5 if held)"
+            f"it acts {fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples later than"
+            " along straight lines (0.5 if held)"
         )
         if self.contradicted:
             return (
@@ -167,10 +169,11 @@ def hold_of(
         found = [(math.nan, math.inf)]
     sides = {_side(*one) for one in found}
     shown = sides.pop() if len(sides) == 1 else None
-    value, half = found[0] if math.isfinite(found[0][1]) else (math.nan, math.inf)
-    if shown is None and not given:
-        half = max(half, *(width for _, width in found))
-    likely: Hold = "first" if value < 0.5 else "zero"
+    value, half = found[0]
+    # commands are usual, where an estimate is worth nothing
+    likely: Hold = "first" if value < 0.5 and half <= VAGUE else "zero"
+    if shown is None:
+        half = max(width for _, width in found)
     return HoldFinding(
         hold=given or shown or likely,
         given=given is not None,
