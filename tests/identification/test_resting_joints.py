@@ -52,8 +52,8 @@ def test_a_joint_that_rests_spoils_nothing_of_its_neighbour(joint, rest):
         f"friction.{other}", "measurement.offset.force"
     }  # fmt: skip
     level = found.estimate(f"friction.{other}.kinetic_coefficient")
-    # a hundredth: the torque has noise of 0.01 N m, ten times less after the filter; an encoder that
-    # drifts by 0.03 rad moves what gravity seems to do to the other joint
+    # a hundredth: the torque has noise of 0.01 N m, ten times less after the filter; an encoder
+    # that drifts by 0.03 rad moves what gravity seems to do to the other joint
     close = 0.03 if "drift" in rest else 0.01
     assert level.value == pytest.approx(TRUTH[other].kinetic_coefficient, rel=close)
     assert list(found.score().joints) == [other]

@@ -6,7 +6,7 @@ forces on mass, on friction as a free function of speed, and on the difference b
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final, final
@@ -38,11 +38,12 @@ __all__ = ["HoldFinding", "hold_of"]
 
 Array = NDArray[np.float64]
 
-WIDER: Final = 3.0
-"""Factor on what the filter of inverse dynamics passes: half a sample is a fast effect."""
+WIDER: Final = (3.0, 6.0)
+"""Factors on what the filter of inverse dynamics passes: half a sample is a fast effect."""
 ORDERS: Final = (0, 4)
-"""Orders of the autoregressions that make residuals white; both have to find the same."""
-TELLS: Final = 0.5
+"""Orders of the autoregressions that make residuals white. Through either filter, both have to find
+the same."""
+TELLS: Final = 0.4
 """Largest half width of an interval, in half samples, from which the record tells the hold."""
 VAGUE: Final = 2.0
 """Half width, in half samples, beyond which an estimate is no reason to assume anything."""
@@ -159,12 +160,12 @@ def hold_of(
     if not by_joint and not ("force" in known and driven(measurement)):
         return None
     try:
-        pairs = (
-            _of_joints(mechanism, measurement, vary)
-            if by_joint
-            else _of_one(mechanism, measurement)
-        )
-        found = [_joined([_late(*pair, order) for pair in pairs]) for order in ORDERS]
+        along = _joints(mechanism, measurement, vary) if by_joint else _axis(mechanism, measurement)
+        found = [
+            _joined([_late(*pair, order) for pair in pairs])
+            for pairs in map(along, WIDER)
+            for order in ORDERS
+        ]
     except InputError:  # what is wrong with the record is said where it is fitted
         found = [(math.nan, math.inf)]
     sides = {_side(*one) for one in found}
@@ -195,24 +196,28 @@ def _side(value: float, half: float) -> Hold | None:
 Pair = tuple[Sequence[MotionSegment], Sequence[MotionSegment]]
 
 
-def _of_one(mechanism: Mechanism, measurement: Measurement) -> list[Pair]:
-    """Return stretches with either hold, straight lines first."""
-    along = partial(balanced, mechanism, measurement, slipping=True, wider=WIDER)
-    return [(along(hold="first"), along(hold="zero"))]
+def _axis(mechanism: Mechanism, measurement: Measurement) -> Callable[[float], list[Pair]]:
+    """Return what derives stretches with either hold, straight lines first, by `WIDER`."""
+
+    def along(wider: float) -> list[Pair]:
+        own = partial(balanced, mechanism, measurement, slipping=True, wider=wider)
+        return [(own(hold="first"), own(hold="zero"))]
+
+    return along
 
 
-def _of_joints(mechanism: Mechanism, measurement: Measurement, vary: Sequence[str]) -> list[Pair]:
-    """Return stretches of each joint with either hold, straight lines first."""
-    along = partial(
-        joint_stretches,
-        JointTorques.of(mechanism, vary),
-        mechanism,
-        measurement,
-        slipping=True,
-        wider=WIDER,
-    )
-    (first,), (zero,) = along(hold="first"), along(hold="zero")
-    return list(zip(first, zero, strict=True))
+def _joints(
+    mechanism: Mechanism, measurement: Measurement, vary: Sequence[str]
+) -> Callable[[float], list[Pair]]:
+    """Return what derives those of each joint."""
+    torques = JointTorques.of(mechanism, vary)
+
+    def along(wider: float) -> list[Pair]:
+        own = partial(joint_stretches, torques, mechanism, measurement, slipping=True, wider=wider)
+        (first,), (zero,) = own(hold="first"), own(hold="zero")
+        return list(zip(first, zero, strict=True))
+
+    return along
 
 
 def _late(
