@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.arm_cases import ARM, JOINTS, QUICK, TRUTH, motion, parts, record
 
-from stickslip import CoulombViscous, Measurement, check, fit, select
+from stickslip import CoulombViscous, Measurement, check, fit, plots, select, write_report
 from stickslip.formulation import JointTorques
 
 BOTH = dict.fromkeys(JOINTS, CoulombViscous)
@@ -89,11 +89,15 @@ def test_the_error_on_a_record_in_which_a_joint_rests_is_finite(rest):
     assert np.isfinite(scored.joints["elbow"].rms)
 
 
-def test_a_selection_names_the_joint_that_rests():
+def test_a_selection_and_its_page_name_the_joint_that_rests(tmp_path, sketches):
     names = ["coulomb", "coulomb-viscous"]
     verdict = select(ARM, names, resting("shoulder", "constant"), settings=QUICK)
     assert list(verdict.joints) == ["elbow"]
     assert "The joint shoulder rests throughout: its friction is not identified" in verdict.sentence
+    plots.plot_joints(verdict.closest.fit)
+    page = write_report(verdict, tmp_path / "page").read_text(encoding="utf-8")
+    assert "could not be produced" not in page
+    assert "The joint shoulder rests throughout" in page
 
 
 def test_jitter_does_not_set_the_filter_of_joints_that_move():
