@@ -121,6 +121,7 @@ def joint_wording(
     checks: Checks,
     compared: int,
     resting: Sequence[str] = (),
+    assumptions: Sequence[str] = (),
 ) -> Wording:
     """Put a selection for several joints into words.
 
@@ -138,6 +139,8 @@ def joint_wording(
         Combinations that were compared.
     resting : sequence of str
         What is to be said of joints that rest.
+    assumptions : sequence of str
+        What the estimates of all joints rest on beside the records.
 
     Returns
     -------
@@ -151,7 +154,7 @@ def joint_wording(
         verdict = f"No law is recommended. {wrong[0].sentence}"
     return Wording(
         verdict=verdict,
-        lede=_lede(verdicts, sweeps, settled=settled, compared=compared),
+        lede=" ".join([_lede(verdicts, sweeps, settled=settled, compared=compared), *assumptions]),
         settles=_spread(verdicts, lambda words: words.settles),
         cannot_tell=_spread(verdicts, lambda words: words.cannot_tell),
         measure_next=_next(verdicts, checks),
@@ -199,8 +202,7 @@ def _lede(
         if settled
         else "; the choices had not settled, so that another combination may predict as well."
     )
-    fits = (one.closest.fit for one in verdicts.values())
-    return " ".join([text, *dict.fromkeys(line for fit in fits if fit for line in fit.assumptions)])
+    return text
 
 
 def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, ...]:

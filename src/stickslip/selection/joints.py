@@ -336,6 +336,7 @@ class _Descent:
                 checks=self.checks,
                 compared=len(known),
                 resting=self.fitter.resting,
+                assumptions=best.fit.assumptions if best.fit else (),
             ),
             candidates=tuple(outcomes),
             ranked=True,

@@ -247,7 +247,7 @@ def _resting(one: Finding) -> Finding:
     """Return that a joint rests, as no fault of a record in which others move."""
     why = one.sentence.removesuffix("no motion was recorded.")
     said = f"{why}the joint rests, which says little of its friction."
-    return replace(one, severity="warning", sentence=said)
+    return replace(one, severity="info", sentence=said)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:

@@ -339,8 +339,10 @@ class RecordFit(Fit[AnyLaw_co]):
         """Friction that acts and was not fitted, with its values as start values.
 
         That is damping of a joint or of a single coordinate, such as that of a robot's file, and
-        parameters of the law that were given.
+        parameters of the law that were given. The view of one joint of several has none.
         """
+        if self.route == "joints" and self.problem.joints is None:
+            return FreeParameters(())
         free = self.free_parameters.paths
         joints = tuple(getattr(self.mechanism, "joints", ()))
         whole = [] if joints or len(self.mechanism.coordinates) > 1 else ["mechanism.damping"]

@@ -145,7 +145,6 @@ def joint_view(fit: RecordFit[Laws], contact: str, *, records: Pairs = ()) -> Re
         mechanism=fit.mechanism,
         estimates=estimates,
         route=JOINTS,
-        hold=fit.hold,
         measurement=records[0][0],
         problem=problem,
         build=_ViewBuilder(
