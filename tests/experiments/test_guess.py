@@ -534,16 +534,3 @@ def test_an_empty_data_file_is_no_empty_rig_file(tmp_path):
     file.touch()
     with pytest.raises(InputError, match=r"log.csv: is empty\.$"):
         guess_data(file)
-
-
-@pytest.mark.parametrize(
-    ("name", "hold"),
-    [
-        *((name, "zero") for name in ("u [N]", "Sollkraft", "TorqueRef", "force demand", "F_cmd")),
-        *((name, "first") for name in ("Kraft", "ActTorque", "force [N]")),
-    ],
-)
-def test_a_commanded_force_is_held_between_samples(tmp_path, name, hold):
-    file = tmp_path / "log.csv"
-    file.write_text(f"time,position,{name}\n{ENGLISH}", encoding="utf-8")
-    assert guess_data(file).hold == hold

@@ -762,7 +762,7 @@ def test_a_second_record_is_read_alike(axis):
 
 
 def test_a_force_is_held_unless_the_rig_says_that_its_samples_are_joined(axis):
-    assert axis(AXIS + IN_FILE).hold == "zero"
+    assert axis(AXIS + IN_FILE).hold is None
     assert axis(AXIS + IN_FILE + 'hold = "first"\n').hold == "first"
 
 

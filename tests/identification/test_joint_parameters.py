@@ -1,6 +1,7 @@
 """Joints: motors as unknowns, and positions that count from wherever an arm rested."""
 
 from dataclasses import replace
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from stickslip import Axis, Coulomb, CoulombViscous, Measurement, SerialArm, cat
 from stickslip.errors import InputError, ParameterError
 from stickslip.formulation import JointTorques
 from stickslip.identification import RecordSettings, joint_view
-from stickslip.mechanisms import Link
+from stickslip.mechanisms import Link, read_urdf
 
 LINKS = (
     Link(
@@ -179,3 +180,28 @@ def test_the_record_that_was_predicted_worst_is_predicted_with_a_zero_of_its_own
 def test_every_record_of_the_measured_arm_is_predicted_from_the_others(arm_records):
     errors = [held_out_errors(name, arm_records) for name in arm_records]
     assert np.all(np.array(errors) < FOR_ALL)
+
+
+def test_friction_of_a_robot_file_that_is_held_is_said_beside_the_estimates():
+    t, q, v, a = motion(1)
+    robot = read_urdf(
+        files("stickslip.mechanisms") / "desk_arm.urdf", joints=["shoulder", "elbow"]
+    ).robot
+    forces, _ = JointTorques.of(robot, []).along(robot, t, q, v, a)
+    forces += np.sign(v) * [0.4, 0.15] + v * [0.03, 0.0]
+    measured = Measurement(
+        time=t,
+        position=dict(zip(JOINTS, q.T, strict=True)),
+        force=dict(zip(JOINTS, forces.T, strict=True)),
+    )
+    laws = {"shoulder": CoulombViscous, "elbow": Coulomb(kinetic_coefficient=0.15)}
+    found = fit(robot, laws, measured, vary="mechanism.joints.1.mass", settings=QUICK)
+    assert found.estimate("friction.shoulder.viscous_coefficient").value == pytest.approx(
+        0.03, rel=0.02
+    )
+    (said,) = found.assumptions
+    assert "mechanism.joints.0.damping (shoulder) = 0.05 N m s/rad" in said
+    assert "friction.elbow.kinetic_coefficient = 0.15 N m" in said
+    assert "Fitted viscous friction is what exceeds that damping" in said
+    assert [one["value"] for one in found.to_dict()["held"]] == [0.05, 0.02, 0.15]
+    assert "friction.shoulder.kinetic_coefficient" in found.free_parameters.paths  # not named

@@ -199,9 +199,9 @@ def without(what, joint):
 
 
 BAD = {
-    "a joint that does not move": (
-        lambda t, q, u: Measurement(time=t, position={**q, "elbow": 0.0 * t}, force=u),
-        "elbow: Position is constant",
+    "no joint that moves": (
+        lambda t, q, u: Measurement(time=t, position=dict.fromkeys(q, 0.0 * t), force=u),
+        "Position is constant",
     ),
     "no force of one joint": (without("force", "elbow"), "no force of the joint 'elbow'"),
     "no position of one joint": (without("position", "shoulder"), "no position of the joint 'sh"),

@@ -96,14 +96,16 @@ def test_a_force_that_is_not_held_between_samples_is_named_as_a_setting():
     noise = 1e-5 * np.random.default_rng(0).normal(size=len(t))
     force = np.array([drive.value(float(at)) for at in t])
     record = Measurement(time=t, position=run.at(t)["x"] + noise, force=force)
-    (error,) = fitted(record).model_errors
-    assert 'either set hold to "first"' in error.finding
-    joined = replace(QUICK, hold="first")
-    right = fit(
-        Axis(inertia=1.0), CoulombViscous, record, vary=["friction.*", "mechanism.inertia"],
-        route="inverse-dynamics", settings=joined,
+    along = functools.partial(
+        fit, Axis(inertia=1.0), CoulombViscous, record, vary=["friction.*", "mechanism.inertia"],
+        route="inverse-dynamics",
     )  # fmt: skip
-    assert right.model_errors == ()
+    wrong = along(settings=replace(QUICK, hold="zero"))
+    assert 'either set hold to "first"' in wrong.model_errors[0].finding
+    assert wrong.hold.contradicted
+    assert "does not agree with the given hold" in wrong.assumptions[0]
+    found = along(settings=QUICK)
+    assert (found.hold.hold, found.model_errors) == ("first", ())
 
 
 @pytest.mark.parametrize("records", [3, pytest.param(8, marks=pytest.mark.slow)])

@@ -53,7 +53,7 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
     if as_json:
         found: dict[str, Any] = {"file": str(file), "rig": str(target)}
         found |= {"columns": dict(guess.columns)}
-        found |= {"units": dict(guess.units), "turning": guess.turning, "hold": guess.hold}
+        found |= {"units": dict(guess.units), "turning": guess.turning}
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))
         return

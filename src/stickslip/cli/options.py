@@ -282,7 +282,7 @@ Hold = Annotated[
         "--hold",
         metavar="zero|first",
         help="Interpolation of the force: zero-order hold (a command) or first-order, linear (a"
-        " sensor). Default: zero.",
+        " sensor). Default: estimated from the record.",
     ),
 ]
 Starts = Annotated[

@@ -169,9 +169,10 @@ class Rig:
         A second record, which no fit sees.
     reading : Reading
         How the files of the rig's measurements are read.
-    hold : {"zero", "first"}
-        Whether a measured force keeps its value until the next sample, or goes straight to it; as
-        `RecordSettings.hold`, to which `stickslip fit` and `select` hand it.
+    hold : {"zero", "first"}, optional
+        Whether a measured force keeps its value until the next sample, or goes straight to it;
+        estimated from the record if not given. As `RecordSettings.hold`, to which `stickslip
+        fit` and `select` hand it.
     t_end : float
         Last time of runs [s].
     initial : mapping of str to float
@@ -213,7 +214,7 @@ class Rig:
     measurement: Measurement | None = None
     validate: Measurement | None = None
     reading: Reading = field(default_factory=Reading)
-    hold: Literal["zero", "first"] = "zero"
+    hold: Literal["zero", "first"] | None = None
     t_end: float = 10.0
     initial: Mapping[str, float] = field(default_factory=dict)
     estimates: LawEstimates | None = None
@@ -237,7 +238,7 @@ class Rig:
             kind = type(law) if name not in laws() and _is_called(law, name) else law_type(name)
             if not isinstance(law, kind):
                 raise InputError(f"Rig.laws of {name!r} must be that law, got {law!r}.")
-        if self.hold not in ("zero", "first"):
+        if self.hold not in (None, "zero", "first"):
             raise InputError(f"Rig.hold must be 'zero' or 'first', got {self.hold!r}.")
         if self.estimates is not None:
             named = estimated_law(self.estimates.law, self.laws, self.contacts)

@@ -33,8 +33,9 @@ class RecordSettings(metaclass=Described):
     """Length of a segment [s] that is simulated."""
     resolution: int = RESOLUTION
     """Rows of a segment at most, 8 or more."""
-    hold: Hold = "zero"
-    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes there.
+    hold: Hold | None = None
+    """``"zero"`` if a force keeps its value until the next sample, ``"first"`` if it goes straight
+    there, None if that is to be estimated from the record.
 
     Simulated segments and inverse dynamics heed it; measured friction has no force beside it.
     """
@@ -57,6 +58,11 @@ class RecordSettings(metaclass=Described):
         return SensorResponse(delay=self.friction_delay, lag=self.friction_lag)
 
     @property
+    def holding(self) -> Hold:
+        """The hold; ``"zero"``, as of commands, where none was given or estimated."""
+        return self.hold or "zero"
+
+    @property
     def changed(self) -> tuple[str, ...]:
         """Names of the settings that differ from the usual ones."""
         return tuple(f.name for f in fields(self) if getattr(self, f.name) != f.default)
@@ -77,5 +83,5 @@ class RecordSettings(metaclass=Described):
             raise ParameterError(
                 f"RecordSettings.position_zeros must be True or False, got {self.position_zeros!r}."
             )
-        if self.hold not in get_args(Hold):
+        if self.hold is not None and self.hold not in get_args(Hold):
             raise UnknownNameError("hold in RecordSettings", self.hold, get_args(Hold))

@@ -79,7 +79,7 @@ class Parameters(Generic[L]):
             The law; None where several are compared, of each of which the default is fitted.
         vary : str or sequence of str, optional
             Full paths, last names that are unique, and patterns with ``*``; ``"friction.*"`` if not
-            given.
+            given. A law without values is fitted whether or not it is named.
         fixed : mapping of str to float, optional
             Values by the same names. A pattern in `vary` leaves out what is fixed.
         measurement : Measurement, optional
@@ -116,11 +116,8 @@ class Parameters(Generic[L]):
         own = {path: v for path, v in values.items() if path not in of_law}
         varied = _varied(mechanism, law, of_law, vary, values)
         free = tuple(path for path in varied if path.startswith("friction."))
-        if isinstance(law, type) and not free and varied and not friction:
-            raise InputError(
-                f"vary names no parameter of {law.__name__}, and no values of it were given: add"
-                f" {LAW!r} to vary, or give a law with its values, which are then fixed."
-            )
+        if isinstance(law, type) and not free and not friction:
+            free = (LAW,)  # no values of it were given
         if isinstance(law, FrictionLaw | RateState) and friction:
             law = cast("L", with_values(law, "friction", friction))
         return cls(
@@ -222,11 +219,8 @@ def _varied(
 ) -> list[str]:
     """Return the full paths of what is varied, `LAW` for the default of the law."""
     names = (LAW,) if vary is None else names_of(vary)
-    if law is None and LAW not in names:
-        raise InputError(
-            f"vary must contain {LAW!r} when laws are compared, because each is fitted:"
-            f" vary={[LAW, *names]!r}."
-        )
+    if law is None:  # each law that is compared is fitted
+        names = tuple(dict.fromkeys((LAW, *names)))
     for name in names:
         named = name != LAW and not is_pattern(name)
         if law is None and named and name.startswith("friction."):

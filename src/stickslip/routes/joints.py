@@ -116,7 +116,7 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
         return FitSummary(
             heads=heads,
             rows=rows,
-            lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks],
+            lines=[f"Restarts: {restarts_text(fit)}", *fit.remarks, *fit.assumptions],
             limits=limits_of(fit),
             open=("Limitations", fit.sentences),
             second=None if second is None else _by_joint(second.joints),

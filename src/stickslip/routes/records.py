@@ -179,7 +179,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
         if second is not None:
             lines.append(f"On the second record: {text(second.rms)}, {_predicted(fit, second)}")
         lines.append(f"Restarts: {restarts_text(fit)}")
-        lines += [line for line in (*fit.remarks, route_text(fit)) if line]
+        lines += [line for line in (*fit.remarks, *fit.assumptions, route_text(fit)) if line]
         return FitSummary(
             lines=lines,
             findings=[f"Model error: {error}" for error in fit.model_errors],

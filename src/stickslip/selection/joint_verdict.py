@@ -120,6 +120,8 @@ def joint_wording(
     settled: bool,
     checks: Checks,
     compared: int,
+    resting: Sequence[str] = (),
+    assumptions: Sequence[str] = (),
 ) -> Wording:
     """Put a selection for several joints into words.
 
@@ -135,6 +137,10 @@ def joint_wording(
         What was checked of the records.
     compared : int
         Combinations that were compared.
+    resting : sequence of str
+        What is to be said of joints that rest.
+    assumptions : sequence of str
+        What the estimates of all joints rest on beside the records.
 
     Returns
     -------
@@ -142,12 +148,13 @@ def joint_wording(
         Verdict, reasons, what is open and what to measure next.
     """
     wrong = checks.of("joint columns")
-    verdict = " ".join(f"{short_verdict(name, one)}." for name, one in verdicts.items())
+    said = [f"{short_verdict(name, one)}." for name, one in verdicts.items()]
+    verdict = " ".join([*said, *resting])
     if wrong:
         verdict = f"No law is recommended. {wrong[0].sentence}"
     return Wording(
         verdict=verdict,
-        lede=_lede(verdicts, sweeps, settled=settled, compared=compared),
+        lede=" ".join([_lede(verdicts, sweeps, settled=settled, compared=compared), *assumptions]),
         settles=_spread(verdicts, lambda words: words.settles),
         cannot_tell=_spread(verdicts, lambda words: words.cannot_tell),
         measure_next=_next(verdicts, checks),
@@ -190,15 +197,12 @@ def _lede(
         if in_sentence(own).removesuffix(".") not in short_verdict(name, one):
             text += f" {joint_label(name)}: {in_sentence(own)}"
     text += f" {count(sweeps, 'sweep')} over the joints compared {count(compared, 'combination')}"
-    return (
-        text
-        + " of laws"
-        + (
-            "; the last sweep changed no choice."
-            if settled
-            else "; the choices had not settled, so that another combination may predict as well."
-        )
+    text += " of laws" + (
+        "; the last sweep changed no choice."
+        if settled
+        else "; the choices had not settled, so that another combination may predict as well."
     )
+    return text
 
 
 def _spread(verdicts: Mapping[str, RecordVerdict], lines: Lines) -> tuple[str, ...]:

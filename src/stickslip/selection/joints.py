@@ -328,7 +328,13 @@ class _Descent:
             mechanism=self.fitter.mechanism,
             measurement=self.fitter.measurement,
             words=joint_wording(
-                verdicts, sweeps, settled=settled, checks=self.checks, compared=len(known)
+                verdicts,
+                sweeps,
+                settled=settled,
+                checks=self.checks,
+                compared=len(known),
+                resting=self.fitter.resting,
+                assumptions=best.fit.assumptions if best.fit else (),
             ),
             candidates=tuple(outcomes),
             ranked=True,

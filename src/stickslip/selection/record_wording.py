@@ -224,7 +224,7 @@ def record_wording(
     lede = _lede(candidates, best, equal, without, scored, on_second, scale, said=verdict)
     return Wording(
         verdict=verdict,
-        lede=lede + _trials_text(trials, verdict),
+        lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
         settles=() if fault else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),

@@ -159,7 +159,7 @@ def select_records(
         choose_route(mechanism, measurement, vary=[LAW, *parameters.unknown], settings=settings)
         if route is None
         else choice_of(route, measurement, settings)
-    )
+    ).with_hold(mechanism, measurement)
     fitted, tried = _tried(parameters, measurement, choice, chosen, progress, executor)
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
@@ -176,9 +176,7 @@ def select_records(
                 own,
                 parameters=parameters,
                 measurement=measurement,
-                route=choice.route,
-                reason="",
-                settings=settings,
+                route=replace(choice, reason="", settings=settings),
             )
         )
 
@@ -199,14 +197,12 @@ def _tried(
 ) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
     """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
 
-    def by(name: str, reason: str) -> Callable[..., RecordCandidate]:
+    def by(name: RecordRouteName, reason: str) -> Callable[..., RecordCandidate]:
         return partial(
             _candidate,
             parameters=parameters,
             measurement=_without_stated(measurement, name),
-            route=name,
-            reason=reason,
-            settings=choice.settings,
+            route=replace(choice, route=name, reason=reason, alternative=None),
         )
 
     fitted = by(choice.route, choice.reason)
@@ -333,9 +329,7 @@ def _candidate(
     *,
     parameters: Parameters[None],
     measurement: Measurement,
-    route: str | None,
-    reason: str,
-    settings: RecordSettings | None,
+    route: RouteChoice,
 ) -> RecordCandidate:
     """Fit one candidate; one that cannot be fitted is kept with the reason."""
     unsuited = unsuited_by(measurement, one.law)
@@ -350,7 +344,6 @@ def _candidate(
         measurement=measurement,
         unknown=parameters.unknown,
         route=route,
-        settings=settings,
         held=parameters.held,
         contained=contained or None,
         rival=rival,
@@ -358,7 +351,7 @@ def _candidate(
     )
     try:
         whole = fitted(one.law, free=one.free)
-        fit = replace(_without_spare(whole, fitted), route_reason=reason)
+        fit = _without_spare(whole, fitted)
     except (ConvergenceError, SimulationError) as error:
         return unfitted(one, str(error))
     left_out = [

@@ -222,14 +222,32 @@ def _joints(
         for name, one in record.joints.items()
     }
     found = {name: [*_record(one, None, grave, coupled=True)] for name, one in joints.items()}
-    said = [{one.sentence for one in own} for own in found.values()]
+    moving = [name for name, own in found.items() if not any(map(_still, own))]
+    if moving:  # what jitter looks like in a joint that rests says nothing
+        found = {
+            name: own if name in moving else [_resting(one) for one in own if _still(one)]
+            for name, own in found.items()
+        }
+    said = [{one.sentence for one in found[name]} for name in moving or found]
     shared = set.intersection(*said)
-    for number, (name, own) in enumerate(found.items()):
+    first = (moving or [*found])[0]
+    for name, own in found.items():
         for one in own:
             if one.sentence not in shared:
                 yield replace(one, record=f"{label}, {name}" if label else name)
-            elif number == 0:
+            elif name == first:
                 yield replace(one, record=label)
+
+
+def _still(one: Finding) -> bool:
+    return one.kind == "constant" and one.severity == "error"
+
+
+def _resting(one: Finding) -> Finding:
+    """Return that a joint rests, as no fault of a record in which others move."""
+    why = one.sentence.removesuffix("no motion was recorded.")
+    said = f"{why}the joint rests, which says little of its friction."
+    return replace(one, severity="info", sentence=said)
 
 
 def _wrong(found: Sequence[Finding]) -> bool:

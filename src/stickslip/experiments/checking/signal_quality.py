@@ -125,15 +125,18 @@ def unmoved(record: Measurement) -> Iterator[Finding]:
         return
     values = np.asarray(record.values("position"))
     noise, spread = noise_of(values, step_of(values)), float(np.std(values))
-    if values.size < 20 or not 0.0 < spread < 2 * noise:
+    two = np.unique(values).size == 2
+    if values.size < 20 or not (two or 0.0 < spread < 2 * noise):
         return
     span = float(np.ptp(values))
+    said = quantity(span, record.unit("position"))
     yield Finding(
         kind="constant",
         severity="error",
         sentence=(
-            f"Position stays within {quantity(span, record.unit('position'))}, its noise level: no"
-            " motion was recorded."
+            f"Position takes two values only, {said} apart: no motion was recorded."
+            if two
+            else f"Position stays within {said}, its noise level: no motion was recorded."
         ),
         numbers={"span": span, "noise": noise},
     )

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Literal, final
+from typing import Any, Final, final
 
 import numpy as np
 import pandas as pd
@@ -135,8 +135,6 @@ class Guess(metaclass=Described):
     """Assumed force or torque per current, where the file has a current and no force."""
     repair: tuple[Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
-    hold: Literal["zero", "first"] = "first"
-    """How the force runs between its samples: as measured, or as commanded."""
     turning: bool = False
     """Whether the axis turns."""
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -245,9 +243,6 @@ def guess_data(
     if repair:
         why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
         reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
-    hold, why_hold = _hold(found)
-    if why_hold and "time" in found:
-        reasons["hold"] = f'"{hold}", {why_hold}'
     return Guess(
         file=str(path),
         layout=layout,
@@ -256,7 +251,6 @@ def guess_data(
         gain=dict.fromkeys(counted, "0.001 rad/count" if turning else "0.001 mm/count"),
         motor_constant=("1 N m/A" if turning else "1 N/A") * ("current" in found),
         repair=repair,
-        hold=hold,
         turning=turning,
         reasons=reasons,
         doubts=tuple(_doubts(found, turning, units or {})),
@@ -532,18 +526,6 @@ def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> 
     late = bool(np.any(np.diff(there) <= nearly_zero(np.sort(there))))
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
-
-
-def _hold(found: Mapping[str, _Found]) -> tuple[Literal["zero", "first"], str]:
-    """Return how the force runs between its samples, and why."""
-    driven = found.get("force") or found.get("current")
-    if driven is None:
-        return "first", ""
-    name = driven.name.casefold()
-    bare = _unit_in_name(name, "force")[0].strip()
-    if bare == "u" or any(word in name for word in (*WANTED, "stell", "output", "ctrl")):
-        return "zero", f"because {driven.name!r} is commanded"
-    return "first", f"because {driven.name!r} is measured"
 
 
 def _doubts(found: Mapping[str, _Found], turning: bool, units: Mapping[str, str]) -> Iterable[str]:

@@ -38,9 +38,8 @@ def guessed_rig(guess: Guess, file: str | Path, *, inertia: float = 1.0) -> str:
     >>> print(guessed_rig(guess, "a.csv").partition("[data]")[2])
     <BLANKLINE>
     file = "a.csv"
-    # The force between its samples: "first" (linear) if it is measured, "zero" if
-    # commanded.
-    hold = "first"
+    # How the force runs between its samples is estimated. If it is known: hold =
+    # "zero" (keeps its value, as a command does) or "first" (straight lines).
     columns = { time = "t", force = "F" }
     units = { force = "kN" }
     <BLANKLINE>
@@ -87,9 +86,8 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
     yield "[data]"
     yield f"file = {_toml(str(file))}"
     if _drive(guess) and "time" in guess.columns:
-        yield '# The force between its samples: "first" (linear) if it is measured, "zero" if'
-        yield "# commanded."
-        yield f"hold = {_toml(guess.hold)}"
+        yield "# How the force runs between its samples is estimated. If it is known: hold ="
+        yield '# "zero" (keeps its value, as a command does) or "first" (straight lines).'
     if guess.repair:
         yield f"repair = {_toml(list(guess.repair))}"
     yield f"columns = {_inline(guess.columns)}"

@@ -203,10 +203,10 @@ class DataTable(ReadTable):
 
     file: str = Field(default="", description="relative to the rig file")
     files: list[str] = Field(default=[], min_length=1, description="several files, one per trial")
-    hold: Literal["zero", "first"] = Field(
-        default="zero",
+    hold: Literal["zero", "first"] | None = Field(
+        default=None,
         description="interpolation of the force: `zero`-order hold (a command) or `first`-order,"
-        " linear (a sensor)",
+        " linear (a sensor); estimated from the record if not given",
     )
     conditions: list[str] = Field(
         default=[], min_length=1, description="columns with a condition, one value per trial"

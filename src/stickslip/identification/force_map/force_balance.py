@@ -61,9 +61,12 @@ __all__ = [
     "balanced",
     "compared",
     "filtered_motion",
+    "followed_beyond",
     "mean_force",
     "mean_frequency",
     "passed_by_balance",
+    "positive_noise",
+    "resting_motion",
     "second_differences",
 ]
 
@@ -308,7 +311,7 @@ def second_differences(x: Array, dt: float) -> Array:
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
-def _positive_noise(x: Array) -> float:
+def positive_noise(x: Array) -> float:
     """Return the standard deviation of white noise of positions (n,); at least their rounding.
 
     Between the steps of a coarse encoder most third differences are 0, and so would their median.
@@ -323,7 +326,7 @@ def mean_frequency(x: Array) -> float:
 
     That of the sine with the same mean squares of position, seen from its mean, and of steps.
     """
-    steps = float(np.var(np.diff(x))) - 2.0 * _positive_noise(x) ** 2
+    steps = float(np.var(np.diff(x))) - 2.0 * positive_noise(x) ** 2
     return math.sqrt(max(steps, 0.0)) / max(float(np.std(x)), 1e-300)
 
 
@@ -334,7 +337,7 @@ def passed_by_balance(x: Array) -> float:
     least squares would find too small a mass. White noise s has accelerations of variance
     s^2 w^5 / (5 pi) up to w rad per sample.
     """
-    noise, spread, mean = _positive_noise(x), float(np.std(x)), mean_frequency(x)
+    noise, spread, mean = positive_noise(x), float(np.std(x)), mean_frequency(x)
     share = 5.0 * math.pi * LEAK * (mean**2 * spread / noise) ** 2
     quiet = math.pow(share, 0.2) / math.pi
     least, most = FEWEST * mean / math.pi, HARMONICS * mean / math.pi
@@ -347,7 +350,7 @@ def _passed_of_motion(x: Array, least: float) -> float:
     White noise s has velocities of variance s^2 w^3 / (3 pi) up to w rad per sample.
     """
     speed = usual_top_speed(np.diff(x))
-    share = (3.0 * np.pi * (QUIET * speed / _positive_noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
+    share = (3.0 * np.pi * (QUIET * speed / positive_noise(x)) ** 2) ** (1.0 / 3.0) / np.pi
     return float(min(max(share, least), 4.0 * HIGHEST))
 
 
@@ -402,8 +405,8 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     resting = np.abs(v) <= SLOW * usual_top_speed(v)
     reach = FINEST * float(np.ptp(raw))
     if tracked:
-        reach = reach_of(raw, _positive_noise(raw))
-        steps = np.diff(_followed(raw, reach), prepend=raw[0])
+        reach = reach_of(raw, positive_noise(raw))
+        steps = np.diff(followed_beyond(raw, reach), prepend=raw[0])
         moved = np.flatnonzero(steps)
         number = np.searchsorted(moved, np.arange(len(raw)), side="right")
         edges = np.concatenate([[-len(raw)], moved, [2 * len(raw)]])
@@ -421,6 +424,27 @@ def filtered_motion(raw: Array, dt: float, passed: float, *, tracked: bool) -> F
     )
 
 
+def resting_motion(raw: Array) -> FilteredMotion:
+    """Return positions (n,) as those of a body at rest throughout, which at most drifts.
+
+    Parameters
+    ----------
+    raw : array (n,)
+        Positions [m].
+
+    Returns
+    -------
+    FilteredMotion
+        Slow positions without velocity.
+    """
+    return FilteredMotion(
+        position=smoothed(raw, min(2.0 * RIPPLES / len(raw), HIGHEST)),
+        velocity=np.zeros_like(raw),
+        resting=np.ones(len(raw), dtype=bool),
+        resolution=2.0 * reach_of(raw, positive_noise(raw)),
+    )
+
+
 def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     """Return rests (n,) of more than so many samples: shorter ones are reversals.
 
@@ -433,8 +457,21 @@ def _lasting(resting: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     return found
 
 
-def _followed(x: Array, reach: float) -> Array:
-    """Return positions (n,) that follow others only where these leave their reach, as play does."""
+def followed_beyond(x: Array, reach: float) -> Array:
+    """Return positions (n,) that follow others only where these leave their reach, as play does.
+
+    Parameters
+    ----------
+    x : array (n,)
+        Positions [m].
+    reach : float
+        Displacement to either side that they do not follow [m].
+
+    Returns
+    -------
+    array (n,)
+        The positions without what stays within reach.
+    """
     found, at = [], float(x[0])
     for one in x.tolist():
         at = min(max(at, one - reach), one + reach)
@@ -442,10 +479,12 @@ def _followed(x: Array, reach: float) -> Array:
     return np.array(found)
 
 
-def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArray[np.bool_]:
+def compared(
+    motion: FilteredMotion, passed: float, *, slipping: bool, throughout: bool = False
+) -> NDArray[np.bool_]:
     """Return which rows (n,) are compared: all but the ends, which the filter does not smooth.
 
-    None are where nothing moves.
+    None are where nothing moves, unless asked for.
 
     Parameters
     ----------
@@ -455,6 +494,8 @@ def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArra
         What the filter of friction passes, over half the sampling frequency.
     slipping : bool
         Whether rows that see much of what is at rest are left out.
+    throughout : bool
+        Whether rows of a body that rests throughout are compared.
 
     Returns
     -------
@@ -462,7 +503,7 @@ def compared(motion: FilteredMotion, passed: float, *, slipping: bool) -> NDArra
         True for rows that are compared.
     """
     v = motion.velocity
-    kept = np.full(len(v), not motion.resting.all())
+    kept = np.full(len(v), throughout or not motion.resting.all())
     ends = int(np.ceil(2.0 / passed))
     kept[:ends] = kept[max(len(v) - ends, 0) :] = False
     if slipping:

@@ -23,6 +23,7 @@ from stickslip.identification.force_map.data import (
     SEGMENTS,
     MotionSegment,
     blur_of,
+    reach_of,
     smoothed,
 )
 from stickslip.identification.force_map.force_balance import (
@@ -34,8 +35,11 @@ from stickslip.identification.force_map.force_balance import (
     FilteredMotion,
     compared,
     filtered_motion,
+    followed_beyond,
     mean_force,
     mean_frequency,
+    positive_noise,
+    resting_motion,
     second_differences,
 )
 from stickslip.identification.force_map.model import ForceMap
@@ -60,6 +64,10 @@ AHEAD, WIDEST = 5.0, 0.8
 """Positions are first filtered at so many times what the common filter passes, but at most at this
 share of half their frequency: it changes nothing that passes, by 3e-6, and else noise of the first
 acceleration, from which the common filter starts, would be seen for long."""
+LEVELS = 2
+"""Positions between which an encoder may jitter at rest."""
+FAR = 50.0
+"""Range of a slow motion over the displacement that the sensor may miss from which it is one."""
 JITTER = 1e-3
 """Deviation from even times, over a step, from which a record is placed on even times."""
 
@@ -73,6 +81,7 @@ def joint_stretches(
     segment: float | None = None,
     samples: Sequence[float] = (SAMPLES,),
     slipping: bool = False,
+    wider: float = 1.0,
 ) -> tuple[tuple[Stretches, ...], ...]:
     """Return stretches of the friction of each joint, which all have the same times and segments.
 
@@ -98,6 +107,8 @@ def joint_stretches(
         Samples of a record along which friction is predicted, unless the filter asks for more.
     slipping : bool
         Whether rows that see much of what is at rest are left out.
+    wider : float
+        Factor on what the common filter passes.
 
     Returns
     -------
@@ -120,7 +131,7 @@ def joint_stretches(
         for piece in between_gaps(record):
             if np.asarray(piece.time).size < LEAST:
                 continue
-            own = _Piece.of(torques, set_up, piece, hold)
+            own = _Piece.of(torques, set_up, piece, hold, wider)
             count = max(1, round(own.span / length))
             share = np.minimum((own.time - own.time[0]) / own.span * count, count - 1)
             pieces.append((number, own, first + share.astype(np.intp)))
@@ -251,7 +262,12 @@ class _Piece:
 
     @classmethod
     def of(
-        cls, torques: JointTorques, mechanism: Mechanism, record: Measurement, hold: Hold
+        cls,
+        torques: JointTorques,
+        mechanism: Mechanism,
+        record: Measurement,
+        hold: Hold,
+        wider: float,
     ) -> "_Piece":
         """Return one stretch of a record without a gap."""
         joints = [record.joints[name] for name in torques.coordinates]
@@ -264,16 +280,22 @@ class _Piece:
         raw, forces = columns[:count], columns[count:]
         dt = float(time[1] - time[0])
         applied = np.column_stack([mean_force(u, joined=hold == "first") for u in forces])
-        fastest = max(mean_frequency(x) for x in raw)
-        passed = min(max(FEWEST * fastest / np.pi, 2.0 * RIPPLES / len(time)), HIGHEST)
+        passed, moving = _cut_off(raw, wider)
         motions = tuple(
             filtered_motion(x, dt, passed, tracked="position" in one.quantities())
-            for x, one in zip(raw, joints, strict=True)
+            if moves
+            else resting_motion(x)
+            for x, one, moves in zip(raw, joints, moving, strict=True)
         )
         places = np.column_stack([one.position for one in motions])
         rates = np.column_stack([one.velocity for one in motions])
         ahead = min(AHEAD * passed, WIDEST)
-        accelerations = np.column_stack([second_differences(smoothed(x, ahead), dt) for x in raw])
+        accelerations = np.column_stack(
+            [
+                second_differences(smoothed(x, ahead), dt) if moves else np.zeros_like(x)
+                for x, moves in zip(raw, moving, strict=True)
+            ]
+        )
         inside = slice(int(np.ceil(2.0 / ahead)), -int(np.ceil(2.0 / ahead)))
         time, places, rates = time[inside], places[inside], rates[inside]
         accelerations = accelerations[inside]
@@ -305,7 +327,8 @@ class _Piece:
     ) -> MotionSegment:
         """Return the stretch of a joint."""
         motion, passed = self.motions[i], self.passed
-        kept = compared(motion, passed, slipping=slipping)
+        # where laws are judged, a joint that rests throughout shows what holds it
+        kept = compared(motion, passed, slipping=slipping, throughout=not slipping)
         count = len(self.time)
         every = max(1, min(int(np.ceil(count / samples)), int(OVERSAMPLED / passed)))
         picked = slice(None, None, every)
@@ -333,6 +356,30 @@ class _Piece:
             passed=passed * every,
             blur=blur_of(every),
         )
+
+
+def _cut_off(raw: Sequence[Array], wider: float) -> tuple[float, list[bool]]:
+    """Return what the common filter passes, and which joints move.
+
+    The filter is that of the joints that move: of one at rest, jitter of its encoder would be the
+    fastest. A joint moves if it is displaced within the memory of the filter by more than its
+    sensor may miss, or in all by many times that.
+    """
+    reaches = [reach_of(x, positive_noise(x)) for x in raw]
+    followed = [followed_beyond(x, reach) for x, reach in zip(raw, reaches, strict=True)]
+    ranges = [float(np.ptp(x)) / (2.0 * reach) for x, reach in zip(followed, reaches, strict=True)]
+    moving = [one > 1.0 and np.unique(x).size > LEVELS for x, one in zip(raw, ranges, strict=True)]
+
+    def passed() -> float:
+        speeds = (mean_frequency(x) for x, moves in zip(raw, moving, strict=True) if moves)
+        least = FEWEST * max(speeds, default=0.0) / np.pi
+        return float(max(least, 2.0 * RIPPLES / len(raw[0])))
+
+    filtered = min(passed(), HIGHEST)
+    for i, (x, reach) in enumerate(zip(followed, reaches, strict=True)):
+        quickest = float(np.max(np.abs(np.gradient(smoothed(x, filtered)))))
+        moving[i] &= quickest / filtered > 2.0 * reach or ranges[i] > FAR
+    return min(wider * passed(), HIGHEST), moving
 
 
 def _on_even_times(
@@ -636,6 +683,8 @@ class JointBalanceBuilder:
             slipping=slipping,
         )
         values = {path: value for path, _, value in parameters(self.mechanism, "mechanism")}
+        fitted = zip(self.torques.coordinates, own, strict=True)
+        own = tuple(one for name, one in fitted if name in self.problem.maps)
         return self.problem.along(own, [values[path] for path in self.torques.linear])
 
     def with_free_parameters(self, free_parameters: FreeParameters) -> "JointBalanceBuilder":

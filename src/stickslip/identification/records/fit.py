@@ -21,7 +21,7 @@ from stickslip.experiments import (
     refuse_lack,
     refuse_unused,
 )
-from stickslip.formatting import Scale, count, quantity
+from stickslip.formatting import Scale, count, joined, quantity
 from stickslip.formatting import scale_of as shown_in
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.containment import FittedLaw
@@ -29,18 +29,20 @@ from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, improve
 from stickslip.identification.estimation.model_error import ModelError
-from stickslip.identification.estimation.parameters import FreeParameters
+from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
     FixedParameterProblem,
     Problem,
     RecordProblem,
     ResidualJacobian,
 )
+from stickslip.identification.records.level_units import told
+from stickslip.identification.residuals.holds import HoldFinding
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
 from stickslip.mechanisms import Mechanism
-from stickslip.quantities import turned, vary
+from stickslip.quantities import parameters, turned, vary
 from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
@@ -264,6 +266,8 @@ class RecordFit(Fit[AnyLaw_co]):
     """What the record cannot tell, in words."""
     search_failure: str = ""
     """Which contained law fits more closely than this one, in words; empty if none does."""
+    hold: HoldFinding | None = None
+    """How the recorded force runs between its samples, as given or estimated from the record."""
     route_reason: str = ""
     """Why the route was chosen, in words; empty if it was asked for or is the usual one."""
     halves: Halves | None = None
@@ -349,7 +353,50 @@ class RecordFit(Fit[AnyLaw_co]):
 
     @override
     def _notes(self) -> Sequence[str]:
-        return (*map(str, self.model_errors), *self.sentences)
+        return (*self.assumptions, *map(str, self.model_errors), *self.sentences)
+
+    @property
+    def held(self) -> FreeParameters:
+        """Friction that acts and was not fitted, with its values as start values.
+
+        That is damping of a joint or of a single coordinate, such as that of a robot's file, and
+        parameters of the law that were given. The view of one joint of several has none.
+        """
+        if self.route == "joints" and self.problem.joints is None:
+            return FreeParameters(())
+        free = self.free_parameters.paths
+        joints = tuple(getattr(self.mechanism, "joints", ()))
+        whole = [] if joints or len(self.mechanism.coordinates) > 1 else ["mechanism.damping"]
+        damping = {f"mechanism.joints.{i}.damping" for i in range(len(joints))}.union(whole)
+        own = [one for one in parameters(self.mechanism, "mechanism") if one[0] in damping]
+        law = [one for one in parameters(self.law, "friction") if not one[1].structural]
+        items = (
+            FreeParameter(path=path, quantity=quantity, start=value, low=value, high=value)
+            for path, quantity, value in (*own, *law)
+            if value and path not in free
+        )
+        return told(FreeParameters(tuple(items)), self.mechanism, self.measurement)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the estimates rest on beside the record, in sentences.
+
+        Friction that is held and acts, and how the force runs between samples.
+        """
+        joints = tuple(getattr(self.mechanism, "joints", ()))
+        names = {f"mechanism.joints.{i}.damping": one.joint for i, one in enumerate(joints)}
+        shown = [
+            f"{one.path}{f' ({names[one.path]})' if one.path in names else ''}"
+            f" = {quantity(one.start, one.quantity.unit)}"
+            for one in self.held.items
+        ]
+        held = f"Held, and acting beside what is fitted: {joined(shown)}." if shown else ""
+        if any(
+            path.endswith(".viscous_coefficient") for path in self.free_parameters.paths
+        ) and any(one.path.endswith(".damping") for one in self.held.items):
+            held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
+        between = self.hold.sentence if self.hold else ""
+        return tuple(one for one in (held, between) if one)
 
     @property
     def free_parameters(self) -> FreeParameters:
@@ -534,6 +581,11 @@ class RecordFit(Fit[AnyLaw_co]):
             "law": self.law.name,
             "route": self.route,
             "route_reason": self.route_reason,
+            "hold": self.hold.to_dict() if self.hold else None,
+            "held": [
+                {"parameter": one.path, "unit": one.quantity.unit, "value": one.start}
+                for one in self.held.items
+            ],
             "quantity": self.problem.quantity,
             "residual_rms": self.rms,
             "estimates": [estimate.to_dict() for estimate in self.estimates],

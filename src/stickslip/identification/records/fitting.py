@@ -31,7 +31,7 @@ from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
-from stickslip.identification.records.level_units import by_joint, in_forces, turned_as
+from stickslip.identification.records.level_units import told
 from stickslip.identification.records.problems import (
     FitSetup,
     ProblemRequest,
@@ -253,6 +253,7 @@ def fit_record(
         If no start predicts the record.
     """
     choice = _route(mechanism, measurement, unknown, route, settings)
+    choice = choice.with_hold(mechanism, measurement)
     refuse_unused(measurement, inside(mechanism, measurement))
     wanted = ProblemRequest(
         mechanism=mechanism,
@@ -272,7 +273,7 @@ def fit_record(
             raise
     if choice.alternative is None or not to_compare(choice, fits):
         return fits[0]
-    other = RouteChoice(route=choice.alternative, settings=choice.settings)
+    other = replace(choice, route=choice.alternative, reason="", alternative=None)
     try:
         derived = _fitted_by(other, wanted, None, watch)
     except (ConvergenceError, InputError):
@@ -301,9 +302,15 @@ def _fitted_by(
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
     kind = _kind_of(wanted.law)
     failure = search_failure(kind, found.best.cost, len(found.best.residual), contained)
-    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.hold)
+    fit = _tested(finished(way, measurement, ready, found, first), choice.settings.holding)
     sentences = (failure, *fit.sentences) if failure else fit.sentences
-    return replace(fit, sentences=sentences, search_failure=failure, route_reason=choice.reason)
+    return replace(
+        fit,
+        sentences=sentences,
+        search_failure=failure,
+        route_reason=choice.reason,
+        hold=choice.hold,
+    )
 
 
 def _kind_of(law: FrictionLaw | type[FrictionLaw]) -> type[FrictionLaw]:
@@ -624,28 +631,23 @@ def finished(
         *_of_one_row(ready.problem, best.residual, measurement),
         *_doubtful(searched),
     )
-    told = (
-        by_joint(free_parameters, ready.mechanism)
-        if measurement.joint_names()
-        else turned_as(measurement, in_forces(free_parameters, ready.mechanism, measurement))
-    )
-    return _with_estimates(fit, told, sentences)
+    return _with_estimates(fit, told(free_parameters, ready.mechanism, measurement), sentences)
 
 
-def _with_estimates(fit: RecordFit, told: FreeParameters, sentences: Sequence[str]) -> RecordFit:
+def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[str]) -> RecordFit:
     """Return a fit with its estimates and their intervals, and what is to be said of both."""
     best = fit.optimum.best
     halves = None if fit.optimum.cancelled else halves_of(fit)
     inference = fit.inference if halves is None else widened(fit.inference, best.values, halves)
-    estimates = estimates_of(told, best, inference, fit.at_bounds)
+    estimates = estimates_of(free, best, inference, fit.at_bounds)
     return replace(
         fit,
         estimates=estimates,
         inference=inference,
         halves=halves,
         sentences=(
-            *(() if halves is None else contradiction(told, halves)),
-            *sentences_of(told, best, inference, fit.at_bounds, estimates),
+            *(() if halves is None else contradiction(free, halves)),
+            *sentences_of(free, best, inference, fit.at_bounds, estimates),
             *sentences,
         ),
     )

@@ -45,6 +45,7 @@ from stickslip.identification.records.fit import RecordFit
 from stickslip.identification.records.fitting import finished, widened_search
 from stickslip.identification.records.level_units import OFFSET
 from stickslip.identification.records.problems import SOME, FitSetup
+from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.inverse_dynamics import positions_of
 from stickslip.identification.settings import Hold, RecordSettings
 from stickslip.identification.validation import (
@@ -225,6 +226,12 @@ class _Motion:
     stretches: Mapping[float, tuple[tuple[MotionSegment, ...], ...]]
     """By samples of a record, stretches of each joint at the parameters' start."""
 
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """Coordinates that rest in all records, or hardly move: nothing tells their friction."""
+        names, whole = self.torques.coordinates, self.stretches[SAMPLES]
+        return tuple(n for n, own in zip(names, whole, strict=True) if not _rows(own))
+
     @classmethod
     def of(
         cls, asked: "_Asked", measurement: Measurement, hold: Hold, *, bristles: bool
@@ -312,6 +319,8 @@ class JointFitter:
     """Starts, seed and hold."""
     motion: _Motion
     """What the records say whatever the laws are."""
+    hold: HoldFinding | None = None
+    """How forces run between samples, as given or estimated from the records."""
     wrong_columns: str = ""
     """Which columns seem to be exchanged, or of another sign or unit, as a sentence; or empty."""
 
@@ -359,8 +368,10 @@ class JointFitter:
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
         with with_doubts(measurement, asked.mechanism):
-            motion = _Motion.of(asked, measurement, settings.hold, bristles=bristles)
-            wrong_columns = _wrong_columns(asked, measurement, settings.hold, motion)
+            hold = hold_of(asked.mechanism, measurement, settings.hold, vary=asked.linear)
+            settings = settings if hold is None else hold.applied(settings)
+            motion = _Motion.of(asked, measurement, settings.holding, bristles=bristles)
+            wrong_columns = _wrong_columns(asked, measurement, settings.holding, motion)
         return cls(
             mechanism=mechanism,
             measurement=measurement,
@@ -368,13 +379,24 @@ class JointFitter:
             fixed=fixed,
             settings=settings,
             motion=motion,
+            hold=hold,
             wrong_columns=wrong_columns,
         )
 
     @property
     def contacts(self) -> Mapping[str, str]:
-        """Contacts by coordinate, the joints that rub."""
-        return {along: one.name for along, one in contacts_along(self.mechanism).items()}
+        """Contacts by coordinate: the joints that rub and move."""
+        known = contacts_along(self.mechanism).items()
+        return {along: one.name for along, one in known if along not in self.motion.resting}
+
+    @property
+    def resting(self) -> tuple[str, ...]:
+        """What is to be said of joints that rest, whose friction is not fitted: sentences."""
+        return tuple(
+            f"The joint {name} rests throughout: its friction is not identified, and was not"
+            " fitted. Record it moving."
+            for name in self.motion.resting
+        )
 
     def fitted(
         self,
@@ -406,6 +428,12 @@ class JointFitter:
         RecordFit
             The laws by contact, estimates with intervals, predictions of the force of each joint.
         """
+        if isinstance(laws, Mapping):  # of what rests, none has to be given
+            known = contacts_along(self.mechanism)
+            laws = {
+                **{known[one].name: None for one in self.motion.resting if one in known},
+                **laws,
+            }
         asked = _Asked.of(
             self.mechanism,
             laws,
@@ -426,12 +454,13 @@ class JointFitter:
             failure = search_failure(kind, found.best.cost, len(found.best.residual), own)
         said: tuple[str, ...] = (self.wrong_columns,) if self.wrong_columns else ()
         sentences = (
+            *self.resting,
             *said,
             *unexplained(fit, said),
             *((failure,) if failure else ()),
             *fit.sentences,
         )
-        return replace(fit, sentences=sentences, search_failure=failure)
+        return replace(fit, sentences=sentences, search_failure=failure, hold=self.hold)
 
     def _searched(
         self,
@@ -456,7 +485,7 @@ class JointFitter:
             asked = replace(asked, mechanism=vary(asked.mechanism, "mechanism", own))
             bristles = any(map(_has_bristles, asked.laws.values()))
             motion = _Motion.along(
-                motion.torques, asked, self.measurement, self.settings.hold, bristles=bristles
+                motion.torques, asked, self.measurement, self.settings.holding, bristles=bristles
             ).at(np.array(list(own.values())))
             near = None
         return ready, found
@@ -481,6 +510,8 @@ class JointFitter:
         )
         maps, names, starts = {}, {}, {}
         for i, coordinate in enumerate(torques.coordinates):
+            if coordinate in motion.resting:
+                continue
             contact = contacts.get(coordinate, "")
             further: tuple[Array, ...] = ()
             whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
@@ -493,19 +524,32 @@ class JointFitter:
                 _among_all(path, contact, coordinate) for path in one.free_parameters.paths
             )
         free = _joined(maps, names, contacts)
-        size = float(np.sqrt(np.mean(np.square(motion.left))))
-        weights = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        every = zip(torques.coordinates, motion.left.tolist(), strict=True)
+        left = {name: one for name, one in every if name in maps}
+        size = float(np.sqrt(np.mean(np.square([*left.values()]))))
         problem = JointBalance(
             maps=maps,
             names=names,
-            weights={name: size / one for name, one in weights},
+            weights={name: size / one for name, one in left.items()},
             free_parameters_=free,
         )
         slips = {name: coordinate for coordinate, name in contacts.items()}
-        rubbing = [name for name, law in asked.laws.items() if law is not None]
-        laws = Laws(members=tuple((name, maps[slips[name]].law) for name in rubbing))
-        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.hold, samples)
+        laws = Laws(members=tuple(_members(asked.laws, slips, maps)))
+        build = JointBalanceBuilder(torques, mechanism, problem, self.settings.holding, samples)
         return FitSetup(mechanism, laws, problem, build, _further(free, names, starts))  # type: ignore[arg-type]
+
+
+def _members(
+    laws: Mapping[str, FrictionLaw | type[FrictionLaw] | None],
+    slips: Mapping[str, str],
+    maps: Mapping[str, ForceMap],
+) -> Iterator[tuple[str, FrictionLaw]]:
+    """Yield the laws of contacts: those that are fitted, and what was given of one that rests."""
+    for name, law in laws.items():
+        if law is not None and name in slips:
+            yield name, maps[slips[name]].law
+        elif isinstance(law, FrictionLaw):
+            yield name, law
 
 
 def _wrong_columns(asked: "_Asked", measurement: Measurement, hold: Hold, motion: _Motion) -> str:
@@ -696,6 +740,7 @@ class _Asked:
             held_laws[name] = mine
             whole = LAW in varied or f"friction.{name}.*" in varied
             named = [f"friction.{p.removeprefix(prefix)}" for p in varied if p.startswith(prefix)]
+            whole |= isinstance(law, type) and not named and not mine  # no values of it were given
             free[name] = (*(usual[name] if whole else ()), *(p for p in named if "*" not in p))
         return cls(
             mechanism=vary(mechanism, "mechanism", held_own) if held_own else mechanism,
@@ -743,7 +788,21 @@ def _change(mechanism: Mechanism, values: Mapping[str, float]) -> float:
 def _spread(stretches: Sequence[Sequence[MotionSegment]]) -> Array:
     """Return the standard deviation of the applied force of each joint (m,)."""
     columns = [[one.applied[one.segment >= 0] for one in own] for own in stretches]  # type: ignore[index]
-    return np.array([max(float(np.std(np.concatenate(own))), 1e-300) for own in columns])
+    sizes = [np.std(np.concatenate(own)) if sum(map(len, own)) else 0.0 for own in columns]
+    found: Array = np.maximum(np.array(sizes, dtype=float), 1e-300)
+    return found
+
+
+def _rows(stretches: Sequence[MotionSegment]) -> int:
+    """Return how many rows of a joint are fitted."""
+    return sum(int(np.count_nonzero(one.segment >= 0)) for one in stretches)
+
+
+def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
+    """Return the root mean square of the rows of each joint (m,); 0 where it has none."""
+    squares = np.bincount(joint, residual**2, minlength=count)
+    found: Array = np.sqrt(squares / np.maximum(np.bincount(joint, minlength=count), 1))
+    return found
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
@@ -777,14 +836,14 @@ def _start(
             wanted.append((i, friction))
     table = np.concatenate(tables)
     target = np.concatenate([column for _, column in wanted])
-    joint = np.concatenate([np.full(len(column), i) for i, column in wanted])
+    joint = np.concatenate([np.full(len(column), i, dtype=np.intp) for i, column in wanted])
     size = np.linalg.norm(table, axis=0)
     scaled = table / np.where(size > 0.0, size, 1.0)
     if torques.bent:
         _refuse_alike(torques.linear, scaled[:, :k])
     found = np.linalg.lstsq(scaled, target, rcond=1e-8)[0] / np.where(size > 0.0, size, 1.0)
     residual = target - table @ found
-    left = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    left = _by_joint(residual, joint, count)
     values = {path: (quantity, v) for path, quantity, v in parameters(asked.mechanism, "mechanism")}
     force = float(np.sqrt(np.mean(target**2)))
     items = []
@@ -804,7 +863,7 @@ def _start(
     held = target - table[:, :k] @ change
     rest = scaled[:, k:]
     residual = held - rest @ np.linalg.lstsq(rest, held, rcond=1e-8)[0]
-    within = np.array([np.sqrt(np.mean(residual[joint == i] ** 2)) for i in range(count)])
+    within = _by_joint(residual, joint, count)
     least = 1e-12 * max(force, 1e-300)
     return tuple(items), np.maximum(left, least), np.maximum(within, least)
 

@@ -8,7 +8,7 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
 
-__all__ = ["by_joint", "in_forces", "reads_as_forces", "turned_as"]
+__all__ = ["by_joint", "in_forces", "reads_as_forces", "told", "turned_as"]
 
 
 def reads_as_forces(mechanism: Mechanism, measurement: Measurement) -> bool:
@@ -114,6 +114,32 @@ def turned_as(measurement: Measurement, free_parameters: FreeParameters) -> Free
 
 OFFSET = "measurement.offset.force."
 """Path of the constant force of a joint, before its name."""
+JOINTS = "mechanism.joints."
+"""Path of the parameters of a joint of a robot, before its number."""
+
+
+def told(
+    free_parameters: FreeParameters, mechanism: Mechanism, measurement: Measurement
+) -> FreeParameters:
+    """Return the unknowns of a record with the units that their values read in.
+
+    Parameters
+    ----------
+    free_parameters : FreeParameters
+        The free parameters.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, of several joints or of one contact.
+
+    Returns
+    -------
+    FreeParameters
+        The same parameters.
+    """
+    if measurement.joint_names():
+        return by_joint(free_parameters, mechanism)
+    return turned_as(measurement, in_forces(free_parameters, mechanism, measurement))
 
 
 def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParameters:
@@ -146,6 +172,10 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
                 quantity = replace(quantity, unit=forces)
         elif item.path.startswith(OFFSET):
             turning = turns[item.path.removeprefix(OFFSET)]
+        elif item.path.startswith(JOINTS) and quantity.or_unit:
+            number = int(item.path.removeprefix(JOINTS).partition(".")[0])
+            if mechanism.units[number] != "rad":
+                quantity = replace(quantity, unit=quantity.or_unit)
         unit = turned(quantity.unit, turning)
         items.append(replace(item, quantity=replace(quantity, unit=unit)))
     return replace(free_parameters, items=tuple(items))

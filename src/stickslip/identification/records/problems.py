@@ -129,7 +129,7 @@ class _ShootingBuilder:
                 record,
                 length=self.settings.segment if length is None else length,
                 resolution=_rows(self.settings, length),
-                hold=self.settings.hold,
+                hold=self.settings.holding,
                 quantity=self.quantity,
             ),
             quantity_=self.quantity,
@@ -313,7 +313,7 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
 
 def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     """Return the problem of friction that inverse dynamics finds, the mass looked for with it."""
-    mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.hold
+    mechanism, measurement, hold = wanted.mechanism, wanted.measurement, wanted.settings.holding
     mass = inertia_of(mechanism, measurement, wanted.unknown)
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})

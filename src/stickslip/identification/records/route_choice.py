@@ -25,6 +25,7 @@ from stickslip.identification.records.problems import (
     prepared,
     simulated,
 )
+from stickslip.identification.residuals.holds import HoldFinding, hold_of
 from stickslip.identification.series.applied_force import driven, drives_itself
 from stickslip.identification.settings import RecordSettings
 from stickslip.identification.shooting.multiple_shooting import Shooting
@@ -78,6 +79,30 @@ class RouteChoice:
     """Why it is not simulated segments of the usual length; empty if it is."""
     alternative: RecordRouteName | None = None
     """Route that may serve better, to be compared once laws are fitted; None if none may."""
+    hold: HoldFinding | None = None
+    """How the recorded force runs between samples, as given or estimated; None if none drives."""
+
+    def with_hold(self, mechanism: Mechanism, measurement: Measurement) -> "RouteChoice":
+        """Return the same with what the record says of the hold, which its settings then have.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured.
+        measurement : Measurement
+            Records in time, or measured friction, which has no hold.
+
+        Returns
+        -------
+        RouteChoice
+            The choice, whose settings have a hold where a recorded force drives.
+        """
+        if self.hold is not None or self.route == "force-map":
+            return self
+        found = hold_of(mechanism, measurement, self.settings.hold)
+        if found is None:
+            return self
+        return replace(self, settings=found.applied(self.settings), hold=found)
 
 
 def asked_for(route: str | RouteChoice | None) -> str | None:
@@ -195,6 +220,17 @@ def choose_route(
     unknown = Parameters.of(mechanism, None, vary).unknown
     if "friction" in measurement.quantities():
         return RouteChoice(route="force-map", settings=settings)
+    usual = RouteChoice(route="shooting", settings=settings).with_hold(mechanism, measurement)
+    return replace(_chosen(mechanism, measurement, unknown, usual.settings), hold=usual.hold)
+
+
+def _chosen(
+    mechanism: Mechanism,
+    measurement: Measurement,
+    unknown: Sequence[str],
+    settings: RecordSettings,
+) -> RouteChoice:
+    """Return how a record in time is fitted, with a hold that is known."""
     if drives_itself(mechanism, measurement):
         return RouteChoice(route="shooting", settings=_whole(measurement, settings))
     usual = RouteChoice(route="shooting", settings=settings)

@@ -24,7 +24,14 @@ from stickslip.identification.settings import Hold
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, vary
 
-__all__ = ["Balance", "Fitted", "balance_of", "whitened"]
+__all__ = [
+    "Balance",
+    "Fitted",
+    "autoregression",
+    "balance_of",
+    "whitened",
+    "with_rows_before",
+]
 
 Array = NDArray[np.float64]
 
@@ -257,11 +264,11 @@ def _of_rows(
 ) -> Balance:
     """Return the balance of samples that have rows, of which some are looked at."""
     picked, chosen = kept[0][kept[1]], kept[1]
-    rows = _with_rows_before(picked, signals.edges, every, order)
+    rows = with_rows_before(picked, signals.edges, every, order)
     residual, slopes = residual[chosen], slopes[chosen]
     if not (np.isfinite(residual).all() and np.isfinite(slopes).all()):
         raise InputError("the law does not predict friction over the whole motion.")
-    memory = _autoregression(beside(residual, slopes), rows, order)
+    memory = autoregression(beside(residual, slopes), rows, order)
     return Balance(
         residual=whitened(residual, rows, memory),
         slopes=whitened(slopes, rows, memory),
@@ -303,18 +310,50 @@ def _kept(stretches: Sequence[MotionSegment]) -> Array:
     return np.concatenate([one.friction[one.rows_of(None)] for one in stretches])
 
 
-def _with_rows_before(
+def with_rows_before(
     picked: NDArray[np.intp], edges: Sequence[int], every: int, order: int
 ) -> NDArray[np.intp]:
-    """Return which picked samples have `order` picked ones right before them in their stretch."""
+    """Return which picked samples have `order` picked ones right before them in their stretch.
+
+    Parameters
+    ----------
+    picked : array of int (k,)
+        Samples that may be rows.
+    edges : sequence of int
+        Where stretches begin, and the end.
+    every : int
+        Distance of neighbouring rows in samples.
+    order : int
+        Rows that each needs before it.
+
+    Returns
+    -------
+    array of int (m,)
+        Which of the picked samples are rows.
+    """
     stretch = np.searchsorted(edges, picked, side="right")
     near = (np.diff(picked, prepend=-every - 1) == every) & (np.diff(stretch, prepend=-1) == 0)
     run = np.arange(len(picked)) - np.maximum.accumulate(np.where(near, 0, np.arange(len(picked))))
     return np.flatnonzero(run >= order)
 
 
-def _autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
-    """Return the coefficients (order,) that predict rows from those before them."""
+def autoregression(residual: Array, rows: NDArray[np.intp], order: int) -> Array:
+    """Return the coefficients (order,) that predict rows from those before them.
+
+    Parameters
+    ----------
+    residual : array (k,)
+        What is predicted, at the picked samples.
+    rows : array of int (m,)
+        Which of them are rows.
+    order : int
+        Number of coefficients.
+
+    Returns
+    -------
+    array (order,)
+        Coefficients, the nearest row first.
+    """
     if not order or not len(rows):
         return np.zeros(order)
     past = np.stack([residual[rows - k] for k in range(1, order + 1)], axis=1)

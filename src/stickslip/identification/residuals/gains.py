@@ -1,12 +1,22 @@
 """What columns predict of residuals in blocks of a record that are left out."""
 
 import itertools
+import math
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-__all__ = ["BLOCKS", "FEWEST", "LEVEL", "basis_of", "beside", "chance_of", "gains_of"]
+__all__ = [
+    "BLOCKS",
+    "FEWEST",
+    "LEVEL",
+    "basis_of",
+    "beside",
+    "chance_of",
+    "gains_of",
+    "half_width_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -91,6 +101,19 @@ def _taken_off(values: Array, squares: Array, slopes: Array) -> Array:
         "bp,bpq,bq->b", values, squares, values
     )
     return found
+
+
+def half_width_of(left_out: Array) -> float:
+    """Return the half width of the 95 % interval of a number from its jackknife (blocks,).
+
+    Examples
+    --------
+    >>> round(half_width_of(np.array([1.0, 1.1, 0.9, 1.0])), 3)
+    0.39
+    """
+    count = len(left_out)
+    error = math.sqrt((count - 1) / count * float(np.sum((left_out - left_out.mean()) ** 2)))
+    return float(scipy.stats.t.ppf(0.975, count - 1)) * error
 
 
 def chance_of(gains: Array) -> float:

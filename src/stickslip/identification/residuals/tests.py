@@ -20,14 +20,12 @@ Source: C. R. Rao, "Large sample tests of statistical hypotheses", 1948 (score t
 "Individual comparisons by ranking methods", 1945; D. Cochrane, G. H. Orcutt, 1949 (whitening).
 """
 
-import math
 import operator
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from stickslip.errors import StickslipError
@@ -48,6 +46,7 @@ from stickslip.identification.residuals.gains import (
     beside,
     chance_of,
     gains_of,
+    half_width_of,
 )
 from stickslip.identification.residuals.peaks import peaks_of
 from stickslip.identification.residuals.wording import cure_of, finding_of
@@ -107,10 +106,7 @@ class ScoreTest:
 
     def interval(self, of: Callable[[Array], float]) -> tuple[float, float]:
         """Return the 95 % interval of a number that follows from the coefficients."""
-        changes = np.array([of(one) for one in self.left_out])
-        count = len(changes)
-        error = math.sqrt((count - 1) / count * float(np.sum((changes - changes.mean()) ** 2)))
-        half = float(scipy.stats.t.ppf(0.975, count - 1)) * error
+        half = half_width_of(np.array([of(one) for one in self.left_out]))
         return of(self.values) - half, of(self.values) + half
 
 
@@ -355,7 +351,7 @@ def _error(one: ScoreTest, fit: Fitted) -> ModelError:
         consequence = "To first order, it shifts no identified parameter out of its 95 % interval."
     return ModelError(
         kind=one.effect.kind,
-        finding=finding_of(one.effect, size(one.values), (low, high), measurement),
+        finding=finding_of(one.effect, size(one.values), (low, high), measurement, fit.hold),
         consequence=f"{text} {consequence}{_of_channel(one, fit)}",
         effect=size(one.values),
         interval=(low, high),

@@ -14,6 +14,7 @@ from stickslip.formatting import (
 )
 from stickslip.identification.residuals.effects import Effect
 from stickslip.identification.sensor_response import SensorResponse
+from stickslip.identification.settings import Hold
 from stickslip.quantities import turned
 
 __all__ = ["cure_of", "finding_of"]
@@ -121,7 +122,11 @@ SAID: Mapping[str, tuple[str, str, str]] = {
 
 
 def finding_of(
-    effect: Effect, value: float, ends: tuple[float, float], measurement: Measurement
+    effect: Effect,
+    value: float,
+    ends: tuple[float, float],
+    measurement: Measurement,
+    hold: Hold = "zero",
 ) -> str:
     """Return what an error is, with its size and interval.
 
@@ -135,6 +140,8 @@ def finding_of(
         Ends of its 95 % interval [SI].
     measurement : Measurement
         The record, which says whether units are those of rotation.
+    hold : {"zero", "first"}
+        How the force was taken to run between samples.
 
     Returns
     -------
@@ -157,7 +164,7 @@ def finding_of(
         size=f"{size} (95 % interval {span})",
         scale=quantity(effect.scale, scaled),
         where="near rest" if effect.scale else "at the largest speed",
-        half=_half_sample(value, measurement),
+        half=_half_sample(value, measurement, hold),
     )
 
 
@@ -196,12 +203,13 @@ def _sized(
     return with_unit(shown, scale.unit), scale.interval(low, high)
 
 
-def _half_sample(delay: float, measurement: Measurement) -> str:
+def _half_sample(delay: float, measurement: Measurement, hold: Hold) -> str:
     """Return that a delay [s] may be a wrong setting: a held force is half a sample late."""
-    if "friction" in measurement.quantities():
+    other: Hold = "zero" if delay > 0.0 else "first"
+    if "friction" in measurement.quantities() or other == hold:
         return ":"
     step = max(float(np.median(np.diff(np.asarray(r.time)))) for r in measurement.records())
     if not HALF[0] <= abs(delay) / step <= HALF[1]:
         return ":"
-    hold = '"zero" (a held command)' if delay > 0.0 else '"first" (a sampled sensor signal)'
-    return f". This is half a sample: either set hold to {hold}, or there is"
+    meant = "a held command" if other == "zero" else "a sampled sensor signal"
+    return f'. This is half a sample: either set hold to "{other}" ({meant}), or there is'

@@ -63,7 +63,8 @@ def plot_joints(
 
 def joint_sizes(fit: RecordFit) -> dict[str, Size]:
     """Return the sizes of the figure of all joints of a fit, for screens and phones."""
-    height = 60 + PANEL * len(fit.mechanism.coordinates)
+    assert fit.problem.joints is not None
+    height = 60 + PANEL * len(np.unique(fit.problem.joints))
     return {"wide": (880, height), "narrow": (390, height)}
 
 
@@ -89,6 +90,9 @@ def joint_figure(
     seen = fit.predict(measurement)
     turning = [unit == "rad" for unit in fit.mechanism.units]
     units = dict(zip(fit.mechanism.coordinates, (turned("N", t) for t in turning), strict=True))
+    assert seen.joint is not None
+    fitted = np.unique(seen.joint[seen.record == record])  # others rest
+    units = {name: unit for name, unit in units.items() if name in fitted}
     shown: dict[str, list[NDArray[np.float64]]] = {}
     for name, unit in units.items():
         own = seen.of(name)

@@ -142,7 +142,7 @@ def forces_section(verdict: JointVerdict) -> Section | None:
         return None
     svg = inline_svg(
         joint_figure(fit),
-        alt=f"Measured and predicted force of {joined(list(fit.mechanism.coordinates))}",
+        alt=f"Measured and predicted force of {joined(list(fit.score().joints))}",
         prefix="forces-figure",
         **joint_sizes(fit),
     )

@@ -1,0 +1,84 @@
+"""Whether a recorded force was held between samples is estimated, and said."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, CoulombViscous, Measurement, RecordSettings, fit, select, simulate
+from stickslip.drives import Sampled
+from stickslip.identification.residuals.holds import hold_of
+
+AXIS = Axis(inertia=2.0)
+LAW = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=5.0)
+ONCE = RecordSettings(starts=1)
+
+
+def record(hold, *, rate=100.0, seed=0, noise=1e-5, slow=1.0):
+    """Return what an axis does under a force that is sampled and held, or joined by lines."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 16.0, 1.0 / rate)
+    waves = [(w, rng.uniform(2.0, 5.0), rng.uniform(0.0, 6.0)) for w in (2.3, 6.1, 11.7)]
+    force = sum(size * np.sin(slow * w * t + phase) for w, size, phase in waves)
+    drive = Sampled(times=t, values=force, hold=hold)
+    run = simulate(Axis(inertia=2.0, drive=drive), LAW, t_end=float(t[-1]))
+    x = run.at(t)["x"] + noise * rng.standard_normal(len(t))
+    return Measurement(time=t, position=x, force=force)
+
+
+@pytest.fixture(scope="module", params=["zero", "first"])
+def truth(request):
+    return request.param, record(request.param)
+
+
+def along(measurement, settings=ONCE):
+    return fit(
+        Axis(inertia=3.0), CoulombViscous, measurement, vary="inertia",
+        route="inverse-dynamics", settings=settings,
+    )  # fmt: skip
+
+
+def test_the_hold_that_nobody_gave_is_found_and_intervals_hold_the_truth(truth):
+    hold, measurement = truth
+    found = along(measurement)
+    assert (found.hold.hold, found.hold.shown, found.hold.given) == (hold, hold, False)
+    late = 0.5 if hold == "zero" else 0.0
+    # the interval of 95 % twice over: a third of a sample is what decides
+    assert abs(found.hold.lateness - late) < 2.0 * found.hold.half_width < 0.3
+    assert found.estimate("inertia").low < 2.0 < found.estimate("inertia").high
+    (sentence,) = found.assumptions
+    assert f'(hold = "{hold}"), as estimated from the record' in sentence
+    assert found.to_dict()["hold"]["shown"] == hold
+
+
+def test_a_given_hold_is_used_and_what_contradicts_it_is_said(truth):
+    hold, measurement = truth
+    other = "first" if hold == "zero" else "zero"
+    wrong = along(measurement, RecordSettings(starts=1, hold=other))
+    assert wrong.hold.hold == other
+    assert wrong.hold.contradicted
+    assert f'does not agree with the given hold = "{other}"' in wrong.assumptions[0]
+    assert not wrong.estimate("inertia").low < 2.0 < wrong.estimate("inertia").high
+    right = along(measurement, RecordSettings(starts=1, hold=hold))
+    assert right.assumptions == ()
+
+
+def test_a_selection_decides_the_hold_once_and_says_it():
+    verdict = select(
+        AXIS, ["coulomb", "coulomb-viscous"], record("first", seed=3), route="inverse-dynamics"
+    )
+    assert verdict.settings.hold == "first"
+    assert {c.fit.hold for c in verdict.candidates} == {verdict.closest.fit.hold}
+    assert 'the force goes straight to the next value (hold = "first")' in verdict.words.lede
+
+
+def test_a_slow_motion_at_a_high_rate_does_not_tell_the_hold():
+    found = hold_of(AXIS, record("zero", rate=500.0, noise=3e-4, slow=0.2), None)
+    assert found.shown is None
+    assert "does not tell whether" in found.sentence
+    assert "Give the hold if it is known" in found.sentence
+
+
+def test_measured_friction_and_free_decays_have_no_hold():
+    v = np.linspace(-1.0, 1.0, 50)
+    assert hold_of(AXIS, Measurement(velocity=v, friction=2.0 * v), None) is None
+    t = np.linspace(0.0, 5.0, 500)
+    assert hold_of(AXIS, Measurement(time=t, position=np.exp(-t)), None) is None
