@@ -108,7 +108,7 @@ def select(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
-    position_zeros: PositionZeros = False,
+    position_zeros: PositionZeros = None,
     friction_delay: FrictionDelay = None,
     friction_lag: FrictionLag = None,
     jobs: Jobs = None,
@@ -139,7 +139,7 @@ def select(
     )
     fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
-        position_zeros=position_zeros or None,
+        position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
@@ -240,7 +240,7 @@ def fit(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
-    position_zeros: PositionZeros = False,
+    position_zeros: PositionZeros = None,
     friction_delay: FrictionDelay = None,
     friction_lag: FrictionLag = None,
     output: LawFile = None,
@@ -273,7 +273,7 @@ def fit(
         hold=hold,
         starts=starts,
         seed=seed,
-        position_zeros=position_zeros or None,
+        position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
     )
