@@ -672,9 +672,9 @@ def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tup
     ]
     more = "" if len(shown) == 1 else " for each record"
     return (
-        f"The zero of the position is estimated with the fit{more}: {joined(shown)}. Levels of"
-        " friction that differ by direction and a displaced zero look nearly alike; if the zero is"
-        " known, set position_zeros to False (--no-position-zeros).",
+        f"The zero of the position is not known and is estimated with the fit{more}:"
+        f" {joined(shown)}. Levels of friction that differ by direction would look alike. If the"
+        " zero is known, set position_zeros to False (--no-position-zeros).",
     )
 
 
