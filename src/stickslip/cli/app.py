@@ -193,6 +193,7 @@ def init(
     ],
     columns: Columns = None,
     units: Units = None,
+    gain: Gain = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -212,7 +213,7 @@ def init(
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
-    reading = reading_of(columns=columns, units=units, gain=None, repair=None)
+    reading = reading_of(columns=columns, units=units, gain=gain, repair=None)
     run(file, reading, output, force=force, as_json=as_json)
 
 

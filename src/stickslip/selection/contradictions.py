@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from stickslip.formatting import in_words, joined, number, quantity, scale_of
 from stickslip.identification import Trial
 from stickslip.mechanisms import SpringBlock
-from stickslip.mechanisms import SpringBlock
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate, misfit
 
@@ -173,7 +172,8 @@ def _found(trials: Sequence[Trial], closest: TravelCandidate) -> tuple[str, ...]
                 for k in (i, j)
             )
             found.append(
-                f"Whether {first} and {second} are swapped: {closest.title} friction predicts the opposite order."
+                f"Whether {first} and {second} are swapped: {closest.title} friction predicts the"
+                " opposite order."
             )
     at = max(range(len(trials)), key=lambda i: abs(trials[i].travel - predicted[i]))
     worst = trials[at]

@@ -18,6 +18,8 @@ __all__ = ["read_mat"]
 
 Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
+MOST_SPLIT: Final = 64
+"""Columns of a matrix up to which each is a signal."""
 DEEPEST: Final = 5
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
@@ -29,11 +31,12 @@ class _Channel:
     data: str
     names: tuple[str, ...]
     """Fields that hold its name, the first of which it must have."""
-    otherwise: str = ""
+    axis: str = ""
+    """Name of the struct of the times, which has none of its own."""
 
 
 CHANNELS: Final = (
-    _Channel(data="Data", names=("Name", "Path")),  # dSPACE ControlDesk
+    _Channel(data="Data", names=("Name", "Path"), axis="X"),  # dSPACE ControlDesk
     _Channel(data="values", names=("label", "blockName")),  # Simulink, structure with time
 )
 
@@ -61,6 +64,7 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
     """
     found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
+    vectors = vectors or dict(_split(found))
     if not vectors:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
@@ -79,6 +83,15 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
             if value.size == size
         }
     )
+
+
+def _split(found: Mapping[str, Any]) -> Iterator[Found]:
+    """Yield the rows or columns of matrices, whichever are longer, as ``name(1)``."""
+    for name, value in found.items():
+        if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf":
+            longer = value if value.shape[0] > value.shape[1] else value.T
+            if longer.shape[0] > 1 and longer.shape[1] <= MOST_SPLIT:
+                yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
 
 
 def _is_vector(value: Any) -> bool:
@@ -153,8 +166,9 @@ def _fields(name: str, structs: Sequence[Mapping[str, Any]], depth: int) -> Iter
 def _channel(own: str, one: Mapping[str, Any], kind: "_Channel") -> Iterator[Found]:
     """Yield the signals of a channel: the columns of its data, with its name and unit."""
     names = (_text(one.get(field)) for field in kind.names)
-    name = next(filter(None, names), kind.otherwise or own)
-    unit = _text(one.get("Unit"))
+    name, unit = next(filter(None, names), own), _text(one.get("Unit"))
+    if kind.axis and re.fullmatch(rf"(?:.*\.)?{kind.axis}(?:\(\d+\))?", own):
+        name, unit = "time", unit or "s"  # it has no name, and counts seconds
     unit = f" [{unit}]" if unit and "[" not in name else ""
     data = one[kind.data]
     if not isinstance(data, np.ndarray) or data.ndim != 2 or 1 in data.shape:

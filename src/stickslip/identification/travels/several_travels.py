@@ -45,6 +45,9 @@ NEAR = 100.0
 """Cost of a starting point over that of the best one beyond which no search begins there."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
+STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
+"""Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
+it should, which its third derivatives change."""
 TOGETHER = 0.95
 """Correlation beyond which two parameters are told in combination only."""
 AS_WELL = 3.84
@@ -243,6 +246,25 @@ class _Problem:
     def cost(self, free_parameters: Array) -> float:
         return float(np.sum(self.residuals(free_parameters) ** 2))
 
+    def slopes_at(self, free_parameters: Array) -> Array:
+        """Return derivatives of the residuals (n, p), by central differences for a mechanism.
+
+        Near a resonance one-sided ones are wrong by a hundredth, and what scales with all else, as
+        masses, forces and a stiffness do together, would seem to be told apart.
+        """
+        if not self.rig:
+            return self.jacobian(free_parameters)
+        columns = []
+        for i, scale in enumerate(np.maximum(np.abs(free_parameters), 0.1 * self.scale)):
+            ends = np.clip(
+                free_parameters[i] + STEP * scale * np.array([-1.0, 1.0]), self.low[i], self.high[i]
+            )
+            there = [free_parameters.copy(), free_parameters.copy()]
+            there[0][i], there[1][i] = ends
+            low, high = map(self.residuals, there)
+            columns.append((high - low) / (ends[1] - ends[0]))
+        return np.stack(columns, axis=1)
+
     def jacobian(self, free_parameters: Array) -> Array:
         """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
         base = self.residuals(free_parameters)
@@ -294,7 +316,7 @@ class _Problem:
             )
         ]
         if self.rig:
-            found = self._told_apart(found, correlation)
+            found = self._told_apart(found, values, gain, variance[0])
         return TravelFit(
             law=self.model.with_values(values),
             mechanism=self.model.set_up(self.trials[0], values).mechanism,
@@ -314,26 +336,52 @@ class _Problem:
         )
 
     def _told_apart(
-        self, found: Sequence[Estimate], correlation: Sequence[Sequence[float]]
+        self, found: Sequence[Estimate], values: Sequence[float], gain: Array, variance: float
     ) -> list[Estimate]:
-        """Return estimates, those open whose interval is wider than the value itself.
+        """Return estimates whose intervals reach to where the trials are explained no more.
 
-        Its ends follow from slopes at the best values, which say nothing so far away.
+        Slopes at the best values say nothing of what is farther away, and are wrong where a run
+        jumps. So each interval is walked, the other values following, until chi-square has risen;
+        one that ends nowhere near, or is wider than the value itself, is open.
         """
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        spreads = np.sqrt(np.maximum(np.diag(table), 1e-300))
         told = []
         for i, (one, scale) in enumerate(zip(found, self.scale.tolist(), strict=True)):
-            wide = one.high - one.value > max(abs(one.value), scale)
+            if one.reason:
+                told.append(one)
+                continue
+            half = one.high - one.value
+            step = table[:, i] / spreads[i] ** 2 * half
+            most = max(abs(one.value), scale)
+            far = max(self._reach(np.array(values), side * step, variance) for side in (1.0, -1.0))
+            if far * half <= most:
+                least = self.known[one.path][0]
+                low = max(one.value - far * half, least.low, least.above or -math.inf)
+                told.append(replace(one, low=low, high=one.value + far * half))
+                continue
             others = [
-                f"{other.quantity.symbol}"
+                other.quantity.symbol
                 for j, other in enumerate(found)
-                if j != i and abs(correlation[i][j]) > TOGETHER
+                if j != i and abs(table[i, j]) > TOGETHER * spreads[i] * spreads[j]
             ]
             reason = "the trials hardly depend on it"
             if others:
                 reason = f"the trials tell no more than a combination of it with {joined(others)}"
-            open_ = replace(one, low=-math.inf, high=math.inf, reason=reason, sources={})
-            told.append(open_ if wide and not one.reason else one)
+            told.append(replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}))
         return told
+
+    def _reach(self, values: Array, step: Array, variance: float) -> float:
+        """Return how many steps from values chi-square has risen; infinite if it does not."""
+        base = self.cost(self.free_parameters(values.tolist()))
+        for times in STRIDES:
+            there = self.free_parameters((values + times * step).tolist())
+            if self.cost(there) - base >= ENOUGH * AS_WELL * variance:
+                return times
+            if np.any((there <= self.least) & (step < 0.0)):  # a limit ends the interval
+                return times
+        return math.inf
 
     def _rivals(
         self,
@@ -354,7 +402,7 @@ class _Problem:
 
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
-        slopes = -np.linalg.solve(self.whitening, self.jacobian(best))
+        slopes = -np.linalg.solve(self.whitening, self.slopes_at(best))
         free = np.isfinite(slopes).all(axis=0) & (best > self.least) & (best < self.high)
         return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
@@ -363,7 +411,7 @@ class _Problem:
 
         A value on which a direction bears that the travels do not determine has infinite ones.
         """
-        jacobian = self.jacobian(best) @ np.linalg.inv(self.matrix)
+        jacobian = self.slopes_at(best) @ np.linalg.inv(self.matrix)
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
             return np.full(jacobian.shape[::-1], np.inf), math.inf
