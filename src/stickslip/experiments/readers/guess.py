@@ -484,7 +484,8 @@ def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
     if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
         return 0.0, ""
     score, why = _named_score(bare, quantity)
-    most = max(_named_score(bare, other)[0] for other in NAMES)
+    rivals = [other for other in NAMES if not fits or _fits(unit or "", other)]
+    most = max(_named_score(bare, other)[0] for other in rivals)
     if score and score == most and not _last_says(bare, quantity):
         told = any(part in PREFERRED for part in _parts(bare))
         return score + fits + 0.1 * told, why

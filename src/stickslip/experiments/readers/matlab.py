@@ -18,8 +18,8 @@ __all__ = ["read_mat"]
 
 Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
-MOST_SPLIT: Final = 64
-"""Columns of a matrix up to which each is a signal."""
+LEAST_SPLIT, MOST_SPLIT = 100, 64
+"""Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST: Final = 5
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
@@ -90,7 +90,7 @@ def _split(found: Mapping[str, Any]) -> Iterator[Found]:
     for name, value in found.items():
         if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf":
             longer = value if value.shape[0] > value.shape[1] else value.T
-            if longer.shape[0] > 1 and longer.shape[1] <= MOST_SPLIT:
+            if longer.shape[0] >= LEAST_SPLIT and longer.shape[1] <= MOST_SPLIT:
                 yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
 
 
