@@ -541,6 +541,8 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     joined = "".join(parts)
     if any(word in joined for word in OTHER) or any(part in OTHER_WORDS for part in parts):
         return 0.0, ""
+    if quantity == "load" and any(word in joined for word in ("torque", "moment")):
+        return 0.0, ""
     wanted = _is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
@@ -674,12 +676,12 @@ def _repairs(
     gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
     late = False
     if times is not None:
-        known, within = np.isfinite(times), np.ones(max(len(times) - 1, 0), dtype=bool)
-        if trial:
-            cells = frame.data[frame.names[trial]].to_numpy()
-            within = cells[known][1:] == cells[known][:-1]
-        steps_of = np.diff(times[known])
-        late = bool(np.any(steps_of[within[: len(steps_of)]] <= 0.0))
+        known = np.isfinite(times)
+        back = np.diff(times[known]) <= 0.0
+        if trial:  # each has times of its own
+            numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
+            back &= numbers[1:] == numbers[:-1]
+        late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
