@@ -92,8 +92,9 @@ def test_a_condition_that_changes_within_a_trial_is_refused_and_a_noisy_one_is_a
     file = write(
         tmp_path / "cold.csv", extra=ROWS.format(t=9, v=0.1, f=2, temperature=40, way="up")
     )
+    file.write_text(file.read_text().replace("temperature [degC]", "humidity"))
     with pytest.raises(InputError, match="changes within the trial \\(from 20 to 40\\)"):
-        load_measurement(file, conditions="temperature")
+        load_measurement(file, conditions="humidity")
     file = write(
         tmp_path / "cold.csv", extra=ROWS.format(t=9, v=0.1, f=2, temperature=20.5, way="")
     )

@@ -9,6 +9,8 @@ import pytest
 from stickslip import Axis, check, load_measurement, load_rig
 from stickslip.errors import InputError, StickslipError
 from stickslip.experiments import Layout, guess_data, guessed_rig
+from stickslip.experiments.readers import guess as guessing
+from stickslip.experiments.readers.table_reader import read_frame as frame
 
 N = 1200
 LONG = 300_000
@@ -534,3 +536,114 @@ def test_an_empty_data_file_is_no_empty_rig_file(tmp_path):
     file.touch()
     with pytest.raises(InputError, match=r"log.csv: is empty\.$"):
         guess_data(file)
+
+
+def table(path, **columns):
+    """Write columns by their headers, X for a motion, F for a force and numbers for the rest."""
+    known = {"t": T, "x": X, "F": F, "n": 50.0 + 0.01 * np.arange(N), "c": X + 1e-3}
+    cells = [known[kind] for kind in columns.values()]
+    heads = [name.replace("__", " [") + "]" * ("__" in name) for name in columns]
+    path.write_text(f"{';'.join(heads)}\n" + rows(cells, ";", points))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("columns", "found"),
+    [
+        # a normal force drives nothing, and volts are no velocity
+        ({"time": "t", "Normal force__N": "n", "pos__m": "x"}, {"load": "Normal force"}),
+        ({"time": "t", "Fx__N": "F", "Fz__N": "n", "x__m": "x"}, {"force": "Fx", "load": "Fz"}),
+        ({"t": "t", "u__V": "F", "v__V": "F", "x__m": "x"}, {}),
+        ({"t": "t", "V": "F", "x__m": "x"}, {}),
+        # what was measured comes before what was commanded, and errors are no motion
+        ({"t": "t", "tau_cmd": "c", "tau_meas": "F", "q": "x"}, {"force": "tau_meas"}),
+        ({"t": "t", "tau_cmd": "c", "q": "x"}, {"force": "tau_cmd"}),
+        ({"t": "t", "load torque": "n", "motor torque": "F", "q": "x"}, {"force": "motor torque"}),
+        ({"t": "t", "following error__mm": "c", "Lage__mm": "x", "Kraft": "F"}, {"force": "Kraft"}),
+        ({"time": "t", "acc_x": "c", "force_x": "F", "pos_x": "x"}, {"force": "force_x"}),
+        ({"time": "t", "Load cell__V": "F", "LVDT__V": "x"}, {"force": "Load cell"}),
+        ({"t": "t", "joint.0.pos-fb": "x", "joint.0.pos-cmd": "c", "joint.0.torque": "F"},
+         {"force": "joint.0.torque", "reference": "joint.0.pos-cmd"}),
+    ],
+)  # fmt: skip
+def test_names_of_many_loggers_are_told_apart(tmp_path, columns, found):
+    guess = guess_data(table(tmp_path / "log.csv", **columns))
+    place = next(name for name, kind in columns.items() if kind == "x").partition("__")[0]
+    first = next(iter(columns))
+    assert guess.columns == {"time": first, "position": place, **found}
+
+
+def test_a_channel_in_volts_asks_for_the_sensitivity_of_its_sensor(tmp_path):
+    file = table(tmp_path / "daq.csv", **{"time__s": "t", "Kraft__V": "F", "Weg__V": "x"})
+    guess = guess_data(file)
+    assert guess.gain == {"position": "1 mm/V", "force": "1 N/V"}
+    assert sum("give the sensitivity of the sensor as its gain" in one for one in guess.doubts) == 2
+    known = guess_data(file, gain={"position": "5 mm/V", "force": "200 N/V"})
+    assert not any("sensitivity" in doubt for doubt in known.doubts)
+    record = load_measurement(file, columns=known.columns, gain=known.gain)
+    assert record.position == pytest.approx(5e-3 * X, abs=1e-6)
+    assert record.force == pytest.approx(200.0 * F, abs=0.1)
+
+
+def test_what_may_drive_an_axis_is_named_where_no_force_can_be_read(tmp_path):
+    names = (
+        {"t": "t", "x__mm": "x", "Motormoment__Nm": "F"},
+        {"t": "t", "x__mm": "x", "u__V": "F"},
+    )
+    for columns in names:
+        (doubt,) = [
+            one for one in guess_data(table(tmp_path / "a.csv", **columns)).doubts if "force" in one
+        ]
+        assert list(columns)[2].partition("__")[0] in doubt
+        assert "may drive the axis" in doubt
+
+
+@pytest.mark.parametrize("names", [("q{}", "qd{}", "tau{}"), ("position[{}]", "effort[{}]")])
+@pytest.mark.parametrize("own", [None, 2])
+def test_a_joint_goes_with_its_own_torque(tmp_path, names, own):
+    order = [name.format(joint) for name in names for joint in (1, 2)][::-1]
+    kinds = {name: "F" if name[0] in "te" else "x" for name in order}
+    file = table(tmp_path / "arm.csv", time="t", **kinds)
+    joint = own or 2  # the first in the file
+    given = {} if own is None else {"position": names[0].format(own)}
+    guess = guess_data(file, columns=given)
+    assert guess.columns["position"] == names[0].format(joint)
+    assert guess.columns["force"] == names[-1].format(joint)
+    assert any("The file has 2 joints" in doubt for doubt in guess.doubts)
+
+
+def test_two_positions_of_one_axis_are_no_joints(tmp_path):
+    file = table(tmp_path / "two.csv", time="t", x1="x", y1="x", x2="c", y2="c", F="F")
+    assert not any("joints" in doubt for doubt in guess_data(file).doubts)
+
+
+def test_trials_and_temperatures_are_offered_and_a_temperature_is_the_mean_of_its_trial(tmp_path):
+    count = N // 3
+    heat = np.repeat([20.0, 30.0, 40.0], count) + np.tile(np.linspace(-4.0, 4.0, count), 3)
+    cells = [np.repeat([1.0, 2.0, 3.0], count), np.tile(T[:count], 3), X, F, heat]
+    file = tmp_path / "runs.csv"
+    head = "Versuch;Zeit [s];Weg [m];Kraft [N];Temperatur [°C]\n"
+    file.write_text(head + rows(cells, ";", points), encoding="utf-8")
+    guess = guess_data(file)
+    assert guess.columns["trial"] == "Versuch"
+    assert guess.conditions == ("Temperatur",)
+    assert guess.repair == ()
+    rig = tmp_path / "rig.toml"
+    rig.write_text(guessed_rig(guess, "runs.csv"), encoding="utf-8")
+    trials = load_rig(rig).measurement.trials
+    means = [one.conditions["Temperatur [°C]"] for one in trials]
+    assert means == pytest.approx([20.0, 30.0, 40.0])
+
+
+def test_a_long_file_without_a_record_is_refused_by_its_top(tmp_path, monkeypatch):
+    file = tmp_path / "long.csv"
+    line = "0.001;1.5;2.5\n"
+    file.write_text("a;b;c\n" + line * (guessing.LONG // len(line) + 1))
+    seen = []
+    monkeypatch.setattr(
+        guessing, "read_frame", lambda path, **how: seen.append(path) or frame(path, **how)
+    )
+    with pytest.raises(InputError, match=r"long\.csv: no column seems to hold"):
+        guess_data(file)
+    assert len(seen) == 1
+    assert seen[0] != file

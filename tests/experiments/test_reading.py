@@ -338,3 +338,48 @@ def test_a_single_column_of_numbers_is_a_table(write):
 def test_a_table_with_words_beside_its_numbers_is_read(write):
     file = write("note,time,position\nfirst run,0,0\nstill on,1,1\n")
     assert load_measurement(file).time.size == 2
+
+
+def struct_array(rows):
+    """Return a MATLAB struct array of rows with the same fields."""
+    found = np.empty((1, len(rows)), dtype=[(name, object) for name in rows[0]])
+    for i, row in enumerate(rows):
+        for name, value in row.items():
+            found[0, i][name] = value
+    return found
+
+
+def test_channels_of_dspace_have_their_own_names_and_units(folder):
+    force = 3.0 * POSITION
+    x = struct_array([{"Name": "", "Type": "", "Data": TIME[None, :], "Unit": ""}])
+    y = struct_array(
+        [
+            {"Name": '"Model Root"/"Encoder"/"angle"', "Data": POSITION[None, :], "Unit": "deg"},
+            {"Name": "torque", "Data": force[None, :], "Unit": "Nm"},
+        ]
+    )
+    savemat("data.mat", {"exp_001": {"X": x, "Y": y, "RTProgram": "rig"}})
+    record = load_measurement("data.mat", columns={"position": "angle", "force": "torque"})
+    np.testing.assert_array_equal(record.time, TIME)
+    np.testing.assert_allclose(record.position, np.deg2rad(POSITION), rtol=1e-12)
+    np.testing.assert_allclose(record.force, force, rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_signals_of_simulink_are_known_by_their_labels(folder, count):
+    signals = [
+        {"values": POSITION[:, None], "dimensions": 1.0, "label": "angle"},
+        {"values": np.column_stack([POSITION, -POSITION]), "dimensions": 2.0, "label": "mux"},
+    ]
+    content = {"time": TIME[:, None], "signals": struct_array(signals[:count]), "blockName": "m"}
+    savemat("data.mat", {"out": content})
+    columns = {"time": "out.time", "position": "mux(2)" if count == 2 else "angle"}
+    record = load_measurement("data.mat", columns=columns)
+    np.testing.assert_array_equal(record.position, (-1.0) ** (count - 1) * POSITION)
+
+
+def test_a_matrix_of_signals_is_read_by_its_rows(folder):
+    t = np.arange(0.0, 2.0, 0.01)
+    savemat("data.mat", {"data": np.vstack([t, np.sin(t)])})
+    record = load_measurement("data.mat", columns={"time": "data(1)", "position": "data(2)"})
+    np.testing.assert_array_equal(record.position, np.sin(t))

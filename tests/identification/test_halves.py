@@ -1,6 +1,7 @@
 """Halves of a record that contradict each other, and what becomes of intervals then."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from stickslip import (
     Axis,
     Coulomb,
     CoulombViscous,
+    DirectionDependent,
     Measurement,
     Pendulum,
     QuadraticDrag,
+    RecordSettings,
     fit,
     simulate,
 )
@@ -149,3 +152,31 @@ def test_a_half_that_cannot_be_built_leaves_no_halves(monkeypatch):
     found = fit(Axis(inertia=1.0), Coulomb, table)
     monkeypatch.setattr(refits, "refitted", refused)
     assert refits.halves_of(found) is None
+
+
+@pytest.mark.parametrize("zero", [1.6e-3, -0.05])
+def test_a_displaced_zero_of_the_encoder_makes_no_friction_that_differs_by_direction(zero):
+    true = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.003)
+    right = decay_of(true, 1)
+    wrong = replace(right, position=right.position + zero)
+    both = [fit(CLOCK, CoulombViscous, one) for one in (right, wrong)]
+    # only a zero that is estimated leaves everything else as it was, to the search's tolerance
+    for one, other in zip(*(each.estimates for each in both), strict=True):
+        assert other.value == pytest.approx(one.value, rel=1e-3)
+    assert any("zero of the position is not known" in line for line in both[1].sentences)
+    (found,) = both[1].problem.zeros(both[1].optimum.best).values()
+    assert abs(found.value - zero) < 6.0 * found.error
+    levels = {e.path: e for e in fit(CLOCK, DirectionDependent, wrong).estimates}
+    gaps = [levels[f"friction.{side}ward_kinetic_coefficient"] for side in ("for", "back")]
+    assert gaps[0].low <= gaps[1].high
+    assert gaps[1].low <= gaps[0].high
+
+
+def test_a_zero_that_is_known_is_not_estimated():
+    true = CoulombViscous(kinetic_coefficient=0.02, viscous_coefficient=0.003)
+    record = decay_of(true, 1)
+    found = fit(
+        CLOCK, CoulombViscous, record, settings=RecordSettings(position_zeros=False, starts=1)
+    )
+    assert not any("zero of the position" in line for line in found.sentences)
+    assert found.law.kinetic_coefficient == pytest.approx(0.02, rel=0.05)

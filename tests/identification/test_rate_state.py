@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip import Coulomb, Measurement, TowedBlock, load_measurement
+from stickslip import Coulomb, Measurement, TowedBlock, load_measurement, select
 from stickslip.drives import Sine
 from stickslip.errors import InputError, ParameterError, SimulationError
 from stickslip.friction import RATE_STATE_FORMS, RateState
@@ -440,3 +440,47 @@ def test_intervals_hold_the_truth_where_noise_is_autocorrelated(steps):
             if one.quantity.symbol in truth:
                 held[one.quantity.symbol] += one.low <= truth[one.quantity.symbol] <= one.high
     assert min(held.values()) >= 27, held
+
+
+def jerked(pieces):
+    """Return times and pulls [m] at the ends of pieces of (speed [um/s], duration [s])."""
+    speeds, lengths = np.array(pieces).T
+    times = np.concatenate([[0.0], np.cumsum(lengths)])
+    return times, 1e-6 * np.concatenate([[0.0], np.cumsum(speeds * lengths)])
+
+
+@pytest.mark.parametrize(
+    ("pieces", "steps", "speeds"),
+    [
+        # overshoot at each step; jerks within pieces of one speed; a standstill between
+        ([(1, 40), (30, 0.5), (10, 30), (3, 0.5), (1, 40)], (40.0, 70.5), (1, 10, 1)),
+        ([(1, 20), (4, 0.3), (1, 20), (10, 15), (40, 0.3), (10, 15)], (40.3,), (1, 10)),
+        ([(1, 40), (10, 15), (0, 0.4), (10, 15)], (40.0,), (1, 10)),
+        # a fast piece is short, and goes as far as the others
+        ([(1, 100), (50, 2), (1, 100)], (100.0, 102.0), (1, 50, 1)),
+    ],
+)
+def test_a_jerk_of_the_load_point_is_part_of_its_path_and_no_step(pieces, steps, speeds):
+    knots, places = jerked(pieces)
+    t = np.linspace(0.0, knots[-1], 3000)
+    path = path_of(t, np.interp(t, knots, places))
+    assert path.steps == pytest.approx(steps, abs=0.1)
+    assert 1e6 * path.lasting == pytest.approx(speeds, rel=1e-2)
+    # the jerk itself is kept: what it moves the slider by is predicted
+    left = np.interp(t, path.time, path.position) - np.interp(t, knots, places)
+    assert np.abs(left).max() < 1e-3 * places[-1]
+
+
+def test_steps_with_jerks_are_held_out_whole_and_explained():
+    knots, places = jerked([(1, 40), (30, 0.5), (10, 20), (3, 0.5), (1, 40)])
+    t = np.linspace(0.0, knots[-1], 600)
+    run = simulate_velocity_steps(law(), stiffness=STIFFNESS, time=knots, pull=places, at=t)
+    noise = np.random.default_rng(3).normal(0.0, 5e-4, len(t))
+    record = Measurement(
+        time=t, pull=np.interp(t, knots, places), friction=run.coefficient + noise, load=1.0
+    )
+    verdict = select(MACHINE, ["constant-coefficient", "rate-and-state"], record, vary=FREE)
+    assert verdict.best is not None
+    assert verdict.best.name == "rate-and-state"
+    assert len(verdict.best.validation.losses) == 2
+    assert verdict.best.score < 1e-3  # the noise, twice

@@ -312,3 +312,84 @@ def test_travels_of_what_drives_itself_are_those_of_the_run():
     seen = way(0.4, 2.9)
     found = fit(CAPSULE, Coulomb(kinetic_coefficient=0.2), Measurement(travel=seen), t_end=2.9)
     assert found.predicted[0] == pytest.approx(seen, abs=1e-8)
+
+
+HIGH, DUTY = "mechanism.drive.drive.high", "mechanism.drive.drive.duty"
+
+
+def pushed(stiffness, damping, high, period=0.5, duty=0.5):
+    return Capsule(
+        capsule_mass=0.6,
+        inner_mass=0.4,
+        stiffness=stiffness,
+        damping=damping,
+        drive=Torque(drive=Square(high=high, low=0.0, period=period, duty=duty)),
+    )
+
+
+def speeds(count, seed=0, periods=(0.25, 1.25), duties=(0.2, 0.7)):
+    """Return mean velocities with errors of 4 mm/s, at settings that are drawn."""
+    random = np.random.default_rng(seed)
+    trials = []
+    for period, duty in zip(
+        random.uniform(*periods, count), random.uniform(*duties, count), strict=True
+    ):
+        run = simulate(
+            pushed(60.0, 0.8, 4.0, period, duty), Coulomb(kinetic_coefficient=0.06), t_end=2.0
+        )
+        read = float(np.ptp(run.at(run.span)["x"])) * np.sign(run.at(run.span)["x"][-1]) / 2.0
+        trials.append(
+            Measurement(
+                mean_velocity=float(read) + random.normal(0.0, 0.004),
+                uncertainty=0.004,
+                overrides={PERIOD: period, DUTY: duty},
+            )
+        )
+    return Measurement(trials=tuple(trials))
+
+
+TOLD = ("friction.*", "stiffness", "damping", HIGH)
+
+
+def test_many_mean_speeds_separate_a_capsules_stiffness_damping_force_and_friction():
+    found = fit(pushed(85.0, 0.5, 3.0), Coulomb, speeds(30), vary=TOLD, t_end=2.0)
+    truth = {"mu_k": 0.06, "k": 60.0, "c": 0.8, "F_1": 4.0}
+    for one in found.estimates:
+        # two half-widths are four standard errors: one estimate of 16,000 is farther off
+        assert one.bounded
+        assert abs(one.value - truth[one.quantity.symbol]) < 2.0 * one.half_width
+    assert found.mechanism.stiffness == found.estimates[1].value
+    assert found.told_apart == ()
+
+
+def test_one_setting_of_a_capsule_tells_a_combination_only_and_says_so():
+    same = speeds(12, periods=(0.5, 0.5001), duties=(0.5, 0.5001))
+    found = fit(pushed(85.0, 0.5, 3.0), Coulomb, same, vary=TOLD, t_end=2.0)
+    assert not any(one.bounded for one in found.estimates)
+    assert len(found.told_apart) >= 4
+    assert "is not identified: the trials" in str(found.told_apart)
+
+
+def test_what_scales_with_all_else_is_not_identified_however_many_trials_there_are():
+    everything = (*TOLD, "capsule_mass", "inner_mass")
+    found = fit(pushed(60.0, 0.8, 4.0), Coulomb, speeds(16), vary=everything, t_end=2.0)
+    scaled = [e for e in found.estimates if e.path.startswith("mechanism.")]
+    assert not any(one.bounded for one in scaled)
+
+
+@pytest.mark.parametrize(
+    ("count", "start", "vary", "said"),
+    [
+        (4, 0.5, TOLD, "at least 5 different settings"),
+        (6, 0.0, TOLD, "is 0 N s/m, from which no search can begin"),
+        (6, 0.5, (*TOLD[:2], PERIOD), "trials set mechanism.drive.drive.period themselves"),
+    ],
+)
+def test_parameters_that_travels_cannot_tell_are_refused(count, start, vary, said):
+    with pytest.raises(InputError, match=said):
+        fit(pushed(85.0, start, 3.0), Coulomb, speeds(count), vary=vary, t_end=2.0)
+
+
+def test_laws_are_compared_by_travels_with_the_mechanism_as_given():
+    with pytest.raises(InputError, match="fit these first with one law"):
+        select(pushed(85.0, 0.5, 3.0), None, speeds(6), vary=TOLD, t_end=2.0)

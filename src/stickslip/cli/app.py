@@ -105,7 +105,7 @@ def select(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
-    position_zeros: PositionZeros = False,
+    position_zeros: PositionZeros = None,
     friction_delay: FrictionDelay = None,
     friction_lag: FrictionLag = None,
     jobs: Jobs = None,
@@ -136,7 +136,7 @@ def select(
     )
     fitted = partial(FitOptions, segment=segment, hold=hold, starts=starts, seed=seed)
     how = fitted(
-        position_zeros=position_zeros or None,
+        position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
         purpose=cast("PurposeName | None", purpose),  # names are checked where they are used
@@ -190,6 +190,7 @@ def init(
     ],
     columns: Columns = None,
     units: Units = None,
+    gain: Gain = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -209,7 +210,7 @@ def init(
     from stickslip.cli.file_options import reading_of
     from stickslip.cli.init import run
 
-    reading = reading_of(columns=columns, units=units, gain=None, repair=None)
+    reading = reading_of(columns=columns, units=units, gain=gain, repair=None)
     run(file, reading, output, force=force, as_json=as_json)
 
 
@@ -235,7 +236,7 @@ def fit(
     hold: Hold = None,
     starts: Starts = None,
     seed: Seed = None,
-    position_zeros: PositionZeros = False,
+    position_zeros: PositionZeros = None,
     friction_delay: FrictionDelay = None,
     friction_lag: FrictionLag = None,
     output: LawFile = None,
@@ -268,7 +269,7 @@ def fit(
         hold=hold,
         starts=starts,
         seed=seed,
-        position_zeros=position_zeros or None,
+        position_zeros=position_zeros,
         friction_delay=friction_delay,
         friction_lag=friction_lag,
     )

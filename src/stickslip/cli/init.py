@@ -26,7 +26,7 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
     file : Path
         Data file.
     reading : Reading
-        Columns and units that are known.
+        Columns, units and gains that are known.
     output : Path or None
         Rig file; beside the data file if None.
     force : bool
@@ -43,7 +43,7 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
     check_rig_file(target)
     refuse_overwriting(target, target.parent, force=force)
     try:
-        guess = guess_data(file, columns=reading.columns, units=reading.units)
+        guess = guess_data(file, columns=reading.columns, units=reading.units, gain=reading.gain)
     except InputError as error:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None

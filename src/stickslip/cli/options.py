@@ -296,11 +296,13 @@ Seed = Annotated[
     typer.Option("--seed", min=0, help="Random seed for the extra starting points (default 0)."),
 ]
 PositionZeros = Annotated[
-    bool,
+    bool | None,
     typer.Option(
-        "--position-zeros",
-        help="For records of several joints: positions of each record count from an unknown place,"
-        " as where encoders were set to 0 at rest.",
+        "--position-zeros/--no-position-zeros",
+        help="Whether positions of each record count from an unknown place, as where encoders were"
+        " set to 0 at rest. Default: yes for a body that swings or slides freely, no for records of"
+        " several joints.",
+        show_default=False,
     ),
 ]
 FrictionDelay = Annotated[

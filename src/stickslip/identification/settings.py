@@ -43,9 +43,10 @@ class RecordSettings(metaclass=Described):
     """Starts of the search."""
     seed: int = 0
     """Of the jitter of further starts."""
-    position_zeros: bool = False
+    position_zeros: bool | None = None
     """Whether positions of each record count from a place that is not known, as where encoders are
-    set to 0 wherever an arm rests. Of records of several joints; constant forces are then 0."""
+    set to 0 wherever an arm rests; where not given, those of a body that swings or slides freely
+    do. True is for records of several joints, whose constant forces are then 0."""
 
     friction_delay: float = 0.0
     """Time [s] by which measured friction is recorded after the motion; below 0 if before it."""
@@ -79,7 +80,7 @@ class RecordSettings(metaclass=Described):
             whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
             if not (whole and value >= least):
                 raise ParameterError(not_whole(f"RecordSettings.{name}", least, value))
-        if not isinstance(self.position_zeros, bool):
+        if not (self.position_zeros is None or isinstance(self.position_zeros, bool)):
             raise ParameterError(
                 f"RecordSettings.position_zeros must be True or False, got {self.position_zeros!r}."
             )

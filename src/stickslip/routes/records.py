@@ -68,7 +68,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
     names = ROUTES
     measured = "records of motion or friction"
     uses = frozenset({"route", "purpose", "horizon", "validate", "executor"})
-    settings = frozenset(field.name for field in fields(RecordSettings)) - {"position_zeros"}
+    settings = frozenset(field.name for field in fields(RecordSettings))
 
     @override
     def serves(self, measurement: Measurement) -> bool:

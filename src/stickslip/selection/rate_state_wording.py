@@ -232,7 +232,7 @@ def _cannot_tell(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"
             f" {significant(fit.inference.effective, 2)} of {len(fit.best.residual):,}."
         )
-    speeds = fit.problem.record.path.speeds
+    speeds = fit.problem.record.path.lasting
     lines.append(
         "How friction behaves at speeds outside"
         f" {span(float(speeds[speeds > 0].min()), float(speeds.max()), 'm/s')}."
@@ -258,12 +258,12 @@ def _measure_next(
             f" {ratio(one.separation / fit.rms)} the residual."
         )
     if not by_steps:
-        speeds = joined([quantity(float(x), "m/s") for x in fit.problem.record.path.speeds])
+        speeds = joined([quantity(float(x), "m/s") for x in fit.problem.record.path.lasting])
         lines.append(
             f"More steps, up and down, between {speeds} and to other speeds: each can then be"
             " predicted from the others."
         )
-    fastest = float(fit.problem.record.path.speeds.max())
+    fastest = float(fit.problem.record.path.lasting.max())
     interval = float(np.median(np.diff(fit.time)))
     if law.critical_distance is not None and not fit.separable:
         way = law.direct_effect / fit.stiffness

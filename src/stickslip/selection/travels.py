@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.formatting import lower_first
+from stickslip.formatting import joined, lower_first
 from stickslip.friction import LAWS, FrictionLaw, law_type
 from stickslip.identification import (
     Laws,
@@ -103,8 +103,10 @@ def select_travels(
     varied = Parameters.of(mechanism, None, vary, fixed, measurement=measurement)
     if varied.unknown:
         raise InputError(
-            "vary cannot name parameters of the mechanism when laws are compared by travels: give"
-            " more trials instead."
+            f"laws are compared by travels with the mechanism as it is given, and vary names"
+            f" {joined(list(varied.unknown))}: fit these first with one law (fit takes the same"
+            " vary), give the mechanism the values found and state their uncertainties, and compare"
+            " laws then."
         )
     mechanism = varied.mechanism
     trials = trials_of(mechanism, measurement, t_end)

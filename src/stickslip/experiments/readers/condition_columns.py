@@ -1,5 +1,6 @@
 """Conditions of trials from the columns of files, and the columns that nothing was read from."""
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
@@ -14,6 +15,8 @@ __all__ = ["TRIAL", "by_trial", "condition_cells", "condition_keys", "conditions
 
 TRIAL = "trial"
 """Name of a column that says which trial a row belongs to."""
+KELVINS = ("K", "°C", "degC", "°F", "degF")
+"""Units of temperatures."""
 STEADY = 0.05
 """Share of its mean within which a number may vary in a trial: the mean is taken."""
 
@@ -112,7 +115,8 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
     Raises
     ------
     InputError
-        If a column is not known, or changes within the record.
+        If a column is not known, or changes within the record, but for a temperature, of which the
+        mean is taken.
     """
     found: dict[str, float | str] = {}
     for key, name in condition_keys(frame, columns).items():
@@ -123,7 +127,10 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
         known = [cell for cell in cells if isinstance(cell, float)]
         if len(values) == 1:
             found[key] = cells[0]
-        elif len(known) == len(cells) and np.ptp(known) <= STEADY * abs(float(np.mean(known))):
+        elif len(known) == len(cells) and (
+            np.ptp(known) <= STEADY * abs(float(np.mean(known)))
+            or _is_temperature(name, frame.units.get(name))
+        ):
             found[key] = float(np.mean(known))
         else:
             shown = (
@@ -137,6 +144,15 @@ def conditions_in(frame: Frame, columns: Sequence[str]) -> dict[str, float | str
                 " condition out."
             )
     return found
+
+
+def _is_temperature(name: str, unit: str | None) -> bool:
+    """Whether a column is one of temperatures, which no experimenter can hold."""
+    words = re.split(r"[\W\d_]+", name.casefold())
+    named = any(
+        w == "temp" or w.startswith("temperatur") or w.endswith("temperatur") for w in words
+    )
+    return named or unit in KELVINS
 
 
 def unused_in(frame: Frame, used: Collection[str]) -> dict[str, float | str | None]:

@@ -1,9 +1,10 @@
 """What a file seems to hold: its layout, its columns, their units; and what speaks for it."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final, final
 
 import numpy as np
@@ -21,6 +22,7 @@ from stickslip.experiments.readers.table_reader import TEXT, Frame, read_frame
 from stickslip.experiments.readers.time_base import Repair, nearly_zero
 from stickslip.experiments.readers.time_stamps import is_stamp, seconds_of
 from stickslip.experiments.readers.toml import check_file
+from stickslip.experiments.readers.video_tracks import is_blocks
 from stickslip.formatting import count, number
 from stickslip.units import factor, is_of, is_unit, shown
 
@@ -33,23 +35,36 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "position": (
         *("position", "pos", "weg", "lage", "winkel", "angle", "displacement", "verschiebung"),
-        *("auslenkung", "stroke", "hub", "drehwinkel", "lageistwert", "travel", "encoder"),
+        *(
+            "lvdt",
+            "wegaufnehmer",
+            "auslenkung",
+            "stroke",
+            "hub",
+            "drehwinkel",
+            "lageistwert",
+            "travel",
+            "encoder",
+        ),
         *("x", "q", "s", "phi", "theta", "φ", "ϕ", "θ"),
     ),
     "velocity": (
         *("velocity", "speed", "geschwindigkeit", "drehzahl", "winkelgeschwindigkeit"),
-        *("omega", "vel", "v", "n", "ω"),
+        *("omega", "vel", "velo", "v", "n", "ω"),
     ),
     "force": (
         *("force", "kraft", "torque", "moment", "drehmoment", "antriebskraft", "antriebsmoment"),
-        *("thrust", "effort", "f", "m", "tau", "τ"),
+        *("thrust", "effort", "loadcell", "kraftmessdose", "fx", "f", "m", "tau", "τ"),
     ),
     "current": ("current", "strom", "motorstrom", "stromistwert", "iq", "amps", "i"),
     "friction": (
         *("friction", "reibung", "reibkraft", "reibungskraft", "reibmoment", "reibungsmoment"),
         *("frictionforce", "fr"),
     ),
-    "load": ("load", "normalkraft", "normalforce", "anpresskraft", "last", "fn"),
+    "load": (
+        *("load", "normalload", "normalkraft", "normalforce", "normal", "anpresskraft", "last"),
+        *("clampforce", "preload", "vorspannkraft", "fn", "fz"),
+    ),
     "reference": (
         *("reference", "setpoint", "sollposition", "sollweg", "solllage", "sollwert"),
         *("sollwinkel", "lagesollwert", "target"),
@@ -74,6 +89,7 @@ WANTED: Final = (
     "desired",
     "demand",
     "target",
+    "goal",
     "ref",
     "reference",
     "vorgabe",
@@ -87,9 +103,39 @@ OTHER: Final = (
     "temperatur",
     "status",
     "index",
-    "spannung",
+    "deviation",
+    "diff",
+    "following",
+    "acceleration",
+    "beschleunigung",
+    "power",
+    "leistung",
 )
 """What names of columns contain that none of the quantities has."""
+OTHER_WORDS: Final = ("lag", "err", "temp", "dev", "std", "pwm", "acc", "delta")
+"""The same as words of their own."""
+VOLTAGE: Final = ("voltage", "volts", "volt", "spannung")
+"""What names of channels contain that are recorded in volts."""
+PREFERRED: Final = (
+    *("meas", "measured", "act", "actual", "ist", "fb", "feedback", "sensor"),
+    *("motor", "drive", "antrieb"),
+)
+"""Words of measured signals, beside which others are commands or derived, and of what drives."""
+CONDITIONS: Final = ("temperature", "temperatur", "temp", "humidity", "feuchte", "luftfeuchte")
+"""Words in names of columns that hold a condition."""
+TRIALS: Final = ("trial", "versuch", "run", "messung", "durchgang", "lauf", "experiment")
+"""Names of columns that number trials."""
+MOST_TRIALS: Final = 0.05
+"""Trials over samples up to which such a column may number them."""
+SENSITIVITY: Final = {
+    "position": ("1 mm/V", "1 rad/V"),
+    "reference": ("1 mm/V", "1 rad/V"),
+    "velocity": ("1 m/s/V", "1 rad/s/V"),
+    "force": ("1 N/V", "1 N m/V"),
+    "friction": ("1 N/V", "1 N m/V"),
+    "load": ("1 N/V", "1 N/V"),
+}
+"""Assumed sensitivities of channels in volts, of a motion along a line and about an axis."""
 TURNING: Final = (
     *("winkel", "angle", "drehzahl", "omega", "torque", "moment", "phi", "theta", "rot"),
     *("joint", "effort", "φ", "ϕ", "θ", "ω", "tau", "τ"),
@@ -98,10 +144,15 @@ TURNING: Final = (
 EPOCH: Final = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 """Parts of a second in which times are counted from 1970: numbers of ten digits and 3, 6 or 9 more.
 """
+LONG: Final = 4_000_000
+"""Bytes of a text from which its top is looked at first."""
+TOP: Final = 250_000
+"""Bytes of that top."""
 CHECKED: Final = 5_000
 """Samples at the top that show what a column holds."""
-WHOLE, PART, INSIDE, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 0.5, 0.4
-"""How much speaks for a column: its name, a part of it, a word in it, its unit, its numbers."""
+WHOLE, PART, INSIDE, LETTER, BY_UNIT, BY_VALUES = 4.0, 3.0, 2.0, 1.9, 0.5, 0.4
+"""How much speaks for a column: its name, a part of it, a word in it, a letter, its unit, its
+numbers."""
 _STYLES: Final = (
     re.compile(r"(?P<name>.*?)\s*[\[(<{](?P<unit>[^\[\]()<>{}]+)[\])>}]\s*"),
     re.compile(r"(?P<name>.+?)\s+in\s+(?P<unit>\S.*)"),
@@ -129,12 +180,14 @@ class Guess(metaclass=Described):
     """Quantity -> name of its column."""
     units: Mapping[str, str]
     """Quantity -> unit of its column, where the header has none in brackets."""
-    gain: Mapping[str, str] = field(default_factory=dict)
-    """Quantity -> assumed size of a count, where it is counted."""
+    gain: Mapping[str, float | str] = field(default_factory=dict)
+    """Quantity -> size of a count or of a volt, assumed where it was not given."""
     motor_constant: str = ""
     """Assumed force or torque per current, where the file has a current and no force."""
     repair: tuple[Repair, ...] = ()
     """What has to be repaired: gaps, or times out of order."""
+    conditions: tuple[str, ...] = ()
+    """Columns that seem to hold a condition, such as a temperature."""
     turning: bool = False
     """Whether the axis turns."""
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -152,6 +205,7 @@ class Guess(metaclass=Described):
             motor_constant=motor_constants(self.motor_constant) if self.motor_constant else {},
             repair=self.repair,
             layout=self.layout,
+            conditions=self.conditions,
         )
 
     @override
@@ -181,6 +235,7 @@ def guess_data(
     *,
     columns: Mapping[str, Column] | None = None,
     units: Mapping[str, str] | None = None,
+    gain: Mapping[str, float | str] | None = None,
 ) -> Guess:
     r"""Find out how a file holds a record: layout, columns, units, and what has to be repaired.
 
@@ -196,6 +251,8 @@ def guess_data(
         Columns of quantities that are known, as in `load_measurement`.
     units : mapping of str to str, optional
         Units that are known, as in `load_measurement`.
+    gain : mapping of str to float or str, optional
+        Gains that are known, as in `load_measurement`.
 
     Returns
     -------
@@ -222,39 +279,74 @@ def guess_data(
     "column 'Weg' in µm, by its name"
     """
     check_file(path)
+    _look_ahead(Path(path), columns or {}, units or {})
     layout, reasons = _layout(Path(path))
     given = dict(columns or {})
     frame = read_frame(path, columns={}, units={}, layout=layout)
     found = _assigned(frame, given, units or {})
     _check_enough(frame, found)
+    trial = _trial_column(frame, given, found)
+    if trial:
+        given["trial"] = trial
+        reasons["trial"] = f"column {trial!r}, by its name"
+    conditions = _conditions(frame, found, trial)
     turning = _turns(found)
     known = {
         q: one.unit
         for q, one in found.items()
         if one.unit and (not one.stated or is_of(one.unit, "count"))
     }
-    counted = [q for q, one in found.items() if one.unit and is_of(one.unit, "count")]
+    gains: dict[str, float | str] = {
+        q: _gain(q, turning, one.unit) for q, one in found.items() if _is_raw(one.unit)
+    }
     reasons |= {q: _column_text(one) for q, one in found.items()}
     times = _times(frame, found["time"]) if "time" in found else None
     if times is not None:
         reasons["time"] += _rate_text(times)
     reasons["motion"] = "about an axis" if turning else "along a line"
-    repair = _repairs(frame, found, times)
+    repair = _repairs(frame, found, times, trial)
     if repair:
         why = {"gaps": "cells are empty or not finite", "sort": "times do not increase everywhere"}
         reasons["repair"] = " and ".join(f"{one}: {why[one]}" for one in repair)
     return Guess(
         file=str(path),
         layout=layout,
-        columns={q: given.get(q, one.name) for q, one in found.items()},
+        columns={
+            **{q: given.get(q, one.name) for q, one in found.items()},
+            **({"trial": trial} if trial and trial != "trial" else {}),
+        },
         units={**known, **(units or {})},
-        gain=dict.fromkeys(counted, "0.001 rad/count" if turning else "0.001 mm/count"),
+        gain=gains | dict(gain or {}),
+        conditions=conditions,
         motor_constant=("1 N m/A" if turning else "1 N/A") * ("current" in found),
         repair=repair,
         turning=turning,
         reasons=reasons,
-        doubts=tuple(_doubts(found, turning, units or {})),
+        doubts=(
+            *_doubts(frame, found, turning, {*(units or {}), *(gain or {})}),
+            *_offered(conditions),
+        ),
     )
+
+
+def _look_ahead(path: Path, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
+    """Refuse a long text by its top, if that holds no record, before all of it is read."""
+    if path.suffix.lower() not in TEXT or path.stat().st_size <= LONG:
+        return
+    with path.open("rb") as file:
+        top = file.read(TOP)
+    text, encoding = decoded(top)
+    if encoding.startswith("utf-16") or is_scope(text) or is_blocks(text):
+        return
+    with TemporaryDirectory() as folder:
+        part = Path(folder, path.name)
+        part.write_bytes(top[: top.rfind(b"\n") + 1])
+        try:
+            layout, _ = _layout(part)
+            frame = read_frame(part, columns={}, units={}, layout=layout)
+            _check_enough(frame, _assigned(frame, columns, units))
+        except InputError as error:
+            raise type(error)(str(error).replace(str(part), str(path))) from None
 
 
 def _layout(path: Path) -> tuple[Layout | None, dict[str, str]]:
@@ -291,7 +383,7 @@ def _assigned(
 ) -> dict[str, _Found]:
     """Return the column of each quantity, those for which most speaks first."""
     taken: dict[str, _Found] = {}
-    left = [name for name in frame.names if name]
+    left = _of_one_joint(frame, given)
     for quantity, column in given.items():
         names = (column,) if isinstance(column, str) else column
         own = [name for name in left if name in names or frame.names[name] in names]
@@ -346,35 +438,58 @@ def _is_of_kind(found: _Found, quantity: str, turning: bool) -> bool:
 def _offers(frame: Frame, name: str, quantity: str) -> Iterable[_Found]:
     """Yield what speaks for a column as that of a quantity, if anything does."""
     column = frame.data[frame.names[name]]
+    numeric = pd.api.types.is_numeric_dtype(column.dtype)
+    if quantity == "time" and not _may_be_times(column):
+        return
+    if (quantity != "time" and not numeric) or name == "V":  # volts, not a velocity
+        return
     stated = frame.units.get(name)
+    bare, unit = _bare_and_unit(name, stated, quantity)
+    since = _since_epoch(column) if quantity == "time" and unit is None else None
+    score, why = _score(bare, unit, quantity)
+    if since:
+        unit = since
+        why = f"{why}, as its numbers count from 1970".removeprefix(", ")
+        score = score or BY_UNIT
+    if unit is None and not score and quantity == "time" and _increases(column):
+        score, why = BY_VALUES, "because it increases"
+    if score:
+        stamps = "" if numeric else "time stamps, "
+        yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
+
+
+def _bare_and_unit(name: str, stated: str | None, quantity: str) -> tuple[str, str | None]:
+    """Return the name of a column without its unit, and the unit as it is spelt, or None."""
     bare, unit = (name, stated) if stated else _unit_in_name(name, quantity)
     if unit is not None and unit.isupper() and not _fits(unit, quantity):
         unit = unit.lower() if _fits(unit.lower(), quantity) else unit  # MM is no molarity
-    since = _since_epoch(column) if quantity == "time" and unit is None else None
-    unit = since or unit
+    if unit is None:
+        plain = re.sub("|".join(VOLTAGE), "", bare, flags=re.IGNORECASE)
+        return (plain, "V") if plain != bare else (bare, None)
+    return bare, unit
+
+
+def _score(bare: str, unit: str | None, quantity: str) -> tuple[float, str]:
+    """Return how well name and unit of a column fit a quantity, and that in words."""
     fits = unit is not None and _fits(unit, quantity)
     counts = unit is not None and quantity in ("position", "reference") and is_of(unit, "count")
-    if unit is not None and not fits and not counts:
-        return
-    if quantity == "time" and not _may_be_times(column):
-        return
-    if quantity != "time" and not pd.api.types.is_numeric_dtype(column.dtype):
-        return
-    stamps = "" if pd.api.types.is_numeric_dtype(column.dtype) else "time stamps, "
+    volts = unit is not None and quantity in SENSITIVITY and is_of(unit, "V")
+    if unit is not None and not (fits or counts or volts):
+        return 0.0, ""
+    if volts and len(bare.strip(" _")) < 2:  # u [V] and v [V] are voltages
+        return 0.0, ""
     score, why = _named_score(bare, quantity)
-    if since:
-        why = f"{why}, as its numbers count from 1970".removeprefix(", ")
-        score = score or BY_UNIT
-    elif score and fits:
-        score += 1.0
-    if not score and counts and not bare:
-        score, why = BY_UNIT, "by its name"
-    if not score and fits and unit != "1" and quantity not in ("reference", "load"):
-        score, why = BY_UNIT, "by its unit"
-    if not score and quantity == "time" and _increases(column):
-        score, why = BY_VALUES, "because it increases"
-    if score:
-        yield _Found(score=score, name=name, unit=unit, stated=unit == stated, why=stamps + why)
+    rivals = [other for other in NAMES if not fits or _fits(unit or "", other)]
+    most = max(_named_score(bare, other)[0] for other in rivals)
+    if score and score == most and not _last_says(bare, quantity):
+        told = any(part in PREFERRED for part in _parts(bare))
+        return score + fits + 0.1 * told, why
+    if counts and not bare:
+        return BY_UNIT, "by its name"
+    by_name = quantity in ("reference", "load", "friction")  # other forces have the same unit
+    if fits and unit != "1" and not (by_name or most or _is_other(bare)):
+        return BY_UNIT, "by its unit"
+    return 0.0, ""
 
 
 def _since_epoch(column: "pd.Series[Any]") -> str | None:
@@ -386,16 +501,44 @@ def _since_epoch(column: "pd.Series[Any]") -> str | None:
     return next((unit for unit, per in EPOCH.items() if 1e9 * per <= size < 1e10 * per), None)
 
 
-def _named_score(name: str, quantity: str) -> tuple[float, str]:
-    """Return how well a name fits a quantity, and that in words."""
+def _parts(name: str) -> list[str]:
+    """Return the words in a name, umlauts written out."""
     spaced = re.sub(r"(?<=[a-zäöüß])(?=[A-Z])", " ", name).casefold().translate(_WRITTEN_OUT)
-    parts = [part for part in re.split(r"[\W\d_]+", spaced) if part]
+    return [part for part in re.split(r"[\W\d_]+", spaced) if part]
+
+
+def _is_wanted(parts: Sequence[str]) -> bool:
+    """Whether words are those of a wanted value."""
     joined = "".join(parts)
-    if any(word in joined for word in OTHER):
-        return 0.0, ""
-    wanted = any(part in WANTED for part in parts) or any(
+    return any(part in WANTED for part in parts) or any(
         joined.startswith(word) or joined.endswith(f"{word}wert") for word in WANTED
     )
+
+
+def _is_other(name: str) -> bool:
+    """Whether a name is that of an error, a condition or a command, which no quantity is."""
+    parts = _parts(name)
+    barred = any(word in "".join(parts) for word in OTHER) or any(p in OTHER_WORDS for p in parts)
+    return barred or _is_wanted(parts) or any(part in CONDITIONS for part in parts)
+
+
+def _last_says(name: str, quantity: str) -> bool:
+    """Whether the last part of a path, as in ``tau.Time``, says that a column is another one."""
+    last = re.split(r"[./:]", name)[-1]
+    if last == name or len(last) < 2 or _named_score(last, quantity)[0]:
+        return False
+    return any(_named_score(last, other)[0] >= WHOLE for other in NAMES)
+
+
+def _named_score(name: str, quantity: str) -> tuple[float, str]:
+    """Return how well a name fits a quantity, and that in words."""
+    parts = _parts(name)
+    joined = "".join(parts)
+    if any(word in joined for word in OTHER) or any(part in OTHER_WORDS for part in parts):
+        return 0.0, ""
+    if quantity == "load" and any(word in joined for word in ("torque", "moment")):
+        return 0.0, ""
+    wanted = _is_wanted(parts)
     words = NAMES[quantity]
     if quantity == "reference" and wanted:
         if any(word in joined for word in NAMES["position"] if len(word) > 2) or joined in words:
@@ -406,10 +549,12 @@ def _named_score(name: str, quantity: str) -> tuple[float, str]:
     less = 1.5 if wanted else 0.0
     if joined in words:
         return WHOLE - less, "by its name"
-    if any(part in words and (len(part) > 1 or len(parts) < 3) for part in parts):
+    if any(part in words and len(part) > 1 for part in parts):
         return PART - less, "by its name"
     if any(word in joined for word in words if len(word) > 3):
         return INSIDE - less, "by its name"
+    if len(parts) < 3 and any(part in words for part in parts):  # of force_x, x says less
+        return LETTER - less, "by its name"
     return 0.0, ""
 
 
@@ -512,7 +657,9 @@ def _times(frame: Frame, one: _Found) -> Array | None:
     return values * (factor(one.unit, "s") if one.unit else 1.0)
 
 
-def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> tuple[Repair, ...]:
+def _repairs(
+    frame: Frame, found: Mapping[str, _Found], times: Array | None, trial: str
+) -> tuple[Repair, ...]:
     """Return what the reader would refuse, and can repair."""
     headers = [
         frame.names[key]
@@ -522,14 +669,139 @@ def _repairs(frame: Frame, found: Mapping[str, _Found], times: Array | None) -> 
     ]
     cells = frame.data[headers]
     gaps = bool((cells.isna() | cells.isin([np.inf, -np.inf])).any(axis=None))
-    there = np.zeros(0) if times is None else times[np.isfinite(times)]
-    late = bool(np.any(np.diff(there) <= nearly_zero(np.sort(there))))
+    late = False
+    if times is not None:
+        known = np.isfinite(times)
+        there = times[known]
+        back = np.diff(there) <= (0.0 if trial else nearly_zero(np.sort(there)))
+        if trial:  # each has times of its own
+            numbers = frame.data[frame.names.get(trial, trial)].to_numpy()[known]
+            back &= numbers[1:] == numbers[:-1]
+        late = bool(back.any())
     steps: dict[Repair, bool] = {"gaps": gaps, "sort": late}
     return tuple(name for name, needed in steps.items() if needed)
 
 
-def _doubts(found: Mapping[str, _Found], turning: bool, units: Mapping[str, str]) -> Iterable[str]:
+def _is_raw(unit: str | None) -> bool:
+    """Whether a unit is one of a sensor, of which only its gain makes a quantity."""
+    return unit is not None and (is_of(unit, "count") or is_of(unit, "V"))
+
+
+def _gain(quantity: str, turning: bool, unit: str | None) -> str:
+    """Return an assumed gain of a column in counts or volts."""
+    if unit is not None and is_of(unit, "count"):
+        return "0.001 rad/count" if turning else "0.001 mm/count"
+    return SENSITIVITY[quantity][turning]
+
+
+def _of_one_joint(frame: Frame, given: Mapping[str, Column]) -> list[str]:
+    """Return the columns without those of further joints: q2 does not go with tau1."""
+    names = [name for name in frame.names if name]
+    known = [one for one in given.values() if isinstance(one, str)]
+    wanted = next((_numbered(one)[1] for one in known if _numbered(one)[1]), "")
+    joint = wanted or next(iter(_joints(names)), "")
+    if not joint:
+        return names
+    numbers = {_numbered(name)[1] for name in names}
+    families = {_numbered(name)[0] for name in names if _numbered(name)[1] == joint}
+    others = numbers - {"", joint}
+    return [
+        name
+        for name in names
+        if name in known or not (_numbered(name)[1] in others and _numbered(name)[0] in families)
+    ]
+
+
+def _numbered(name: str) -> tuple[str, str]:
+    """Return a name without its number, and the number, which is that of a joint."""
+    bare = _unit_in_name(name, "position")[0] or name
+    found = re.search(r"(?<!\d)(\d{1,2})(?!\d)(?=[^\d]*$)", bare)
+    if found is None:
+        return bare.casefold(), ""
+    return (bare[: found.start()] + "#" + bare[found.end() :]).casefold(), found[1]
+
+
+def _joints(names: Sequence[str]) -> dict[str, None]:
+    """Return the numbers of joints, if positions or speeds of several have their columns."""
+    numbered: dict[str, dict[str, None]] = {}
+    for name in names:
+        stem, number_ = _numbered(name)
+        if number_ and not _is_other(stem):
+            numbered.setdefault(stem, {})[number_] = None
+    several = [(stem, found) for stem, found in numbered.items() if len(found) > 1]
+    for stem, found in several:
+        moves = any(_named_score(stem, q)[0] > 0.0 for q in ("position", "velocity"))
+        driven = any(
+            other == found and any(_named_score(name, q)[0] > 0.0 for q in ("force", "current"))
+            for name, other in several
+        )
+        if moves and driven:  # positions alone may be those of several sensors of one axis
+            return found
+    return {}
+
+
+def _trial_column(frame: Frame, given: Mapping[str, Column], found: Mapping[str, _Found]) -> str:
+    """Return the column that numbers trials; empty if none does."""
+    if "trial" in given:
+        return str(given["trial"])
+    taken = {one.name for one in found.values()}
+    for name in frame.names:
+        if name in taken or "".join(_parts(name)) not in TRIALS:
+            continue
+        cells = frame.data[frame.names[name]]
+        if not cells.isna().any() and 1 < cells.nunique() <= MOST_TRIALS * len(cells):
+            return name
+    return ""
+
+
+def _conditions(frame: Frame, found: Mapping[str, _Found], trial: str) -> tuple[str, ...]:
+    """Return the columns that seem to hold a condition."""
+    taken = {*(one.name for one in found.values()), trial}
+    return tuple(
+        name
+        for name in frame.names
+        if name not in taken
+        and any(part in CONDITIONS or part.endswith("temperatur") for part in _parts(name))
+        and bool(frame.data[frame.names[name]].notna().any())
+    )
+
+
+def _may_drive(frame: Frame, name: str) -> bool:
+    """Whether a column may hold what drives an axis, in volts or in the unit of another motion."""
+    unit = frame.units.get(name)
+    bare = name if unit else _unit_in_name(name, "force")[0]
+    volts = any(word in name.casefold() for word in VOLTAGE) or name == "V"
+    forced = any(_named_score(bare, q)[0] > 0.0 for q in ("force", "current"))
+    forced = forced and not _named_score(bare, "load")[0] and not _is_other(bare)
+    return volts or forced or (unit is not None and is_unit(unit) and is_of(unit, "V"))
+
+
+def _offered(conditions: Sequence[str]) -> Iterable[str]:
+    """Yield what is said of conditions that were found by their names."""
+    for name in conditions:
+        yield (
+            f"The column {name!r} is taken for a condition of each trial, by its mean: fits of"
+            " several trials say whether friction depends on it. If it is none, leave it out of"
+            " conditions."
+        )
+
+
+def _doubts(
+    frame: Frame, found: Mapping[str, _Found], turning: bool, units: Collection[str]
+) -> Iterable[str]:
     """Yield what was assumed."""
+    joints = _joints([name for name in frame.names if name])
+    if len(joints) > 1:
+        moving = next((one.name for q, one in found.items() if q in ("position", "velocity")), "")
+        own = _numbered(moving)[1] or next(iter(joints))
+        yield (
+            f"The file has {len(joints)} joints, and this is a rig file of joint {own} alone. For"
+            " another, name its position as --columns position=...; all of them together need a"
+            " rig file of the robot, made from its URDF."
+        )
+    for quantity, one in found.items():
+        if quantity != "time" and one.why == "by its unit":
+            yield f"Nothing but its unit says that {one.name!r} is the {quantity}: check it."
     for quantity, one in found.items():
         stamps = quantity == "time" and one.unit is None and "stamp" in one.why
         if one.unit is None and quantity not in units and not stamps:
@@ -538,7 +810,13 @@ def _doubts(found: Mapping[str, _Found], turning: bool, units: Mapping[str, str]
                 f"The column {one.name!r} has no unit: {kinds[-1 if turning else 0]} is assumed for"
                 f" the {quantity}."
             )
-        elif one.unit is not None and is_of(one.unit, "count"):
+        elif one.unit is not None and is_of(one.unit, "V") and quantity not in units:
+            yield (
+                f"The column {one.name!r} is in {one.unit}, and"
+                f" {SENSITIVITY[quantity][turning]} is assumed: give the sensitivity of the"
+                f" sensor as its gain, as --gain {quantity}='...'."
+            )
+        elif one.unit is not None and is_of(one.unit, "count") and quantity not in units:
             yield (
                 f"The column {one.name!r} is in {one.unit}: give the counts per unit of length or"
                 " angle as its gain."
@@ -555,5 +833,24 @@ def _doubts(found: Mapping[str, _Found], turning: bool, units: Mapping[str, str]
             f"The file has a current and no {'torque' if turning else 'force'}: a motor constant of"
             f" 1 {unit} is assumed. Replace it by that of the data sheet, times the gear ratio."
         )
+    yield from _driving_doubts(frame, found)
+
+
+def _driving_doubts(frame: Frame, found: Mapping[str, _Found]) -> Iterable[str]:
+    """Yield what is not known of the force that drives the axis."""
     if not {"force", "current", "friction"} & set(found):
-        yield "The file has no force: the body is assumed to move without a drive."
+        taken = {one.name for one in found.values()}
+        drives = [name for name in frame.names if name not in taken and _may_drive(frame, name)]
+        yield (
+            f"The file has no force that can be read as it is, but {drives[0]!r} may drive the"
+            f" axis: give it as --columns force={drives[0]!r}, with its factor to newtons (N m of"
+            " an axis that turns) as --gain force=..."
+            if drives
+            else "The file has no force: the body is assumed to move without a drive."
+        )
+    elif "force" in found and "load" in found:
+        yield (
+            f"{found['force'].name!r} is taken for the force that drives the body. If it is the"
+            " friction that a sensor shows, as at a tribometer, name it as --columns"
+            f" friction={found['force'].name!r}."
+        )

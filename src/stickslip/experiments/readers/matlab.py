@@ -1,10 +1,12 @@
 """Vectors of MATLAB files as columns of a table."""
 
 import io
+import re
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -14,9 +16,29 @@ from stickslip.experiments.readers.mat5_validator import check_structure, is_lev
 
 __all__ = ["read_mat"]
 
+Found: TypeAlias = tuple[str, Any]
 MOST_LISTED: Final = 12
+LEAST_SPLIT, MOST_SPLIT = 100, 64
+"""Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST: Final = 5
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Channel:
+    """A struct that is one channel of a recorder."""
+
+    data: str
+    names: tuple[str, ...]
+    """Fields that hold its name, the first of which it must have."""
+    axis: str = ""
+    """Name of the struct of the times, which has none of its own."""
+
+
+CHANNELS: Final = (
+    _Channel(data="Data", names=("Name", "Path"), axis="X"),  # dSPACE ControlDesk
+    _Channel(data="values", names=("label", "blockName")),  # Simulink, structure with time
+)
 
 
 def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
@@ -40,8 +62,9 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
     InputError
         If it is no MATLAB file or has no vector; the message lists what it has.
     """
-    found = dict(_variables(path))
+    found = dict(_apart(_variables(path)))
     vectors = {name: value for name, value in found.items() if _is_vector(value)}
+    vectors = vectors or dict(_split(found))
     if not vectors:
         listed = [f"{name} {_shape(value)}" for name, value in found.items()]
         more = "" if len(listed) <= MOST_LISTED else f" and {len(listed) - MOST_LISTED} more"
@@ -61,6 +84,15 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
             if value.size == size
         }
     )
+
+
+def _split(found: Mapping[str, Any]) -> Iterator[Found]:
+    """Yield the rows or columns of matrices, whichever are longer, as ``name(1)``."""
+    for name, value in found.items():
+        if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf":
+            longer = value if value.shape[0] > value.shape[1] else value.T
+            if longer.shape[0] >= LEAST_SPLIT and longer.shape[1] <= MOST_SPLIT:
+                yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
 
 
 def _is_vector(value: Any) -> bool:
@@ -115,17 +147,65 @@ def _older(path: Path) -> Iterator[tuple[str, Any]]:
 
 def _unfolded(name: str, value: Any, depth: int) -> Iterator[tuple[str, Any]]:
     """Yield a value, or the fields of a struct."""
-    inner = (
-        value.item()
-        if isinstance(value, np.ndarray) and value.dtype == object and (value.size == 1)
-        else value
-    )
-    fields = getattr(inner, "_fieldnames", None)
-    if fields is None or not depth:
+    cells = value.ravel() if isinstance(value, np.ndarray) and value.dtype == object else [value]
+    structs = [{f: getattr(one, f) for f in getattr(one, "_fieldnames", ())} for one in cells]
+    if not depth or not all(structs):
         yield name, value
         return
-    for field in fields:
-        yield from _unfolded(f"{name}.{field}", getattr(inner, field), depth - 1)
+    yield from _fields(name, structs, depth)
+
+
+def _fields(name: str, structs: Sequence[Mapping[str, Any]], depth: int) -> Iterator[Found]:
+    """Yield the fields of a struct or a struct array; channels by their own names."""
+    for i, one in enumerate(structs, 1):
+        own = name if len(structs) == 1 else f"{name}({i})"
+        kind = next((kind for kind in CHANNELS if {kind.data, *kind.names[:1]} <= {*one}), None)
+        if kind is None:
+            for field, value in one.items():
+                yield from _unfolded(f"{own}.{field}", value, depth - 1)
+        else:
+            yield from _channel(own, one, kind)
+
+
+def _channel(own: str, one: Mapping[str, Any], kind: "_Channel") -> Iterator[Found]:
+    """Yield the signals of a channel: the columns of its data, with its name and unit."""
+    names = (_text(one.get(field)) for field in kind.names)
+    name, unit = next(filter(None, names), own), _text(one.get("Unit"))
+    if kind.axis and re.fullmatch(rf"(?:.*\.)?{kind.axis}(?:\(\d+\))?", own):
+        name, unit = "time", unit or "s"  # it has no name, and counts seconds
+    unit = f" [{unit}]" if unit and "[" not in name else ""
+    data = one[kind.data]
+    if not isinstance(data, np.ndarray) or data.ndim != 2 or 1 in data.shape:
+        yield f"{name}{unit}", data
+        return
+    for column in range(data.shape[1]):
+        yield f"{name}({column + 1}){unit}", data[:, column]
+
+
+def _text(value: Any) -> str:
+    """Return text of MATLAB; empty for whatever else."""
+    if isinstance(value, np.ndarray):
+        value = value.item() if value.size == 1 else ""
+    return str(value).strip() if isinstance(value, str) else ""
+
+
+def _apart(found: Iterable[Found]) -> Iterator[Found]:
+    """Yield variables, paths cut to their last part where that is a name of its own."""
+    pairs = list(found)
+    short = [_last_part(name) for name, _ in pairs]
+    often = Counter(short)
+    seen: Counter[str] = Counter()
+    for (name, value), cut in zip(pairs, short, strict=True):
+        shown = cut if often[cut] == 1 else name
+        seen[shown] += 1
+        yield shown if seen[shown] == 1 else f"{shown}({seen[shown]})", value
+
+
+def _last_part(name: str) -> str:
+    """Return the last part of the path of a block, with the unit."""
+    path, bracket, unit = name.partition(" [")
+    parts = [part for part in re.split(r'"?/"?', path.strip('"')) if part]
+    return f"{parts[-1]}{bracket}{unit}" if parts and "/" in path else name
 
 
 def _newer(path: Path) -> Iterator[tuple[str, Any]]:

@@ -91,13 +91,15 @@ def _data(guess: Guess, file: str | Path) -> Iterator[str]:
     if guess.repair:
         yield f"repair = {_toml(list(guess.repair))}"
     yield f"columns = {_inline(guess.columns)}"
+    if guess.conditions:
+        yield f"conditions = {_toml(list(guess.conditions))}"
     if guess.units:
         yield f"units = {_inline(guess.units)}"
     if guess.motor_constant:
         cure = "assumed: replace it by that of the data sheet, times the gear ratio"
         yield f"motor_constant = {_toml(guess.motor_constant)}  # {cure}"
     if guess.gain:
-        cure = "assumed: replace it by the resolution of the encoder"
+        cure = "where assumed: replace it by the sensitivity of the sensor, or of the encoder"
         yield f"gain = {_inline(guess.gain)}  # {cure}"
     if guess.layout is not None and guess.layout != Layout():
         yield ""

@@ -71,17 +71,17 @@ class Record:
     @property
     def speed(self) -> float:
         """First speed of the load point [m/s]."""
-        return float(self.path.speeds[0])
+        return float(self.path.lasting[0])
 
     @property
     def after(self) -> float:
         """Way of the load point after its last change of speed [m]."""
-        return float(np.diff(self.path.position)[-1])
+        return float(self.path.position[-1] - self.path.places[-1])
 
     @property
     def slid(self) -> float:
         """Way of the load point after its first change of speed [m]."""
-        return float(self.path.position[-1] - self.path.position[1])
+        return float(self.path.position[-1] - self.path.places[0])
 
     def within(self, before: float | None, after: float | None) -> "Record":
         """Return what lies within some way before the first step and some after the last.
@@ -97,8 +97,8 @@ class Record:
             That part of the record, with times and positions from 0 on.
         """
         place = np.interp(self.time, self.path.time, self.path.position)
-        low = -np.inf if before is None else self.path.position[1] - before
-        high = np.inf if after is None else self.path.position[-2] + after
+        low = -np.inf if before is None else self.path.places[0] - before
+        high = np.inf if after is None else self.path.places[-1] + after
         kept = (place >= low) & (place <= high)
         time = self.time[kept]
         inner = (self.path.time > time[0]) & (self.path.time < time[-1])
@@ -181,15 +181,15 @@ def record_of(measurement: Measurement, load: float = 1.0) -> Record:
     if not len(path.steps):
         raise InputError(
             "a rate-and-state fit needs a step of the speed of the load point, and"
-            f" Measurement.pull moves at {quantity(path.speeds[0], 'm/s')} throughout: a and b"
+            f" Measurement.pull moves at {quantity(path.lasting[0], 'm/s')} throughout: a and b"
             " say how"
             " friction changes with speed."
         )
-    if path.speeds[0] <= 0.0 or np.any(path.speeds < -0.01 * path.speeds.max()):
+    if path.lasting[0] <= 0.0 or np.any(path.lasting < -0.01 * path.lasting.max()):
         raise InputError(
             "a rate-and-state fit needs a load point that moves forwards at first and never back,"
-            f" got speeds from {quantity(path.speeds.min(), 'm/s')} to"
-            f" {quantity(path.speeds.max(), 'm/s')}."
+            f" got speeds from {quantity(path.lasting.min(), 'm/s')} to"
+            f" {quantity(path.lasting.max(), 'm/s')}."
         )
     coefficient = np.asarray(measurement.values("friction")) / loads
     if np.mean(coefficient) <= 0.0:
@@ -299,7 +299,7 @@ class Slider(Problem):
         which nothing but that step tells how friction settles.
         """
         if self.by_steps:
-            return self.record.path.time
+            return self.record.path.segments
         inner = np.quantile(self.mean_time, np.arange(1, PARTS) / PARTS)
         return np.array([self.record.time[0], *inner, self.record.time[-1]])
 
@@ -475,7 +475,7 @@ def unknowns_for(
 
 def _levels(record: Record) -> tuple[float, float]:
     """Return a guess of a - b and of the level at first, from the last third of each piece."""
-    knots, speeds = record.path.time, record.path.speeds
+    knots, speeds = record.path.segments, record.path.lasting
     found = []
     for start, end, speed in zip(knots[:-1], knots[1:], speeds, strict=True):
         late = (record.time > end - (end - start) / 3.0) & (record.time <= end)
@@ -498,6 +498,6 @@ def _steepest(record: Record) -> float:
     way = 2.0 * np.ptp(record.pull) / COARSE
     rise = [
         abs(np.interp(place + way, x, mu) - np.interp(place, x, mu)) / way
-        for place in np.interp(record.path.steps, record.path.time, record.path.position)
+        for place in record.path.places
     ]
     return 2.0 * float(max(rise)) + 1e-3 / max(record.slid, 1e-12)

@@ -210,7 +210,7 @@ class RateStateFit(Fit[RateState]):
             self.estimates,
             self.inference.correlation[np.ix_(own, own)],
             levels="per load",
-            largest_speed=float(self.problem.record.path.speeds.max()),
+            largest_speed=float(self.problem.record.path.lasting.max()),
         )
 
     @override
@@ -495,7 +495,7 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
 
 def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
     path, law = fit.problem.record.path, fit.law
-    said = [f"The load point moves at {joined(quantities(path.speeds.tolist(), 'm/s'))}."]
+    said = [f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}."]
     if fit.rate.reason != HELD:
         said.append(_about_rate(fit.rate))
     fitted = {e.path: e for e in fit.estimates}
@@ -559,7 +559,7 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
 def _remarks(fit: RateStateFit) -> tuple[str, ...]:
     """Return what the fit leaves out of the mechanism."""
     law, block = fit.law, fit.mechanism
-    fastest = float(fit.problem.record.path.speeds.max())
+    fastest = float(fit.problem.record.path.lasting.max())
     swing = math.sqrt(block.mass / block.stiffness)
     # without a state, friction follows the load point over the way a/k
     way = abs(law.direct_effect) / fit.stiffness

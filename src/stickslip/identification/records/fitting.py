@@ -1,5 +1,6 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
-from stickslip.formatting import number, percent, quantity
+from stickslip.formatting import joined, number, percent, quantity
 from stickslip.friction import FrictionLaw, laws
 from stickslip.identification.estimation.containment import (
     FittedLaw,
@@ -24,10 +25,10 @@ from stickslip.identification.estimation.estimates import (
     sentences_of,
 )
 from stickslip.identification.estimation.halves import contradiction, widened
-from stickslip.identification.estimation.jackknife import infer
+from stickslip.identification.estimation.jackknife import Inference, infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult, Watch, search
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.estimation.problem import RecordProblem
+from stickslip.identification.estimation.problem import RecordProblem, ResidualJacobian
 from stickslip.identification.features.features import FEATURES
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.identification.records.fit import RecordFit, scale_of
@@ -51,8 +52,9 @@ from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import Hold, RecordSettings
+from stickslip.identification.shooting.multiple_shooting import Shooting
 from stickslip.identification.validation import LAW, Parameters
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
 
 __all__ = [
@@ -69,6 +71,8 @@ Array = NDArray[np.float64]
 
 FEWEST_ROWS = 12
 """Rows from which one of them may be called an exception."""
+NORMAL_95 = 1.96
+"""Half the width of an interval of 95 % over the standard error."""
 LONE = 0.5
 """Share of the squared residuals above which one row is named."""
 EXACT = 1e-12
@@ -628,6 +632,7 @@ def finished(
     )
     sentences = (
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
+        *_zeros(ready, best, inference),
         *_of_one_row(ready.problem, best.residual, measurement),
         *_doubtful(searched),
     )
@@ -650,6 +655,27 @@ def _with_estimates(fit: RecordFit, free: FreeParameters, sentences: Sequence[st
             *sentences_of(free, best, inference, fit.at_bounds, estimates),
             *sentences,
         ),
+    )
+
+
+def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tuple[str, ...]:
+    """Return a sentence on the place from which positions of a free motion count."""
+    if not isinstance(ready.problem, Shooting):
+        return ()
+    autocorrelation = math.sqrt(max(len(best.residual) / max(inference.effective, 1.0), 1.0))
+    found = ready.problem.zeros(best, autocorrelation)
+    if not found:
+        return ()
+    unit = ready.mechanism.units[ready.mechanism.coordinates.index(slip_of(ready.mechanism))]
+    shown = [
+        f"{quantity(one.value, unit, 2)} ± {quantity(NORMAL_95 * one.error, unit, 2)}"
+        for one in found.values()
+    ]
+    more = "" if len(shown) == 1 else " for each record"
+    return (
+        f"The zero of the position is not known and is estimated with the fit{more}:"
+        f" {joined(shown)}. Levels of friction that differ by direction would look alike. If the"
+        " zero is known, set position_zeros to False (--no-position-zeros).",
     )
 
 

@@ -363,7 +363,9 @@ class JointFitter:
         settings = settings or RecordSettings()
         for record in measurement.records():
             check_joints(record, mechanism.coordinates)
-        asked = _Asked.of(mechanism, laws, vary, fixed, measurement, zeros=settings.position_zeros)
+        asked = _Asked.of(
+            mechanism, laws, vary, fixed, measurement, zeros=bool(settings.position_zeros)
+        )
         refuse_unused(measurement)
         refuse_faults(measurement, asked.mechanism)
         bristles = bristles or any(map(_has_bristles, asked.laws.values()))
@@ -440,7 +442,7 @@ class JointFitter:
             self.vary,
             self.fixed,
             self.measurement,
-            zeros=self.settings.position_zeros,
+            zeros=bool(self.settings.position_zeros),
         )
         with with_doubts(self.measurement, asked.mechanism):
             ready, found = self._searched(asked, near, changed, contained, progress)

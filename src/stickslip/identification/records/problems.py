@@ -131,6 +131,7 @@ class _ShootingBuilder:
                 resolution=_rows(self.settings, length),
                 hold=self.settings.holding,
                 quantity=self.quantity,
+                zeros=self.settings.position_zeros is not False,
             ),
             quantity_=self.quantity,
         )
@@ -197,6 +198,11 @@ def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
     InputError
         If the record does not serve, or a name is not known.
     """
+    if request.settings.position_zeros:
+        raise InputError(
+            "position_zeros=True is for records of several joints; of one body that moves freely"
+            " the zero is estimated if it is left out, and of a driven one it is not."
+        )
     return PROBLEMS[route](request)
 
 

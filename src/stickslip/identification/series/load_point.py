@@ -17,6 +17,9 @@ CANDIDATES = 30
 """Places of a change that are tried, and tried again around the best."""
 CHANGE = math.log(1.1)
 """Speeds that differ by less are one speed; friction depends on their logarithm."""
+JERK, JERK_WAY = 0.1, 0.25
+"""A piece is a jerk if it lasts less than this share of both pieces beside it, and moves the load
+point by less than this share of the longer one."""
 STILL = 1e-4
 """Speeds below this share of the largest are those of a load point that stands."""
 STRAIGHT = 3e-4
@@ -27,6 +30,8 @@ SURE = 20.0
 """A change takes at least this many squared scatters off the sum of squares."""
 SHORTEST = 10
 """Samples a piece has at least."""
+ROUNDS = 30
+"""Steps at most in which all changes are moved at once."""
 DEEPEST = 5
 """At most 2^DEEPEST pieces."""
 
@@ -47,8 +52,42 @@ class Path:
 
     @property
     def steps(self) -> Array:
-        """Times at which the speed changes (k - 2,) [s]."""
-        return self.time[1:-1]
+        """Times at which the speed changes for long (m,) [s]; a jerk between is no step."""
+        return np.array([self.time[last + 1] for _, last in self._kept[:-1]])
+
+    @property
+    def lasting(self) -> Array:
+        """Speeds before, between and after the steps (m + 1,) [m/s]."""
+        return self.speeds[[longest for longest, _ in self._kept]]
+
+    @property
+    def segments(self) -> Array:
+        """The steps with both ends of the path (m + 2,) [s]."""
+        return np.array([self.time[0], *self.steps, self.time[-1]])
+
+    @property
+    def places(self) -> Array:
+        """Positions at the steps (m,) [m]."""
+        return np.interp(self.steps, self.time, self.position)
+
+    @property
+    def _kept(self) -> list[tuple[int, int]]:
+        """Return the longest and the last piece of each stretch of one speed, jerks left out."""
+        lengths, ways = np.diff(self.time), np.abs(np.diff(self.position))
+        kept = list(range(len(lengths)))
+        for piece in np.argsort(lengths).tolist():
+            at = kept.index(piece)
+            beside = [kept[i] for i in (at - 1, at + 1) if 0 <= i < len(kept)]
+            brief = beside and lengths[piece] < JERK * lengths[beside].min()
+            if brief and ways[piece] < JERK_WAY * ways[beside].max():
+                del kept[at]
+        found: list[tuple[int, int]] = []
+        for piece in kept:
+            if found and not _differ(*np.abs(self.speeds[[found[-1][0], piece]])):
+                found[-1] = max(found[-1][0], piece, key=lengths.__getitem__), piece
+            else:
+                found.append((piece, piece))
+        return found
 
 
 def path_of(time: Array, pull: Array) -> Path:
@@ -78,7 +117,7 @@ def path_of(time: Array, pull: Array) -> Path:
     scatter = float(np.std(np.diff(x, 2)) / math.sqrt(6.0)) if len(x) > 10 else 0.0
     changes = _changes(t, x, max(STRAIGHT * float(np.ptp(x)), NOISE * scatter), DEEPEST)
     while changes:
-        changes = _sharpened(t, x, changes)
+        changes = _together(t, x, _sharpened(t, x, changes))
         weakest = _weakest(t, x, changes, SURE * scatter**2)
         if weakest is None:
             break
@@ -148,6 +187,33 @@ def _sharpened(t: Array, x: Array, changes: list[float]) -> list[float]:
         before, after = ([t[0], *others][i], [*others, t[-1]][i])
         changes = sorted([*others, _best(t, x, before, after, others)])
     return changes
+
+
+def _together(t: Array, x: Array, changes: list[float]) -> list[float]:
+    """Return changes moved all at once: both ends of a jerk, one by one, are caught in a valley."""
+    from scipy.optimize import least_squares
+
+    def left(tried: Array) -> Array:
+        table = _table(t, np.sort(tried).tolist())
+        return np.asarray(x - table @ np.linalg.lstsq(table, x, rcond=None)[0])
+
+    size = max(float(np.ptp(x)), 1e-300)
+    found = least_squares(
+        lambda tried: left(tried) / size,
+        changes,
+        bounds=(t[0], t[-1]),
+        x_scale=float(np.ptp(t)) / len(t),
+        diff_step=1e-6,
+        max_nfev=ROUNDS,
+    )
+    moved = np.sort(found.x).tolist()
+    return moved if _squares(t, x, moved) < _squares(t, x, changes) else changes
+
+
+def _differ(one: float, other: float) -> bool:
+    """Whether two speeds count as two; one far below the other is that of a load point at rest."""
+    least = max(STILL * max(one, other), 1e-300)
+    return bool(abs(math.log(max(one, least) / max(other, least))) >= CHANGE)
 
 
 def _changes(t: Array, x: Array, straight: float, depth: int) -> list[float]:

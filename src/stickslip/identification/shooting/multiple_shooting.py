@@ -1,9 +1,11 @@
 """Multiple shooting: a record is simulated segment by segment, each from a state of its own.
 
 The initial states of segments are eliminated to first order: their part of the slopes is projected
-out, and they follow the other unknowns from one linearisation to the next.
+out, and they follow the other unknowns from one linearisation to the next. The place from which
+positions count, where it is not known, only adds a constant: means are taken off instead.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -32,7 +34,7 @@ from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Segment", "Shooting", "curvature_of"]
+__all__ = ["Segment", "Shooting", "ZeroEstimate", "curvature_of"]
 
 Array = NDArray[np.float64]
 
@@ -67,6 +69,8 @@ class Segment:
     """First guess of coordinates and rates (m,)."""
     known: NDArray[np.bool_]
     """Which of these are known, and no guess (m,)."""
+    zero: bool = False
+    """Whether positions count from a place that is not known."""
 
     @property
     def rest(self) -> Array:
@@ -75,6 +79,19 @@ class Segment:
         return np.where(moves & ~self.known, 0.0, self.guess)
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class ZeroEstimate:
+    """Where the positions of a record count from."""
+
+    value: float
+    """What is measured where the mechanism is at 0 [m or rad]."""
+    error: float
+    """Its standard error."""
+
+
+NO_ZERO = 1e-9
+"""Mean square of what a shift of positions does beside all unknowns, over 1, that is none."""
 FEW = 8
 """Segments on which starts of a search are compared, where there are at least twice as many."""
 
@@ -222,6 +239,7 @@ class Shooting(RecordProblem):
             return None
         column = run.states.index(_state_of(mechanism, self.quantity))
         sense = partial(_sensed, run, segment, mechanism, law, state, column)
+        left = segment.measured - run.at(segment.times)[:, column]
         local = sense([f"initial.{name}" for name in run.states[: len(state)]])
         if not np.max(np.abs(local)) < STEEPEST:  # NaN included
             return None
@@ -231,7 +249,7 @@ class Shooting(RecordProblem):
         columns, singular, directions = np.linalg.svd(local * units, full_matrices=False)
         return LocalState(
             state=state,
-            residual=segment.measured - run.at(segment.times)[:, column],
+            residual=left - left.mean() if segment.zero else left,
             size=float(np.ptp(segment.measured)),
             sense=cache(partial(sense, self.free_parameters.paths)),
             units=units,
@@ -250,8 +268,47 @@ class Shooting(RecordProblem):
             run = _bare(one, mechanism, law, state)
             column = None if run is None else run.states.index(_state_of(mechanism, self.quantity))
             predicted = np.inf if run is None else run.at(one.times)[:, column]
-            found.append(one.measured - predicted)
+            left = one.measured - predicted
+            found.append(left - left.mean() if one.zero and run is not None else left)
         return np.concatenate(found)
+
+    def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
+        """Return where positions count from, by the last segment of each record that tells it.
+
+        Parameters
+        ----------
+        seen : ResidualJacobian
+            The answer whose local states are taken.
+        scale : float
+            Factor on standard errors of independent residuals, for those that are not.
+
+        Returns
+        -------
+        dict of int to ZeroEstimate
+            By record.
+        """
+        law, mechanisms = self._changed(seen.values)
+        found = {}
+        for k, one in enumerate(self.segments):
+            if not one.zero or k not in seen.memory:
+                continue
+            mechanism, state = mechanisms[id(one.mechanism)], seen.memory[k].state
+            run = _bare(one, mechanism, law, state)
+            if run is None:
+                continue
+            column = run.states.index(_state_of(mechanism, self.quantity))
+            left = one.measured - run.at(one.times)[:, column]
+            paths = [f"initial.{name}" for name in run.states[: len(state)]]
+            counted = replace(one, zero=False)
+            slopes = _sensed(
+                run, counted, mechanism, law, state, column, [*paths, *self.free_parameters.paths]
+            )
+            own = np.ones(len(left)) - slopes @ np.linalg.lstsq(slopes, np.ones(len(left)))[0]
+            freedom = max(len(left) - slopes.shape[1] - 1, 1)
+            if own @ own > NO_ZERO * len(left):
+                error = math.sqrt(float(np.sum((left - left.mean()) ** 2)) / freedom / (own @ own))
+                found[one.record] = ZeroEstimate(value=float(left.mean()), error=scale * error)
+        return found
 
     @override
     def runs(self, seen: ResidualJacobian) -> tuple[Trajectory, ...]:
@@ -321,6 +378,8 @@ def _sensed(
     table = run.differentiate(segment.times, known)[:, column, :]
     for k in np.flatnonzero(~np.isfinite(table).all(axis=0)):
         table[:, k] = _differenced(run, segment, mechanism, law, state, column, known[k])
+    if segment.zero:
+        table = table - table.mean(axis=0)
     if not bristle:
         return table
     slip = _slip_velocity(mechanism)

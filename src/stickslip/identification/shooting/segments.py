@@ -10,7 +10,12 @@ from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number
-from stickslip.identification.series.applied_force import applied_force, drives_itself, inside
+from stickslip.identification.series.applied_force import (
+    applied_force,
+    driven,
+    drives_itself,
+    inside,
+)
 from stickslip.identification.series.measured_load import loaded
 from stickslip.identification.settings import LEAST, RESOLUTION, Hold
 from stickslip.identification.shooting.multiple_shooting import Segment
@@ -93,6 +98,7 @@ def segments_of(
     resolution: int = RESOLUTION,
     hold: Hold = "zero",
     quantity: str | None = None,
+    zeros: bool = True,
 ) -> tuple[Segment, ...]:
     """Return segments of about the same length that cover all records.
 
@@ -112,6 +118,8 @@ def segments_of(
         straight to it, as one that a sensor measured. A reference is always joined.
     quantity : str, optional
         What is compared, which all records have; the position, or else the velocity, if not given.
+    zeros : bool
+        Whether positions of a body that moves freely count from a place that is not known.
 
     Returns
     -------
@@ -134,7 +142,9 @@ def segments_of(
         time = np.asarray(record.time)
         for first, last in _stretches(time, length):
             rows = _rows(first, last, resolution)
-            found.append(_segment(index, record, quantity, set_up, rows, hold))
+            one = _segment(index, record, quantity, set_up, rows, hold)
+            free = not (driven(record) or drives_itself(set_up, record))
+            found.append(replace(one, zero=zeros and free and quantity == "position"))
     if not found:
         raise InputError(
             f"no stretch of {number(length)} s has {LEAST} samples without a gap: give longer"

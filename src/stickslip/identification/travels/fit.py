@@ -1,14 +1,15 @@
 """Fits a law to travels: distances to rest, or per cycle of a drive."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
-from stickslip.formatting import count
+from stickslip.formatting import count, joined, number
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.travels.model import (
     TravelModel,
     Trial,
+    is_rig,
     standard_errors,
     trials_of,
     under_cycles,
@@ -26,7 +27,7 @@ from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters
 from stickslip.solver import prepare
 
-__all__ = ["check_rest", "compile_for", "fit_travels", "fit_trials", "payable"]
+__all__ = ["check_rest", "check_rig", "compile_for", "fit_travels", "fit_trials", "payable"]
 
 TOLD = ("level", "slope")
 """Scales of what travels tell, a level and a slope with speed: the rest needs a velocity trace."""
@@ -53,7 +54,8 @@ def fit_travels(
     measurement : Measurement
         One travel or several trials.
     vary : str or sequence of str, optional
-        Parameters of the law to fit; as many as different trials can tell if not given.
+        Parameters to fit; of the law as many as different trials can tell if not given, and those
+        of the mechanism that are named, whose search begins at the values they have.
     fixed : mapping of str to float, optional
         Values of parameters that are held [SI], of law and mechanism.
     t_end : float
@@ -69,7 +71,7 @@ def fit_travels(
     Raises
     ------
     InputError
-        If parameters of the mechanism are to be fitted, or the measurement does not serve.
+        If there are too few settings for what is to be fitted, or the measurement does not serve.
 
     Examples
     --------
@@ -80,12 +82,11 @@ def fit_travels(
     5.73
     """
     chosen = Parameters.of(mechanism, law, vary, fixed, measurement=measurement)
-    if chosen.unknown:
-        raise InputError("a few travels cannot separate parameters of the mechanism from friction.")
     given = chosen.law
     start = with_known(starting_law(given), chosen.known) if isinstance(given, type) else given
     trials = trials_of(chosen.mechanism, measurement, t_end)
-    free = _travel_paths(start, trials, chosen.free, chosen.known)
+    check_rig(trials, chosen.unknown)
+    free = _travel_paths(start, trials, chosen.free, chosen.known, chosen.unknown)
     found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
     check_rest(found, t_end)
     return found
@@ -96,11 +97,68 @@ def _travel_paths(
     trials: Sequence[Trial],
     free: Sequence[str] | None,
     fixed: Collection[str],
+    rig: Sequence[str] = (),
 ) -> list[str]:
     """Return the paths of the parameters to fit, with the default of the law where it is asked."""
     found = list(free) if free is not None else [LAW]
-    usual = payable(law, trials, fixed) if LAW in found else []
-    return list(dict.fromkeys([*usual, *(path for path in found if path != LAW)]))
+    usual = payable(law, trials, fixed, rig) if LAW in found else []
+    return list(dict.fromkeys([*usual, *(path for path in found if path != LAW), *rig]))
+
+
+def check_rig(trials: Sequence[Trial], rig: Sequence[str]) -> None:
+    """Refuse parameters of the mechanism that travels cannot tell, or that a trial has set.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The readings.
+    rig : sequence of str
+        Full paths of the parameters of the mechanism that are to be fitted.
+
+    Raises
+    ------
+    InputError
+        If there are fewer settings than these parameters and a level of friction, or a value of a
+        parameter is missing, uncertain, or that of a single trial.
+    """
+    if not rig:
+        return
+    settings = len({trial.setting for trial in trials})
+    if settings <= len(rig) + 1:
+        needed = f"{joined(list(rig))} and a level of friction"
+        raise InputError(
+            f"travels of {count(settings, 'setting')} cannot determine {needed}: that takes at"
+            f" least {len(rig) + 2} different settings. Measure more, or vary fewer."
+        )
+    known = {
+        path: (one, value) for path, one, value in parameters(trials[0].mechanism, "mechanism")
+    }
+    for path in rig:
+        if path not in known:
+            raise InputError(
+                f"{path} has no value from which a search could begin: give it one in the rig file."
+            )
+        quantity, value = known[path]
+        if value == 0.0 and (quantity.low == 0.0 or quantity.above is not None):
+            raise InputError(
+                f"{path} ({quantity.symbol}) is 0 {quantity.unit}, from which no search can begin:"
+                " give a value of the right order of magnitude."
+            )
+        values = {dict(_values(trial))[path] for trial in trials}
+        if len(values) > 1:
+            raise InputError(
+                f"trials set {path} themselves, from {number(min(values))} to"
+                f" {number(max(values))} {quantity.unit}: it cannot be fitted as one value for all"
+                " of them. Leave these values out, or do not vary it."
+            )
+        if any(path in trial.doubts or path in trial.shared for trial in trials):
+            raise InputError(
+                f"{path} is fitted, and an uncertainty was stated for it: leave one of both out."
+            )
+
+
+def _values(trial: Trial) -> Iterator[tuple[str, float]]:
+    return ((path, value) for path, _, value in parameters(trial.mechanism, "mechanism"))
 
 
 def fit_trials(
@@ -142,7 +200,11 @@ def fit_trials(
     InputError
         If there is no free parameter, or there are more than trials.
     """
-    names = payable(law, trials) if free is None else [_path(law, name) for name in free]
+    names = (
+        payable(law, trials)
+        if free is None
+        else [name if is_rig(name) else _path(law, name) for name in free]
+    )
     if not names:
         raise InputError(f"there is nothing to fit: name a parameter of {law.title} in vary.")
     if len(names) > len(trials):
@@ -176,7 +238,12 @@ def check_rest(fit: TravelFit, t_end: float) -> None:
     TravelModel(fit.law, (), t_end).check_rest(fit.trials, (), errors)
 
 
-def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = ()) -> list[str]:
+def payable(
+    law: FrictionLaw,
+    trials: Sequence[Trial],
+    fixed: Collection[str] = (),
+    rig: Collection[str] = (),
+) -> list[str]:
     """Return the paths of the parameters that the trials can pay for, one left over if possible.
 
     A law without a level at rest of its own is not given one; what is fixed, by name, is left out.
@@ -189,6 +256,8 @@ def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = 
         The readings, of which different settings count.
     fixed : collection of str
         Names of parameters that are held.
+    rig : collection of str
+        Paths of parameters of the mechanism that are fitted beside it.
 
     Returns
     -------
@@ -209,7 +278,7 @@ def payable(law: FrictionLaw, trials: Sequence[Trial], fixed: Collection[str] = 
             and name not in fixed
             and getattr(law, name) is not None
         ]
-    return [f"friction.{name}" for name in names[: max(1, different - 1)]]
+    return [f"friction.{name}" for name in names[: max(1, different - 1 - len(rig))]]
 
 
 def _path(law: FrictionLaw, name: str) -> str:

@@ -23,6 +23,7 @@ __all__ = [
     "TravelModel",
     "Trial",
     "driven_on",
+    "is_rig",
     "standard_errors",
     "trials_of",
     "uncertainties_of",
@@ -96,6 +97,11 @@ class Trial:
     def run(self) -> Hashable:
         """What tells runs apart: their setting, and when they end."""
         return self.setting, self.cycles
+
+
+def is_rig(path: str) -> bool:
+    """Whether a parameter is one of the mechanism, not of the law."""
+    return path.startswith("mechanism.")
 
 
 def quantities_read(trials: Sequence[Trial]) -> str:
@@ -325,12 +331,12 @@ def under_cycles(trials: Sequence[Trial]) -> bool:
 
 @dataclass
 class TravelModel:
-    """Travel as a function of the free parameters of a law."""
+    """Travel as a function of the free parameters of a law, and of its mechanism."""
 
     law: FrictionLaw
     """Holds the parameters that are not free."""
     free: Sequence[str]
-    """Full paths of the p free parameters."""
+    """Full paths of the p free parameters: those of the law, then those of the mechanism."""
     t_end: float
     """Time after which a body counts as stopped [s]."""
     watch: Callable[[int], object] | None = None
@@ -341,7 +347,12 @@ class TravelModel:
     def with_values(self, values: Sequence[float]) -> FrictionLaw:
         """Return the law with other values of the free parameters."""
         changes = dict(zip(self.free, values, strict=True))
-        return vary(self.law, "friction", changes)
+        return vary(self.law, "friction", {p: v for p, v in changes.items() if not is_rig(p)})
+
+    def set_up(self, trial: Trial, values: Sequence[float]) -> Trial:
+        """Return a trial whose mechanism has other values of the free parameters."""
+        own = {p: v for p, v in zip(self.free, values, strict=True) if is_rig(p)}
+        return trial.with_mechanism(vary(trial.mechanism, "mechanism", own)) if own else trial
 
     def travel(self, trial: Trial, values: Sequence[float]) -> float:
         """Return the travel [m] of one trial.
@@ -361,7 +372,7 @@ class TravelModel:
         self.runs += 1
         if self.watch is not None:
             self.watch(self.runs)
-        law = self.with_values(values)
+        law, trial = self.with_values(values), self.set_up(trial, values)
         run = simulate(trial.mechanism, law, t_end=trial.until(self.t_end), y0=trial.start(law))
         coordinate = slip_of(trial.mechanism)
         ends = run.at(run.span)[coordinate]

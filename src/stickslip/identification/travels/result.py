@@ -11,10 +11,10 @@ from typing_extensions import override
 
 from stickslip.display import plots
 from stickslip.experiments import LawEstimates, levels_at
-from stickslip.formatting import quantity
+from stickslip.formatting import joined, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for
-from stickslip.identification.travels.model import Trial
+from stickslip.identification.travels.model import Trial, is_rig
 from stickslip.identification.travels.propagation import agreeing_scale, covariance_of
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.simulation import simulate
@@ -110,6 +110,8 @@ class TravelFit(Fit[Law_co]):
     path."""
     stated: bool = True
     """Whether an uncertainty of the travels was stated."""
+    rivals: tuple[tuple[float, ...], ...] = ()
+    """Other values of what was fitted, with parameters of the mechanism, that fit as well."""
     condition: float = 1.0
     """Condition number of the Jacobian with scaled columns."""
     correlation: tuple[tuple[float, ...], ...] = ((1.0,),)
@@ -160,7 +162,27 @@ class TravelFit(Fit[Law_co]):
 
     @override
     def _notes(self) -> Sequence[str]:
-        return self.remarks
+        return (*self.remarks, *self.told_apart)
+
+    @property
+    def told_apart(self) -> tuple[str, ...]:
+        """What the travels cannot tell where parameters of the mechanism were fitted too."""
+        if not any(is_rig(e.path) for e in self.estimates):
+            return ()
+        said = [
+            f"{e.quantity.symbol} is not identified: {e.reason}."
+            for e in self.estimates
+            if e.reason
+        ]
+        for values in self.rivals[:1]:
+            shown = joined(
+                [
+                    f"{e.quantity.symbol} = {quantity(v, e.quantity.unit, 3)}"
+                    for e, v in zip(self.estimates, values, strict=True)
+                ]
+            )
+            said.append(f"Other values fit as well: {shown}. Measure more settings.")
+        return tuple(said)
 
     @property
     def residuals(self) -> tuple[float, ...]:

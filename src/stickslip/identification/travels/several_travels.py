@@ -9,8 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, ParameterError, SimulationError
+from stickslip.formatting import joined
 from stickslip.identification.results import Estimate
-from stickslip.identification.travels.model import TravelModel, Trial, standard_errors
+from stickslip.identification.travels.model import (
+    TravelModel,
+    Trial,
+    is_rig,
+    standard_errors,
+)
 from stickslip.identification.travels.propagation import (
     Propagated,
     agreeing_scale,
@@ -39,6 +45,13 @@ NEAR = 100.0
 """Cost of a starting point over that of the best one beyond which no search begins there."""
 FAILED = 1e6
 """Standardised residual of a run that cannot be made."""
+STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
+"""Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
+it should, which its third derivatives change."""
+TOGETHER = 0.95
+"""Correlation beyond which two parameters are told in combination only."""
+AS_WELL = 3.84
+"""Chi-square over its least value up to which other values fit as well: 95 %."""
 FLAT = 1e-8
 """Singular value over the largest, columns scaled, below which a direction is not identified."""
 
@@ -84,13 +97,11 @@ def fit_several(
         (problem.cost(problem.free_parameters(point)), index, problem.free_parameters(point))
         for index, point in enumerate(points)
     )
-    cost, _, best = tried[0]
-    for first, _, start in tried[:POLISHED]:
-        if first > NEAR * tried[0][0]:
-            break
-        found = problem.polished(start, STEPS if len(points) > 1 else REFINED)
-        if problem.cost(found) < cost:
-            cost, best = problem.cost(found), found
+    steps = (STEPS if len(points) > 1 else REFINED) * (2 if problem.rig else 1)
+    near = [start for first, _, start in tried[:POLISHED] if first <= NEAR * tried[0][0]]
+    ends = [tried[0][2], *(problem.polished(start, steps) for start in near)]
+    best = min(ends, key=problem.cost)
+    cost = problem.cost(best)
     if cost >= FAILED**2:
         raise ConvergenceError(
             f"the search found no values of {', '.join(model.free)} with which every trial can"
@@ -100,7 +111,7 @@ def fit_several(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    return problem.fit(best)
+    return problem.fit(best, ends[1:])
 
 
 def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
@@ -137,6 +148,8 @@ class _Problem:
 
     def __init__(self, model: TravelModel, trials: Sequence[Trial]) -> None:
         self.model, self.trials = model, trials
+        self.rig = any(map(is_rig, model.free))
+        """Whether parameters of the mechanism are unknown too."""
         self.measured = np.array([trial.travel for trial in trials])
         self.readings, self.stated = standard_errors(trials)
         """Standard errors of the readings alone (n,)."""
@@ -148,7 +161,7 @@ class _Problem:
         """Whether that is to scale with the errors of the readings, which residuals tell."""
         self.whitening = np.diag(1.0 / self.readings)
         """Makes uncorrelated residuals of variance 1 (n, n)."""
-        known = parameters(model.law, "friction")
+        known = *parameters(model.law, "friction"), *parameters(trials[0].mechanism, "mechanism")
         self.known: dict[str, tuple[Quantity, float]] = {p: (q, v) for p, q, v in known}
         self.scale = np.array([self.known[path][1] or 0.1 for path in model.free])
         self.matrix = np.eye(len(model.free))
@@ -160,6 +173,9 @@ class _Problem:
             if base in model.free:
                 self.matrix[i, list(model.free).index(base)] = 1.0
                 room.append((0.0, math.inf))
+            elif is_rig(path):
+                own = self.known[path][0]
+                room.append((max(own.low, -math.inf if own.above is None else own.above), own.high))
             else:
                 room.append(room_for(model.law, name, model.free))
         self.low, self.high = (np.array(side) for side in zip(*room, strict=True))
@@ -230,6 +246,25 @@ class _Problem:
     def cost(self, free_parameters: Array) -> float:
         return float(np.sum(self.residuals(free_parameters) ** 2))
 
+    def slopes_at(self, free_parameters: Array) -> Array:
+        """Return derivatives of the residuals (n, p), by central differences for a mechanism.
+
+        Near a resonance one-sided ones are wrong by a hundredth, and what scales with all else, as
+        masses, forces and a stiffness do together, would seem to be told apart.
+        """
+        if not self.rig:
+            return self.jacobian(free_parameters)
+        columns = []
+        for i, scale in enumerate(np.maximum(np.abs(free_parameters), 0.1 * self.scale)):
+            ends = np.clip(
+                free_parameters[i] + STEP * scale * np.array([-1.0, 1.0]), self.low[i], self.high[i]
+            )
+            there = [free_parameters.copy(), free_parameters.copy()]
+            there[0][i], there[1][i] = ends
+            low, high = map(self.residuals, there)
+            columns.append((high - low) / (ends[1] - ends[0]))
+        return np.stack(columns, axis=1)
+
     def jacobian(self, free_parameters: Array) -> Array:
         """Return derivatives of the residuals (n, p) by one-sided differences within bounds."""
         base = self.residuals(free_parameters)
@@ -263,8 +298,8 @@ class _Problem:
         bound = np.where(ends - self.low < 1e-3 * self.scale, self.least, ends)
         return bound if self.cost(bound) <= (1.0 + 1e-3) * self.cost(ends) + 1e-6 else ends
 
-    def fit(self, best: Array) -> TravelFit:
-        """Return what the best unknowns are, with intervals."""
+    def fit(self, best: Array, ends: Sequence[Array] = ()) -> TravelFit:
+        """Return what the best unknowns are, with intervals; `ends` are those of all searches."""
         residuals = self.residuals(best)
         values = (self.matrix @ best).tolist()
         gain, condition = self._gain(best)
@@ -273,15 +308,18 @@ class _Problem:
         scatter = self.spread.scatter(self.readings)
         doubtful = bool(self.spread.own or self.spread.shared)
         sources = self.weights.sources(self.readings, gain)
+        correlation = _correlation(gain, self._covariance())
         found = [
             self._estimate(path, value, scale, variance, source, stated=doubtful)
             for path, value, scale, source in zip(
                 self.model.free, values, self.scale.tolist(), sources, strict=True
             )
         ]
+        if self.rig:
+            found = self._told_apart(found, values, gain, variance[0])
         return TravelFit(
             law=self.model.with_values(values),
-            mechanism=self.trials[0].mechanism,
+            mechanism=self.model.set_up(self.trials[0], values).mechanism,
             estimates=tuple(found),
             measured=tuple(self.measured.tolist()),
             predicted=tuple(self.predicted(best).tolist()),
@@ -291,14 +329,80 @@ class _Problem:
             shared={path: tuple(part.tolist()) for path, part in self.spread.shared.items()},
             stated=self.stated,
             condition=condition,
-            correlation=_correlation(gain, self._covariance()),
-            trials=tuple(self.trials),
+            correlation=correlation,
+            rivals=self._rivals(found, best, ends, variance),
+            trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
             runs=self.model.runs,
         )
 
+    def _told_apart(
+        self, found: Sequence[Estimate], values: Sequence[float], gain: Array, variance: float
+    ) -> list[Estimate]:
+        """Return estimates whose intervals reach to where the trials are explained no more.
+
+        Slopes at the best values say nothing of what is farther away, and are wrong where a run
+        jumps. So each interval is walked, the other values following, until chi-square has risen;
+        one that ends nowhere near, or is wider than the value itself, is open.
+        """
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        spreads = np.sqrt(np.maximum(np.diag(table), 1e-300))
+        told = []
+        for i, (one, scale) in enumerate(zip(found, self.scale.tolist(), strict=True)):
+            if one.reason:
+                told.append(one)
+                continue
+            half = one.high - one.value
+            step = table[:, i] / spreads[i] ** 2 * half
+            most = max(abs(one.value), scale)
+            far = max(self._reach(np.array(values), side * step, variance) for side in (1.0, -1.0))
+            if far * half <= most:
+                least = self.known[one.path][0]
+                low = max(one.value - far * half, least.low, least.above or -math.inf)
+                told.append(replace(one, low=low, high=one.value + far * half))
+                continue
+            others = [
+                other.quantity.symbol
+                for j, other in enumerate(found)
+                if j != i and abs(table[i, j]) > TOGETHER * spreads[i] * spreads[j]
+            ]
+            reason = "the trials hardly depend on it"
+            if others:
+                reason = f"the trials tell no more than a combination of it with {joined(others)}"
+            told.append(replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}))
+        return told
+
+    def _reach(self, values: Array, step: Array, variance: float) -> float:
+        """Return how many steps from values chi-square has risen; infinite if it does not."""
+        base = self.cost(self.free_parameters(values.tolist()))
+        for times in STRIDES:
+            there = self.free_parameters((values + times * step).tolist())
+            if self.cost(there) - base >= ENOUGH * AS_WELL * variance:
+                return times
+            if np.any((there <= self.least) & (step < 0.0)):  # a limit ends the interval
+                return times
+        return math.inf
+
+    def _rivals(
+        self,
+        found: Sequence[Estimate],
+        best: Array,
+        ends: Sequence[Array],
+        variance: tuple[float, float],
+    ) -> tuple[tuple[float, ...], ...]:
+        """Return other values where a search ended that fit as well, outside of the intervals."""
+        room = self.cost(best) + AS_WELL * variance[0]
+        rivals = []
+        for end in ends if self.rig else ():
+            values = tuple((self.matrix @ end).tolist())
+            outside = (not e.low <= v <= e.high for e, v in zip(found, values, strict=True))
+            if any(outside) and self.cost(end) <= room:
+                rivals.append(values)
+        return tuple(rivals)
+
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
-        slopes = -np.linalg.solve(self.whitening, self.jacobian(best))
+        slopes = -np.linalg.solve(self.whitening, self.slopes_at(best))
         free = np.isfinite(slopes).all(axis=0) & (best > self.least) & (best < self.high)
         return tuple(map(tuple, np.where(free, slopes, 0.0).tolist()))
 
@@ -307,7 +411,7 @@ class _Problem:
 
         A value on which a direction bears that the travels do not determine has infinite ones.
         """
-        jacobian = self.jacobian(best) @ np.linalg.inv(self.matrix)
+        jacobian = self.slopes_at(best) @ np.linalg.inv(self.matrix)
         sizes = np.linalg.norm(jacobian, axis=0)
         if not np.all(np.isfinite(jacobian)) or not np.all(sizes > 0.0):
             return np.full(jacobian.shape[::-1], np.inf), math.inf

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,10 +13,10 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, SimulationError
 from stickslip.friction import BristleLaw, FrictionLaw
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
-from stickslip.identification.travels.model import TravelModel, Trial
+from stickslip.identification.travels.model import TravelModel, Trial, is_rig
 from stickslip.identification.travels.single_travel import room_for
 from stickslip.mechanisms import slip_of
-from stickslip.quantities import fields_of, vary
+from stickslip.quantities import fields_of, parameters, vary
 from stickslip.simulation import ensemble, simulate
 
 __all__ = [
@@ -66,6 +67,9 @@ SURPLUS = 0.02
 """What a level at rest that is scanned densely has over that of sliding, over this, in decades."""
 MOST = 60
 """Combinations of further parameters that are tried, at most; drawn if there are more."""
+DRAWN, AROUND = 128, 3.0
+"""Points that are drawn where parameters of the mechanism are unknown, and the factor from the
+values that were given up to which they lie."""
 KEPT = 6
 """Starting points that a scan returns."""
 
@@ -91,7 +95,9 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     list of sequence of float (p,)
         Points, the best first.
     """
-    trials = _spread(trials)
+    if any(map(is_rig, model.free)):
+        return _with_rig(model, trials)
+    trials = _spread(trials, 3)
     first, *others = model.free
     names = {path: path.rpartition(".")[2] for path in model.free}
     centre = {path: float(getattr(model.law, name) or 0.1) for path, name in names.items()}
@@ -118,10 +124,35 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     return _best(rows, np.concatenate([costs, _costs(np.array(more), trials)]))
 
 
-def _spread(trials: Sequence[Trial]) -> list[Trial]:
-    """Return one trial of each setting; of many the shortest, the middle and the longest travel."""
+def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
+    """Return points where parameters of the mechanism are unknown too.
+
+    The law is scanned with the mechanism as it was given; around the best of these points, all
+    values are drawn together. A resonance lies elsewhere with another stiffness: least squares
+    alone would stay on its side of it.
+    """
+    from scipy.stats import qmc
+
+    law = [path for path in model.free if not is_rig(path)]
+    known = {path: value for path, _, value in parameters(trials[0].mechanism, "mechanism")}
+    rig = [known[path] for path in model.free if is_rig(path)]
+    alone = starting_points(replace(model, free=law), trials) if law else [[]]
+    centre = np.array([*alone[0], *rig])
+    shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(DRAWN)
+    widths = np.where(centre == 0.0, 1.0, centre)
+    rows = [[*point, *rig] for point in alone]
+    rows += np.where(
+        centre == 0.0, 0.1 * (2.0 * shares - 1.0), widths * AROUND ** (2.0 * shares - 1.0)
+    ).tolist()
+    few = _spread(trials, 4 * len(centre))
+    return _best(rows, _costs(np.array([_travels(model, few, row) for row in rows]), few))
+
+
+def _spread(trials: Sequence[Trial], most: int) -> list[Trial]:
+    """Return one trial of each setting; of many some, from the shortest to the longest travel."""
     different = sorted({t.run: t for t in trials}.values(), key=lambda t: abs(t.travel))
-    return [different[i] for i in sorted({0, len(different) // 2, len(different) - 1})]
+    chosen = np.linspace(0, len(different), most).astype(int)
+    return [different[min(i, len(different) - 1)] for i in dict.fromkeys(chosen.tolist())]
 
 
 def _least(model: TravelModel, path: str, centre: float) -> float:

@@ -147,7 +147,7 @@ def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
             " 95 % interval"
         )
         facts.append(Fact(value=shown, aside=half, what=what))
-    speeds = fit.problem.record.path.speeds
+    speeds = fit.problem.record.path.lasting
     steps = len(fit.problem.record.path.steps)
     facts.append(
         Fact(
@@ -215,7 +215,7 @@ def _change(fit: RateStateFit, step: float) -> float:
     """Return by how much the logarithm of the speed changes in a step."""
     path = fit.problem.record.path
     index = int(np.argmin(np.abs(path.steps - step)))
-    first, second = np.maximum(path.speeds[index : index + 2], 1e-300)
+    first, second = np.maximum(path.lasting[index : index + 2], 1e-300)
     return abs(math.log(second / first))
 
 
