@@ -669,18 +669,27 @@ def models(
 
 @command(app, "paper")
 def paper(
+    rig: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[RIG]",
+            help="Rig file (TOML) of a block on a compressed spring with its travels; the rig of"
+            " the paper if not given.",
+        ),
+    ] = None,
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Recompute the results of the source paper.
+    """Recompute the results of the source paper, or ask its questions of your own rig.
 
-    Every table and figure is shown beside the printed values.
+    Every table and figure is shown beside the printed values. With a rig file: the same models,
+    excitations, criteria and rules for rest for your own block on a spring.
     """
     from stickslip.cli.paper import run
 
-    run(output, force=force, as_json=as_json)
+    run(rig, output, force=force, as_json=as_json)
 
 
 @command(app, "warmup")

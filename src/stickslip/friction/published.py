@@ -293,7 +293,7 @@ class PrintedStribeck(_Memoryless):
     )
     defect: ClassVar[str] = (
         "moving backwards, $F_v$ grows without limit (the exponent lacks |·|) and has the wrong"
-        " sign (sgn $v$ is missing); the force of sliding is $F(v)$ in the cases and $F_v$ below"
+        " sign (sgn $v$ is missing); the force of sliding is $F$($v$) in the cases and $F_v$ below"
         " them"
     )
     cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
@@ -490,8 +490,8 @@ class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     )
     defect: ClassVar[str] = (
         "the viscous part has one sgn too many and accelerates a body that moves backwards;"
-        f" {NO_LIMIT}; with $F_c$ of (7), which has its sgn, the dry part is $mu$ $N$ sgn² $v$, even"
-        " in $v$, and would accelerate that body too: $F_c$ is taken here as $mu$ $N$"
+        f" {NO_LIMIT}; with $F_c$ of (7), which has its sgn, the dry part is $mu$ $N$ sgn² $v$,"
+        " even in $v$, and would accelerate that body too: $F_c$ is taken here as $mu$ $N$"
     )
     cure: ClassVar[str] = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = CoulombViscous

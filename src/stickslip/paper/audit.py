@@ -7,9 +7,9 @@ from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.mechanisms import SpringBlock
 from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
-from stickslip.mechanisms import SpringBlock
 from stickslip.paper.misprints import Consequence, consequences
 from stickslip.paper.rest_rules import RestRule, rest_rules
 from stickslip.paper.springback import STIFFNESS, Springback, springbacks
@@ -109,8 +109,8 @@ class PaperAudit:
     """Zero-velocity bands and other rules for rest, beside the exact switch."""
     trials: tuple[TrialTravels, ...]
     """Each trial with the travels of all laws."""
-    stick_slip: StickSlip
-    """The block pulled slowly by its spring."""
+    stick_slip: StickSlip | None
+    """The block pulled slowly by its spring; None of another rig."""
     cart: CartStudy
     """The pendulum-driven cart."""
     verdict: TravelVerdict
@@ -207,18 +207,19 @@ class PaperAudit:
                 }
                 for row in self.fixed_steps
             ],
-            "stick_slip": {
-                "speed": self.stick_slip.mechanism.speed,
-                "stick_time": self.stick_slip.stick_time,
-                "slip_time": self.stick_slip.slip_time,
-                "closed_form": {
-                    "stick_time": self.stick_slip.stick_formula,
-                    "slip_time": self.stick_slip.slip_formula,
-                },
-            },
+            "stick_slip": self.stick_slip and _stick_slip_dict(self.stick_slip),
             "cart": self.cart.to_dict(),
             "selection": self.verdict.to_dict(),
         }
+
+
+def _stick_slip_dict(pulled: StickSlip) -> dict[str, Any]:
+    return {
+        "speed": pulled.mechanism.speed,
+        "stick_time": pulled.stick_time,
+        "slip_time": pulled.slip_time,
+        "closed_form": {"stick_time": pulled.stick_formula, "slip_time": pulled.slip_formula},
+    }
 
 
 def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
@@ -308,12 +309,12 @@ def audit(
         viscous_travels=_viscous_travels(rig, values),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
-        bristles=bristle_rows(values, t_end=rig.t_end),
+        bristles=() if own else bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
         creeps=() if own else stribeck_creeps(values, t_end=rig.t_end),
         rest_rules=rest_rules(values),
         trials=_trials(rig),
-        stick_slip=stick_slip(values),
+        stick_slip=None if own else stick_slip(values),
         cart=study_cart(
             _named(verdict),
             rig.laws["coulomb-viscous"],

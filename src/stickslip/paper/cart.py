@@ -38,6 +38,8 @@ SAMPLES = 20_000
 """Times at which forces of a run are evaluated."""
 SURPLUS = (0.0, 0.5, 1.0, 1.5)
 """Break-away levels that are tried, as shares of the step from the kinetic level to the static."""
+ALONE = 0.4
+"""That step over the kinetic level, where the static level is not known to be higher."""
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
 
@@ -283,13 +285,12 @@ def study_cart(
     )
 
 
-def _break_away(
-    levels: tuple[float, float], bristles: FrictionLaw | None
-) -> tuple[CartRun, ...]:
+def _break_away(levels: tuple[float, float], bristles: FrictionLaw | None) -> tuple[CartRun, ...]:
     """Vary the break-away level, at the kinetic levels of Table I and of Fig. 2."""
     (mu_k, mu_s), exact = levels, EventDriven()
+    step = mu_s - mu_k or ALONE * mu_k
     laws = [
-        Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * (mu_s - mu_k))
+        Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * step)
         for kinetic in (mu_k, KINETIC)
         for share in SURPLUS
     ]

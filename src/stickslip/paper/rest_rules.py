@@ -42,6 +42,8 @@ class RestRule:
     """What the released block does."""
     reversals: int
     """Sign changes of its velocity."""
+    rests: bool
+    """Whether the block is at rest at the end."""
     cart_travel: float
     """Of the cart in all cycles, at the levels of the rig [m]."""
     cart_back_slip: float
@@ -89,6 +91,7 @@ def rest_rules(values: PaperValues) -> tuple[RestRule, ...]:
                 band=band,
                 block=criteria_of(block, values.rig),
                 reversals=sum(a != b for a, b in itertools.pairwise(signs)),
+                rests=bool(block["v"][-1] == 0.0),
                 cart_travel=sum(one.travel for one in cycles),
                 cart_back_slip=sum(one.back_slip for one in cycles) / len(cycles),
             )

@@ -160,4 +160,3 @@ def adopted(rig: Rig, verdict: TravelVerdict) -> Rig:
         }
         laws[name] = rig.laws.get(name) or vary(law, "friction", own)
     return replace(rig, laws=laws, published=())
-

@@ -143,7 +143,7 @@ class FixedStep(Solver):
         return [*times[:-1], t_end]
 
     def _within_band(self, velocity: float) -> bool:
-        return 0 < self.zero_velocity_band and abs(velocity) <= self.zero_velocity_band
+        return self.zero_velocity_band > 0 and abs(velocity) <= self.zero_velocity_band
 
     def _step(
         self, diagram: BlockDiagram, t: float, dt: float, y: list[float], held: tuple[bool, ...]
