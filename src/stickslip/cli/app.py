@@ -364,6 +364,15 @@ def simulate(
             "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
         ),
     ] = False,
+    zero_velocity_band: Annotated[
+        float,
+        typer.Option(
+            "--zero-velocity-band",
+            metavar="SPEED",
+            help="With --fixed-step: hold the body where a step ends within this speed [m/s], as"
+            " Karnopp (1985) does.",
+        ),
+    ] = 0.0,
     ensemble: Annotated[
         int | None,
         typer.Option(
@@ -390,11 +399,13 @@ def simulate(
     enforce: Enforce = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Simulate the rig with one friction law.
+    """Simulate the rig with one friction law, or with an equation of the source paper as printed.
 
     Prints the events and the certificate; writes the run and a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
+    --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
+    take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
     """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.simulate import Settings, run
@@ -407,6 +418,7 @@ def simulate(
         fixed_step=fixed_step,
         method=method,
         stick_rule=not no_stick_rule,
+        zero_velocity_band=zero_velocity_band,
         ensemble=ensemble,
         seed=seed,
         report=folder,

@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 from stickslip.experiments import Rig, load_rig
-from stickslip.formatting import fixed, percent, quantity
+from stickslip.formatting import fixed, joined, percent, quantity
 from stickslip.friction import SOURCES
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.excitations import PUSH_DURATION
@@ -195,15 +195,19 @@ def _own_opening(found: PaperAudit) -> Opening:
     first, words = found.table[0], found.verdict.words
     push, own = (first.reading(key).criteria for key in ("A", found.values.own_reading))
     given = "released" if found.values.own_reading == "B" else "fastened to the block"
-    rank = next(iter(sorted(found.ranking(found.values.own_reading).items(), key=lambda x: x[1])))
-    best = next(row.law.title for row in found.table if row.law.name == rank[0])
+    ranks = found.ranking(found.values.own_reading)
+    first_by_rank = [row.law.title for row in found.table if ranks.get(row.law.name) == 1]
+    criteria = (
+        f"put {joined(first_by_rank)} first, and the error depends on what was assumed"
+        if first_by_rank
+        else "reject every model, since the block moves back with each"
+    )
     return Opening(
         kicker=found.rig.heading,
         verdict=words.verdict,
         lede=(
             f"{words.lede} With the values of the file, or those assumed for the paper where it"
-            f" gives none, the criteria of the paper put {best} first, and its error depends on"
-            " what was assumed."
+            f" gives none, the criteria of the paper {criteria}."
         ),
         facts=(
             Fact(

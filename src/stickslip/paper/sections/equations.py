@@ -114,7 +114,8 @@ def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
 def _energy_text(found: PaperAudit) -> str:
     """Say for which of the two springs eq. (11) holds."""
     release, attached = (found.table[0].reading(key).criteria for key in "BC")
-    way = attached.travel + 2.0 * attached.largest_return
+    places = found.table[0].reading("C").run["x"]  # turning points among them
+    way = float(abs(places[1:] - places[:-1]).sum())
     x = quantity(found.values.rig.compression, "m")
     return (
         f"With the coefficient {levels_from(found)} and $x$ = {x} it gives"

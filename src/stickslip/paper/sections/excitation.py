@@ -173,7 +173,7 @@ def _ending(reading: Excitation) -> str:
         return "still moves at the end"
     if seen.displacement_never_decreases:
         return f"stops at {seen.stop_time:.3f} s, stays"
-    farthest = seen.travel + seen.largest_return
+    farthest = float(reading.run["x"].max())
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 

@@ -104,10 +104,12 @@ def _table(found: PaperAudit) -> Table:
             axis=travel_axis(found, travels, marks if found.own else f"{marks}, ring: published"),
         ),
     )
-    caption = (
-        "Below each travel, its relative error. Our runs hold the block at its first stop, by the"
-        " paper’s switch to static friction, and never move backwards."
-    )
+    caption = "Below each travel, its relative error."
+    if reading == "B":
+        caption += (
+            " Our runs hold the block at its first stop, by the paper’s switch to static friction,"
+            " and never move backwards."
+        )
     return Table(
         columns=columns,
         rows=tuple(_row(found, row) for row in found.table),
