@@ -31,6 +31,11 @@ def page(found):
         return paper_report(found)
 
 
+def printed_rows(found):
+    """Return the rows that the paper prints."""
+    return [row for row in found.table if row.published.travel is not None]
+
+
 def reading(found, law, key):
     (row,) = [row for row in found.table if row.law.name == law]
     return next(r for r in row.readings if r.key == key)
@@ -93,6 +98,8 @@ def test_table_2_is_quoted_with_all_its_columns(found):
         )
         for row in found.table
     }
+    # the sixth model that the paper names has no row
+    assert printed.pop("coulomb-viscous-static") == (None, None, None)
     assert printed == {
         "coulomb": (True, 0.16, 0.20),
         "dahl": (True, 0.25, 0.25),
@@ -272,7 +279,7 @@ def test_figures_6_to_10_show_the_published_travel_its_value_and_the_measured_on
         for figure in map(words_of, re.findall(r"(?s)<figure.*?</figure>", page))
         for n in re.findall(r"Fig\. (\d+)\. ", figure)[:1]
     }
-    for row in found.table:
+    for row in printed_rows(found):
         number = {"coulomb": 6, "dahl": 7, "stribeck": 8, "lugre": 9, "coulomb-viscous": 10}[
             row.law.name
         ]
@@ -451,7 +458,7 @@ def test_tables_1_and_2_are_those_of_the_paper(found):
         assert re.search(rf"^{name}\t{value}$", text, re.M)
     for name, value in (("d", values.mu_k), ("s", values.mu_s)):
         assert re.search(rf"^μ_{name}\t{value:g}\[17\]$", text, re.M)
-    for row in found.table:
+    for row in printed_rows(found):
         title = row.law.title.replace(" + ", "+").replace("viscous", "Viscous")
         seen = "Yes" if row.published.velocity_positive else "No"
         error = f"{100 * row.published.relative_error:.0f}%"

@@ -681,14 +681,7 @@ def models(
 
 @command(app, "paper")
 def paper(
-    rig: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="[RIG]",
-            help="Rig file (TOML) of a block on a compressed spring with its travels; the rig of"
-            " the paper if not given.",
-        ),
-    ] = None,
+    rig: Rig = None,
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,

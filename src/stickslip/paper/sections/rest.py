@@ -114,7 +114,7 @@ def break_away_section(found: PaperAudit) -> Section:
             head="friction reached\nby cycle, over $N$",
             numeric=True,
             phone="label",
-            label="friction reached by cycle, over N",
+            label="reached",
         ),
         Column(head="first cycle\nmm", numeric=True, phone="label", label="first cycle, mm"),
         Column(head="later cycles\nmm", numeric=True, phone="label", label="later cycles, mm"),
