@@ -8,6 +8,7 @@ import typer
 
 from stickslip.cli.help import CONTEXT, Panels, command
 from stickslip.cli.options import (
+    DEMO,
     AllowImport,
     Columns,
     Conditions,
@@ -681,7 +682,7 @@ def models(
 
 @command(app, "paper")
 def paper(
-    rig: Rig = None,
+    rig: Rig = DEMO,
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,

@@ -9,6 +9,7 @@ import typer
 from stickslip.errors import InputError, RenamedError
 
 __all__ = [
+    "DEMO",
     "AllowImport",
     "BackSlip",
     "Columns",

@@ -76,7 +76,8 @@ def phenomena_section(found: PaperAudit) -> Section:
         abs(pulled.stick_time / pulled.stick_formula - 1.0),
         abs(pulled.slip_time / pulled.slip_formula - 1.0),
     )
-    laws = {row.law.title: row.law for row in found.table}
+    printed = [row.law for row in found.table if row.published.travel is not None]
+    laws = {law.title: law for law in printed}
     bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
     load = found.values.load
     figures = [
