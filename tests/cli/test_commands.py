@@ -258,6 +258,7 @@ def test_schema_is_json(run):
     assert "properties" in json.loads(out)
 
 
+CART = Path(__file__).parents[2] / "docs" / "howto" / "files" / "pendulum-cart.toml"
 BAD = [
     (["select", "nowhere.toml"], "nowhere.toml"),
     (["select", "demo", "--laws", "coulom"], "Did you mean 'coulomb'"),
@@ -273,7 +274,13 @@ BAD = [
     (["select", "demo", "--set", "mechanism.stiffness=0"], "no spring to compress"),
     (["select", "demo", "--set", "nonsense"], "PATH=VALUE"),
     (["simulate", "demo", "--law", "stribek"], "Did you mean 'stribeck'"),
-    (["simulate", "demo", "--law", "printed-5"], "stickslip paper"),
+    (["simulate", "demo", "--law", "printed-5"], "give a step in seconds, such as --fixed-step"),
+    (["fit", "demo", "--law", "printed-7"], "only `stickslip simulate --law printed-7"),
+    (
+        ["simulate", "demo", "--law", "printed-7", "--fixed-step", "0.01", "--set", "friction.z=1"],
+        "names no parameter of printed-7, which has kinetic_coefficient",
+    ),
+    (["paper", str(CART)], "needs a spring-block with its travel"),
     (["simulate", "demo", "--t-end", "0"], "above 0 s"),
     (["simulate", "demo", "--t-end", "nan"], "t_end"),
     (["simulate", "demo", "--fixed-step", "-1"], "above 0 s"),

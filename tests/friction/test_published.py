@@ -228,3 +228,29 @@ def test_formulas_are_in_the_symbols_of_the_paper(name):
     assert form.equation == f"({name.removeprefix('printed-')})"
     for part in symbols[name]:
         assert part in form.formula.replace(r" \quad {}", "")
+
+
+def test_equation_5_with_the_sign_it_lacks_opposes_motion_both_ways_and_grows_backwards():
+    values = {
+        "kinetic_coefficient": 0.25,
+        "static_coefficient": 0.35,
+        "stribeck_velocity": 0.01,
+        "viscous_coefficient": 0.5,
+    }
+    bare, signed = (PRINTED_FORMS["printed-5"](**values, signed=s) for s in (False, True))
+    # forwards the two are one; backwards only the dry part changes its sign
+    assert signed.force(0.02, (), 9.81, 0.0) == bare.force(0.02, (), 9.81, 0.0)
+    back = 0.25 * 9.81 + 0.1 * 9.81 * math.exp(2.0)
+    assert signed.force(-0.02, (), 9.81, 0.0) == pytest.approx(-back - 0.01, rel=1e-14)
+    assert bare.force(-0.02, (), 9.81, 0.0) == pytest.approx(back - 0.01, rel=1e-14)
+
+
+def test_the_dry_part_of_10_with_the_force_of_7_in_it_is_even():
+    """As the defect of (10) says: F_c of (7) is mu N sgn v, and (10) multiplies it by sgn v."""
+    seven = PRINTED_FORMS["printed-7"](kinetic_coefficient=0.25)
+    ten = PRINTED_FORMS["printed-10"](kinetic_coefficient=0.25, viscous_coefficient=0.0)
+    for v in (-0.3, 0.3):
+        literal = seven.force(v, (), 9.81, 0.0) * math.copysign(1.0, v)
+        assert literal == 0.25 * 9.81
+        assert ten.force(v, (), 9.81, 0.0) == math.copysign(literal, v)
+    assert "even in $v$" in PRINTED_FORMS["printed-10"].defect

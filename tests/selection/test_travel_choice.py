@@ -1,6 +1,7 @@
 """Several travels: the simplest law that the readings' uncertainty allows, or no law at all."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.drives import Pulse
+from stickslip.selection.travel_wording import _remarks
 
 RIG = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
 SET_VALUED = ["coulomb", "viscous", "coulomb-viscous", "stribeck"]
@@ -337,3 +339,15 @@ def test_a_law_that_explains_the_readings_alone_does_so_beside_laws_that_do_not(
     assert alone.best is not None
     assert beside.best is not None
     assert alone.best.name == beside.best.name == "coulomb-viscous"
+
+
+@pytest.mark.parametrize(("gap", "said"), [(2e-11, False), (1e-4, True)])
+def test_a_law_is_said_to_fit_more_closely_only_where_readings_could_show_it(gap, said):
+    def candidate(title, passed_over, residual):
+        fit = SimpleNamespace(residuals=(residual, -residual), measured=(0.1, 0.3))
+        return SimpleNamespace(title=title, passed_over=passed_over, invented=(), fit=fit)
+
+    best = candidate("Coulomb + viscous", "", 5e-4)
+    richer = candidate("Coulomb + viscous + static", "mu_s was assumed", 5e-4 - gap)
+    text = _remarks([best, richer], best)
+    assert (" Coulomb + viscous + static fits these readings more closely" in text) is said

@@ -252,3 +252,42 @@ def test_a_bristle_law_is_held_only_with_its_static_switch():
 def test_more_steps_than_memory_holds_are_refused():
     with pytest.raises(ParameterError, match="at least 1 × 10⁻⁷ s"):
         simulate(RELEASED, LAW, t_end=1.0, solver=FixedStep(dt=1e-9))
+
+
+def karnopp(band, dt, t_end):
+    """Return travel and speeds of the pushed block by Karnopp's rule, written out (Euler)."""
+    f_k, f_s, x, v, speeds = 0.25 * 9.81, 0.35 * 9.81, 0.0, 0.0, []
+    for i in range(round(t_end / dt)):
+        force = 10.0 if i < round(0.1 / dt) else 0.0
+        held = abs(v) <= band and abs(force) <= f_s
+        v = 0.0 if held else v
+        friction = force if held else math.copysign(f_k, v) if v else 0.0
+        x, v = x + dt * v, v + dt * (force - friction)
+        speeds.append(v)
+    return x, speeds
+
+
+@pytest.mark.parametrize(("band", "rests"), [(0.03, True), (0.001, False)])
+def test_a_zero_velocity_band_holds_the_body_only_if_a_step_cannot_jump_over_it(band, rests):
+    """A step changes the velocity by F dt / m = 25 mm/s here: the band has to be as wide."""
+    dt = 0.01
+    solver = FixedStep(dt=dt, stick_rule=False, zero_velocity_band=band)
+    run = simulate(PUSHED, LAW, t_end=2.0, solver=solver)
+    travel, _ = karnopp(band, dt, 2.0)
+    # the same operations in another order, 200 of them
+    assert run["x"][-1] == pytest.approx(travel, rel=1e-12)
+    assert bool(run["mode"][-1] == 0) is rests
+    assert bool(run["v"][-1] == 0) is rests
+
+
+def test_a_body_within_the_zero_velocity_band_is_held_from_the_start():
+    solver = FixedStep(dt=0.01, stick_rule=False, zero_velocity_band=0.02)
+    block = SpringBlock(mass=1.0)
+    slow, fast = (simulate(block, LAW, t_end=0.1, y0={"v": v}, solver=solver) for v in (0.01, 0.5))
+    assert np.all(slow["x"] == 0.0)
+    assert fast["x"][-1] > 0.0
+
+
+def test_a_negative_zero_velocity_band_is_refused():
+    with pytest.raises(ParameterError, match=r"zero_velocity_band \(D_v\) must be at least 0 m/s"):
+        FixedStep(dt=0.01, zero_velocity_band=-1.0)

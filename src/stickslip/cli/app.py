@@ -8,6 +8,7 @@ import typer
 
 from stickslip.cli.help import CONTEXT, Panels, command
 from stickslip.cli.options import (
+    DEMO,
     AllowImport,
     Columns,
     Conditions,
@@ -360,6 +361,15 @@ def simulate(
             "--no-stick-rule", help="With --fixed-step: omit the rule that holds the body at rest."
         ),
     ] = False,
+    zero_velocity_band: Annotated[
+        float,
+        typer.Option(
+            "--zero-velocity-band",
+            metavar="SPEED",
+            help="With --fixed-step: hold the body where a step ends within this speed [m/s], as"
+            " Karnopp (1985) does.",
+        ),
+    ] = 0.0,
     ensemble: Annotated[
         int | None,
         typer.Option(
@@ -386,11 +396,13 @@ def simulate(
     enforce: Enforce = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Simulate the rig with one friction law.
+    """Simulate the rig with one friction law, or with an equation of the source paper as printed.
 
     Prints the events and the certificate; writes the run and a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
+    --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
+    take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
     """
     from stickslip.cli.law_choice import LawAsked
     from stickslip.cli.simulate import Settings, run
@@ -403,6 +415,7 @@ def simulate(
         fixed_step=fixed_step,
         method=method,
         stick_rule=not no_stick_rule,
+        zero_velocity_band=zero_velocity_band,
         ensemble=ensemble,
         seed=seed,
         report=folder,
@@ -665,18 +678,20 @@ def models(
 
 @command(app, "paper")
 def paper(
+    rig: Rig = DEMO,
     output: Folder = Path("stickslip-paper"),
     force: Force = False,
     as_json: Json = False,
     _quiet: Quiet = False,
 ) -> None:
-    """Recompute the results of the source paper.
+    """Recompute the results of the source paper, or ask its questions of your own rig.
 
-    Every table and figure is shown beside the printed values.
+    Every table and figure is shown beside the printed values. With a rig file: the same models,
+    excitations, criteria and rules for rest for your own block on a spring.
     """
     from stickslip.cli.paper import run
 
-    run(output, force=force, as_json=as_json)
+    run(rig, output, force=force, as_json=as_json)
 
 
 @command(app, "warmup")

@@ -45,7 +45,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "stickslip export law.toml --to c",
         "stickslip export law.toml --to mjcf --rig rig.toml",
     ),
-    "paper": ("stickslip paper -o paper-report",),
+    "paper": ("stickslip paper -o paper-report", "stickslip paper block.toml"),
     "warmup": ("stickslip warmup --rig rig.toml",),
     "schema": ("stickslip schema > rig-schema.json",),
     "cite": ("stickslip cite lugre",),

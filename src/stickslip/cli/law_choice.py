@@ -22,12 +22,21 @@ from stickslip.experiments import (
     load_rig,
     read_number,
 )
-from stickslip.friction import PRINTED_FORMS, FrictionLaw, Laws, assigned, law_type
+from stickslip.friction import (
+    PRINTED_FORMS,
+    FrictionLaw,
+    Laws,
+    PrintedForm,
+    assigned,
+    law_type,
+)
 from stickslip.identification import starting_law
-from stickslip.mechanisms import Mechanism, slip_of
+from stickslip.mechanisms import Mechanism, slip_of, static_normal_force
+from stickslip.quantities import fields_of, parameters
 from stickslip.routes import AnyRoute, Law
 
 __all__ = [
+    "ChosenForm",
     "ChosenLaw",
     "ChosenLaws",
     "LawAsked",
@@ -36,6 +45,7 @@ __all__ = [
     "friction_of",
     "friction_title",
     "law_to_fit",
+    "rig_and_form",
     "rig_and_friction",
     "rig_and_law",
 ]
@@ -112,6 +122,22 @@ class ChosenLaws:
         return self.carried.remarks
 
 
+@dataclass(frozen=True, kw_only=True)
+class ChosenForm:
+    """An equation as printed in the paper."""
+
+    form: PrintedForm
+    """The equation, with its values."""
+    corrected: FrictionLaw
+    """Its corrected law, with the values of the rig."""
+    estimates: None = None
+    """Nothing is fitted to it."""
+    remarks: tuple[str, ...] = ()
+    """Nothing carries over."""
+    source: None = None
+    """It is from no file."""
+
+
 def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
     """Return what is to be known of a law that is from another file."""
     if source is None:
@@ -120,25 +146,99 @@ def _file_content(source: Rig | None, remarks: Sequence[str]) -> dict[str, Any]:
     return {"law_file": file, "remarks": list(map(plain, remarks))}
 
 
+def rig_and_form(
+    path: Path | None, changes: Sequence[str], asked: LawAsked, *, allow_import: bool = False
+) -> tuple[Rig, ChosenForm]:
+    """Return the rig and an equation as printed, with the values that the rig has for its law.
+
+    Parameters
+    ----------
+    path : Path or None
+        Rig file (TOML); the bundled rig if None.
+    changes : sequence of str
+        Overrides, each as ``PATH=VALUE``; those of friction are of the printed equation.
+    asked : LawAsked
+        Its name, such as ``printed-5``.
+    allow_import : bool
+        Whether the rig file may import classes, which runs their code.
+
+    Returns
+    -------
+    tuple of Rig and ChosenForm
+        The rig and the equation.
+
+    Raises
+    ------
+    InputError
+        If an override has no effect.
+    """
+    assert asked.law is not None
+    if asked.load is not None:
+        raise InputError("--law-load applies to a law from a file: leave it out.")
+    kind = PRINTED_FORMS[asked.law]
+    given = overrides(changes)
+    own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
+    others = {key: value for key, value in given.items() if key not in own}
+    rig = load_rig(path, overrides=others, allow_import=allow_import)
+    slip_of(rig.mechanism)
+    law = _own(rig, kind.corrected.name).law
+    load = static_normal_force(rig.mechanism) or 1.0
+    values: dict[str, Any] = {}
+    for name in fields_of(kind):
+        value = load if name == "weight" else getattr(law, name, None)
+        if value is not None:
+            values[name] = value * load if name in PER_LOAD else value
+    known = [field.name for field in dataclasses.fields(kind)]
+    for key, text in own.items():
+        name = key.removeprefix(FRICTION).removeprefix(f"{kind.name}.")
+        if name not in known:
+            raise InputError(
+                f"--set {key} names no parameter of {kind.name}, which has {', '.join(known)}."
+            )
+        values[name] = _value_of(kind, name, text)
+    return rig, ChosenForm(form=kind(**values), corrected=law)
+
+
+PER_LOAD = ("bristle_stiffness", "bristle_damping")
+"""Parameters that a law has over the load, and a printed equation as forces."""
+
+
+def _value_of(kind: type[PrintedForm], name: str, text: str) -> float | bool:
+    """Read a value of a printed equation, which may be a switch."""
+    quantity = fields_of(kind).get(name)
+    if quantity is not None:
+        try:
+            return read_number(text, quantity)
+        except ParameterError as error:
+            raise ParameterError(f"--set {FRICTION}{name}: {error}") from None
+    if text.lower() not in ("true", "false"):
+        raise ParameterError(f"--set {FRICTION}{name} must be true or false, got {text!r}.")
+    return text.lower() == "true"
+
+
 def friction_of(chosen: ChosenLaw | ChosenLaws) -> FrictionLaw | Laws:
     """Return the law, or the laws by contact."""
     return chosen.laws if isinstance(chosen, ChosenLaws) else chosen.law
 
 
-def friction_title(chosen: ChosenLaw | ChosenLaws) -> str:
+def friction_title(chosen: ChosenLaw | ChosenLaws | ChosenForm) -> str:
     """Return the law in words, or those of the contacts."""
+    if isinstance(chosen, ChosenForm):
+        return f"eq. {chosen.form.equation} as printed: {chosen.form.title}"
     if isinstance(chosen, ChosenLaw):
         return chosen.law.title
     return ", ".join(dict.fromkeys(law.title for _, law in chosen.laws.members))
 
 
-def friction_content(chosen: ChosenLaw | ChosenLaws, mechanism: Mechanism) -> dict[str, Any]:
+def friction_content(
+    chosen: ChosenLaw | ChosenLaws | ChosenForm, mechanism: Mechanism
+) -> dict[str, Any]:
     """Return the name of the law, or those of the contacts, null where nothing rubs.
 
     Parameters
     ----------
-    chosen : ChosenLaw or ChosenLaws
-        The law with its estimates, or laws by contact.
+    chosen : ChosenLaw, ChosenLaws or ChosenForm
+        The law with its estimates, laws by contact, or an equation as printed.
     mechanism : Mechanism
         The mechanism with these contacts.
 
@@ -149,6 +249,9 @@ def friction_content(chosen: ChosenLaw | ChosenLaws, mechanism: Mechanism) -> di
     """
     if isinstance(chosen, ChosenLaw):
         return chosen.to_dict()
+    if isinstance(chosen, ChosenForm):
+        values = {path: value for path, _, value in parameters(chosen.form, "friction")}
+        return {"law": chosen.form.name, "values": values}
     laws = {one.name: chosen.laws.names.get(one.name) for one in mechanism.contacts()}
     return {"laws": laws, **_file_content(chosen.source, chosen.remarks)}
 
@@ -186,6 +289,7 @@ def law_to_fit(rig: Rig, name: str | None, route: AnyRoute) -> Law:
         return _laws_to_fit(rig, name, route)
     if name is None:
         name = rig.named[0] if len(rig.named) == 1 else route.usual_law
+    _refuse_printed(name)
     return rig.laws.get(name) or name
 
 
@@ -425,11 +529,7 @@ def _load(text: str | None) -> float | None:
 def _own(rig: Rig, name: str | None) -> ChosenLaw:
     """Return a law of the rig, or one with plain values where the rig does not have it."""
     name = _name(rig) if name is None else name
-    if name in PRINTED_FORMS:
-        raise InputError(
-            f"{name} is an equation as printed, which only `stickslip paper` runs. Its corrected"
-            f" law is {PRINTED_FORMS[name].corrected.name}."
-        )
+    _refuse_printed(name)
     if name in rig.laws:
         known = rig.estimates
         return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
@@ -444,6 +544,16 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
     lacks = "only some values" if given else "no values"
     note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
     return _of_rig(rig, law, None)
+
+
+def _refuse_printed(name: str) -> None:
+    """Refuse an equation as printed where only laws can be taken."""
+    if name in PRINTED_FORMS:
+        raise InputError(
+            f"{name} is an equation as printed, which has no exact solution and is not fitted: only"
+            f" `stickslip simulate --law {name} --fixed-step SECONDS` runs it. Its corrected law is"
+            f" {PRINTED_FORMS[name].corrected.name}."
+        )
 
 
 def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:

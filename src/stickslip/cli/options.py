@@ -8,6 +8,7 @@ import typer
 from stickslip.errors import InputError
 
 __all__ = [
+    "DEMO",
     "AllowImport",
     "BackSlip",
     "Columns",

@@ -7,7 +7,9 @@ from stickslip.cli.console import (
     command_line,
     document,
     json_text,
+    plain,
     print_json,
+    refuse_inputs,
     refuse_overwriting,
     show_table,
     stdout,
@@ -16,20 +18,23 @@ from stickslip.cli.console import (
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Watching
 from stickslip.experiments import load_rig
-from stickslip.formatting import fixed, significant
+from stickslip.formatting import fixed, number, significant
 from stickslip.paper import CartStudy, PaperAudit, Requirement, audit, paper_report
 from stickslip.paper.cart import CYCLES
+from stickslip.paper.values import check_form
 
 __all__ = ["run"]
 
 DOCUMENT = "paper.json"
 
 
-def run(output: Path, *, force: bool, as_json: bool) -> None:
+def run(path: Path | None, output: Path, *, force: bool, as_json: bool) -> None:
     """Recompute the paper, write the page, print Table II.
 
     Parameters
     ----------
+    path : Path or None
+        Rig file of one's own, for the same questions; the rig of the paper if None.
     output : Path
         Folder of the page and the numbers.
     force : bool
@@ -39,8 +44,12 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
     """
     if not as_json:
         refuse_overwriting(output, output, force=force, files=(PAGE, DOCUMENT))
-    with Watching(list(load_rig().laws), "Recomputing the paper:") as watch:
-        found = audit(progress=watch)
+    rig = load_rig(path)
+    refuse_inputs(output / PAGE, rig.files)
+    check_form(rig)
+    doing = "Recomputing the paper:" if path is None else "Recomputing:"
+    with Watching(list(rig.laws or load_rig().laws), doing) as watch:
+        found = audit(rig, progress=watch)
     content = document("paper", found.to_dict())
     if as_json:
         print_json(content)
@@ -58,24 +67,78 @@ def run(output: Path, *, force: bool, as_json: bool) -> None:
 
 def _show(found: PaperAudit) -> None:
     """Print Table II beside ours, and what the unpublished parameters would have to be."""
-    heads = ["model", "published, m", "A push, m", "B spring, m", "C fixed, m"]
+    digits = 3 if found.own else 2
+    heads = ["model", "A push, m", "A in 10 ms, m", "B spring, m", "C fixed, m"]
     rows = [
         [
             row.law.title,
-            fixed(row.published.travel, 2) if row.published.travel is not None else "",
-            *[fixed(reading.criteria.travel, 4) for reading in row.readings],
+            fixed(row.readings[0].criteria.travel, 4),
+            "unstable" if row.coarse is None else fixed(row.coarse, 4),
+            *[fixed(reading.criteria.travel, 4) for reading in row.readings[1:]],
         ]
         for row in found.table
     ]
-    show_table(f"Table II; measured {fixed(found.measured, 2)} m", heads, rows)
-    ranks = [found.ranking(key) for key in ("published", "A", "B")]
+    if not found.own:
+        heads.insert(1, "published, m")
+        for row, cells in zip(found.table, rows, strict=True):
+            travel = row.published.travel
+            cells.insert(1, "" if travel is None else fixed(travel, 2))
+    title = "The models of the paper" if found.own else "Table II"
+    show_table(f"{title}; measured {fixed(found.measured, digits)} m", heads, rows)
+    stdout().print()
+    if len(found.trials) > 1:
+        _show_trials(found)
+    _show_ranks(found)
+    if found.own:
+        stdout().print()
+        stdout().print(plain(found.verdict.words.verdict), markup=False)
+        stdout().print(plain(found.verdict.words.lede), markup=False)
+    else:
+        _show_needs(found)
+    stdout().print()
+    _show_cart(found.cart, own=found.own)
+
+
+def _show_trials(found: PaperAudit) -> None:
+    """Print every trial with the travel of each model."""
+    heads = ["compression, m", "measured, m", *(row.law.title for row in found.table)]
     rows = [
-        [row.law.title, *(str(one.get(row.law.name, "rejected")) for one in ranks)]
+        [
+            number(trial.compression),
+            fixed(trial.measured, 3),
+            *(fixed(trial.travels[row.law.name], 3) for row in found.table),
+        ]
+        for trial in found.trials
+    ]
+    show_table("Travels of all trials, m", heads, rows)
+    stdout().print()
+
+
+def _show_ranks(found: PaperAudit) -> None:
+    """Print the ranks by the criteria of the paper."""
+    reading = found.values.own_reading
+    keys = ("A", reading) if found.own else ("published", "A", "B")
+    names = {"published": "published", "A": "A push", "B": "B spring", "C": "C fixed"}
+    ranks = [(key, found.ranking(key)) for key in keys]
+    rows = [
+        [
+            row.law.title,
+            *(
+                ""
+                if key == "published" and row.published.travel is None
+                else str(one.get(row.law.name, "rejected"))
+                for key, one in ranks
+            ),
+        ]
         for row in found.table
     ]
-    stdout().print()
-    heads = ["model", "published", "A push", "B spring"]
-    show_table("Ranks by the paper's criteria; select ranks no law on a single travel", heads, rows)
+    said = "" if found.verdict.ranked else "; select ranks no law on a single travel"
+    heads = ["model", *(names[key] for key in keys)]
+    show_table(f"Ranks by the paper's criteria{said}", heads, rows)
+
+
+def _show_needs(found: PaperAudit) -> None:
+    """Print what would give the published rows."""
     rows = [_need(need) for need in found.requirements]
     stdout().print()
     heads = ["row", "m", "interpreted as", "needs", "range"]
@@ -93,11 +156,22 @@ def _show(found: PaperAudit) -> None:
     heads = ["law", "bristles, N/m", "at the stop", "A push, m", "lowest velocity, mm/s"]
     stdout().print()
     show_table("Softer bristles in the same push", heads, rows)
+    rows = [
+        [
+            significant(1e3 * one.stribeck_velocity, 4),
+            fixed(one.mean, 2),
+            f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
+            fixed(one.held, 4),
+            fixed(one.fine, 4),
+        ]
+        for one in found.creeps
+    ]
+    heads = ["v_s, mm/s", "10 ms, no rule, m", "scatter, m", "10 ms, rule, m", "1 ms, no rule, m"]
     stdout().print()
-    _show_cart(found.cart)
+    show_table("(5) with sgn v added, its exponent as printed, push in fixed steps", heads, rows)
 
 
-def _show_cart(study: CartStudy) -> None:
+def _show_cart(study: CartStudy, *, own: bool) -> None:
     """Print what the cart does with the printed equations, and with the chosen laws."""
     heads = ["fig.", "run", "travel, m", "last, mm", "back-slip, mm", "lowest, mm/s"]
     rows = [
@@ -109,7 +183,7 @@ def _show_cart(study: CartStudy) -> None:
             significant(1e3 * one.mean_return, 2),
             significant(1e3 * one.least_velocity, 2),
         ]
-        for figure, runs in (("2", study.runs), ("11", study.choices))
+        for figure, runs in (("2", () if own else study.runs), ("11", study.choices))
         for one in runs
     ]
     title = (

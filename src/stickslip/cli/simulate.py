@@ -23,12 +23,14 @@ from stickslip.cli.console import (
     write_folder,
 )
 from stickslip.cli.law_choice import (
+    ChosenForm,
     ChosenLaw,
     ChosenLaws,
     LawAsked,
     friction_content,
     friction_of,
     friction_title,
+    rig_and_form,
     rig_and_friction,
 )
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
@@ -36,6 +38,7 @@ from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
+from stickslip.friction import PRINTED_FORMS
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -78,6 +81,8 @@ class Settings:
     """Integrator of the fixed step: ``euler``, ``heun`` or ``rk4``."""
     stick_rule: bool
     """Whether fixed steps hold the body at rest by a rule."""
+    zero_velocity_band: float = 0.0
+    """Speed [m/s] within which fixed steps hold the body; none if 0."""
     ensemble: int | None = None
     """Number of draws of the law's parameters; none if None."""
     seed: int = 0
@@ -92,7 +97,7 @@ class Ran:
 
     rig: Rig
     """The rig that was simulated."""
-    chosen: ChosenLaw | ChosenLaws
+    chosen: ChosenLaw | ChosenLaws | ChosenForm
     """The law, with its estimates; laws by contact where contacts have their own."""
     run: Trajectory
     """The trajectory."""
@@ -148,15 +153,12 @@ def run(
         page = settings.report / PAGE
         option = "--report-to FOLDER"
         refuse_overwriting(page, settings.report, force=force, option=option, files=(PAGE,))
-    rig, chosen = rig_and_friction(path, changes, settings.law, allow_import=allow_import)
+    choose = rig_and_form if settings.law.law in PRINTED_FORMS else rig_and_friction
+    rig, chosen = choose(path, changes, settings.law, allow_import=allow_import)
     if output is not None:
         refuse_inputs(output, rig.files)
-    slips = has_one_slip(rig.mechanism)
-    if slips and isinstance(chosen, ChosenLaw):
-        ran = _ran(rig, chosen, settings)
-        criteria = criteria_of(ran.run, rig.mechanism)
-    else:
-        ran, criteria = _ran_by_contact(rig, chosen, settings, enforce=enforce), None
+    ran = _ran(rig, chosen, settings, enforce=enforce)
+    criteria = criteria_of(ran.run, rig.mechanism) if _has_criteria(ran) else None
     if output is not None:
         table = _table(ran, settings.samples)
         write_file(output, table_bytes(table, output, _units(ran, table)))
@@ -190,7 +192,23 @@ def _write_page(folder: Path, text: str | None) -> None:
     write_folder(folder, {} if text is None else {PAGE: text}, stale=[PAGE])
 
 
-def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
+def _ran(
+    rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings, *, enforce: bool
+) -> Ran:
+    """Make the run, in the way of what was chosen."""
+    if isinstance(chosen, ChosenForm):
+        return _ran_form(rig, chosen, settings)
+    if has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
+        return _ran_law(rig, chosen, settings)
+    return _ran_by_contact(rig, chosen, settings, enforce=enforce)
+
+
+def _has_criteria(ran: Ran) -> bool:
+    """Whether one contact slips along a coordinate, so that the criteria of the paper apply."""
+    return has_one_slip(ran.rig.mechanism) and not isinstance(ran.chosen, ChosenLaws)
+
+
+def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     """Make the run, and the ensemble if one was asked for."""
     _refuse_both(settings)
     if settings.ensemble is not None and chosen.estimates is None:
@@ -219,6 +237,29 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         band=band,
         remarks=(*chosen.remarks, *beyond),
     )
+
+
+def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
+    """Make the run of an equation as printed, which only fixed steps do."""
+    if settings.fixed_step is None:
+        raise InputError(
+            f"{chosen.form.name} is an equation as printed, which has no exact solution: give a"
+            f" step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
+            f" {chosen.corrected.name}."
+        )
+    if settings.report is not None or settings.ensemble is not None:
+        raise InputError(
+            "--report and --ensemble take a friction law: with an equation as printed, leave them"
+            " out, or write the run with -o run.csv."
+        )
+    run = simulate(
+        rig.mechanism,
+        chosen.form,
+        t_end=rig.t_end if settings.t_end is None else settings.t_end,
+        y0=rig.start(chosen.corrected),
+        solver=_solver(settings),
+    )
+    return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=())
 
 
 def _refuse_both(settings: Settings) -> None:
@@ -310,6 +351,7 @@ def _page(ran: Ran, settings: Settings) -> str:
     """Return the page of a run."""
     from stickslip.report import ContactsReport, RunReport, contacts_page, run_page, versions
 
+    assert not isinstance(ran.chosen, ChosenForm)  # refused before the run
     source = ran.chosen.source
     digests = {"the rig": ran.rig.digest}
     digests |= {} if source is None else {"the law": source.digest}
@@ -350,6 +392,7 @@ def _solver(settings: Settings) -> Solver | None:
         dt=settings.fixed_step,
         method=settings.method,  # type: ignore[arg-type]  # checked by FixedStep itself
         stick_rule=settings.stick_rule,
+        zero_velocity_band=settings.zero_velocity_band,
     )
 
 

@@ -49,6 +49,7 @@ HOMES = {
 INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
+    "PrintedStribeck": "published",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "given_to": "by_contact",

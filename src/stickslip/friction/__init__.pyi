@@ -27,6 +27,7 @@ from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
 from stickslip.friction.published import PrintedCoulomb as _PrintedCoulomb
 from stickslip.friction.published import PrintedForm as PrintedForm
+from stickslip.friction.published import PrintedStribeck as _PrintedStribeck
 from stickslip.friction.published import RightEquation as RightEquation
 from stickslip.friction.quadratic_drag import QuadraticDrag as _QuadraticDrag
 from stickslip.friction.rate_state import Evolution as Evolution
@@ -182,6 +183,19 @@ class PrintedCoulomb(_PrintedCoulomb):  # type: ignore[misc]  # final but for th
         self,
         *,
         kinetic_coefficient: _Given,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PrintedStribeck(_PrintedStribeck):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given = ...,
+        signed: bool = ...,
     ) -> None: ...
 
 @final

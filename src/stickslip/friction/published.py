@@ -293,7 +293,8 @@ class PrintedStribeck(_Memoryless):
     )
     defect: ClassVar[str] = (
         "moving backwards, $F_v$ grows without limit (the exponent lacks |·|) and has the wrong"
-        " sign (sgn $v$ is missing)"
+        " sign (sgn $v$ is missing); the force of sliding is $F$($v$) in the cases and $F_v$ below"
+        " them"
     )
     cure: ClassVar[str] = "[$F_c$ + ($F_s$ − $F_c$) exp(−|$v$/$v_s$|^{n})] sgn $v$ + $sigma_2$ $v$"
     right: ClassVar[str] = (
@@ -309,6 +310,8 @@ class PrintedStribeck(_Memoryless):
     """Speed at which the static part fades."""
     viscous_coefficient: Sigma2 = 0.0
     """Viscous force over the velocity."""
+    signed: bool = False
+    """Whether the dry part is multiplied by sgn v, which (5) lacks; the exponent stays as it is."""
 
     @override
     def force(
@@ -318,7 +321,8 @@ class PrintedStribeck(_Memoryless):
         if velocity == 0:
             return applied if abs(applied) < f_s else float(f_s * sign(applied))
         v_s, sigma_2 = self.stribeck_velocity, self.viscous_coefficient
-        return f_c + (f_s - f_c) * exp(-velocity / v_s) + sigma_2 * velocity
+        dry = f_c + (f_s - f_c) * exp(-velocity / v_s)
+        return float(dry * (sign(velocity) if self.signed else 1)) + sigma_2 * velocity
 
 
 @final
@@ -367,7 +371,10 @@ class PrintedCoulombSwitch(_Switched, _Memoryless):
     title: ClassVar[str] = "Coulomb"
     equation: ClassVar[str] = "(7)"
     formula: ClassVar[str] = _switched(r"F_c = \mu N \operatorname{sgn}(\dot x)")
-    defect: ClassVar[str] = NO_LIMIT
+    defect: ClassVar[str] = (
+        f"{NO_LIMIT}; $F_c$ denotes the force with its sgn here, and its magnitude in (5), (6), (9)"
+        " and (10)"
+    )
     cure: ClassVar[str] = f"$mu_k$ $N$ sgn $v$; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = Coulomb
 
@@ -389,7 +396,8 @@ class PrintedViscousSwitch(_Switched, _Memoryless):
     equation: ClassVar[str] = "(8)"
     formula: ClassVar[str] = _switched(r"F_v = \mu_v \dot x \operatorname{sgn}(\dot x)")
     defect: ClassVar[str] = (
-        f"one sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}"
+        f"one sgn too many: it accelerates a body that moves backwards; {NO_LIMIT}; the legend"
+        " explains $mu_v$ twice, the second time where $F_x$ is meant"
     )
     cure: ClassVar[str] = "$sigma_2$ $v$"
     corrected: ClassVar[type[FrictionLaw]] = Viscous
@@ -482,7 +490,8 @@ class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     )
     defect: ClassVar[str] = (
         "the viscous part has one sgn too many and accelerates a body that moves backwards;"
-        f" {NO_LIMIT}"
+        f" {NO_LIMIT}; with $F_c$ of (7), which has its sgn, the dry part is $mu$ $N$ sgn² $v$,"
+        " even in $v$, and would accelerate that body too: $F_c$ is taken here as $mu$ $N$"
     )
     cure: ClassVar[str] = f"$F_c$ sgn $v$ + $sigma_2$ $v$; {LIMIT}"
     corrected: ClassVar[type[FrictionLaw]] = CoulombViscous

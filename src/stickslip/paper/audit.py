@@ -7,26 +7,39 @@ from typing import Any
 
 from stickslip.experiments import Published, Rig, load_rig
 from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.mechanisms import SpringBlock
 from stickslip.paper.cart import CartStudy, study_cart
 from stickslip.paper.excitations import Excitation, excitations, rigs
 from stickslip.paper.misprints import Consequence, consequences
-from stickslip.paper.springback import Springback, springbacks
+from stickslip.paper.rest_rules import RestRule, rest_rules
+from stickslip.paper.springback import STIFFNESS, Springback, springbacks
 from stickslip.paper.stick_slip import StickSlip, stick_slip
 from stickslip.paper.unpublished import (
+    STEP,
     BristleRow,
+    Creep,
     Requirement,
     StepTravel,
     bristle_rows,
+    lugre_row,
     requirements,
     step_travels,
+    stribeck_creeps,
 )
-from stickslip.paper.values import PaperValues
-from stickslip.quantities import fields_of, vary
+from stickslip.paper.values import PaperValues, adopted, check_form
+from stickslip.quantities import fields_of, parameters, vary
 from stickslip.report import published_dict
-from stickslip.selection import FixedStepRow, TravelVerdict, compare_fixed_steps, select_travels
+from stickslip.selection import (
+    FixedStepRow,
+    TravelVerdict,
+    compare_fixed_steps,
+    largest_step,
+    select_travels,
+)
 from stickslip.simulation import simulate
+from stickslip.solver import FixedStep
 
-__all__ = ["PaperAudit", "TableRow", "audit"]
+__all__ = ["PaperAudit", "TableRow", "TrialTravels", "audit"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +52,11 @@ class TableRow:
     """What the paper prints in the row."""
     readings: tuple[Excitation, ...]
     """The row's law in the readings A, B and C."""
+    coarse: float | None
+    """Travel of the push by forward Euler in steps of 10 ms, with the stick rule [m]; None where
+    the step makes the bristles grow without limit."""
+    largest_step: float | None
+    """Step above which they do so [s]; None for laws without bristles."""
 
     def reading(self, key: str) -> Excitation:
         """Return the reading A, B or C."""
@@ -46,11 +64,25 @@ class TableRow:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TrialTravels:
+    """A measured travel, and what each law makes of its setting."""
+
+    compression: float
+    """Of the spring [m]."""
+    measured: float
+    """Measured travel [m]."""
+    travels: Mapping[str, float]
+    """Travel by name of the law [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PaperAudit:
     """Everything recomputed, beside what was printed."""
 
     rig: Rig
-    """The bundled rig."""
+    """The rig, with a law for each row."""
+    own: bool
+    """Whether it is another rig than that of the paper, of which nothing was published."""
     values: PaperValues
     """The rig's numbers in the paper's terms."""
     measured: float
@@ -71,8 +103,14 @@ class PaperAudit:
     """Travels by the stiffness of the bristles."""
     springbacks: tuple[Springback, ...]
     """How bristle laws spring back where nothing holds the block."""
-    stick_slip: StickSlip
-    """The block pulled slowly by its spring."""
+    creeps: tuple[Creep, ...]
+    """What (5) makes of the push in steps of 10 ms, with the sgn that it lacks."""
+    rest_rules: tuple[RestRule, ...]
+    """Zero-velocity bands and other rules for rest, beside the exact switch."""
+    trials: tuple[TrialTravels, ...]
+    """Each trial with the travels of all laws."""
+    stick_slip: StickSlip | None
+    """The block pulled slowly by its spring; None of another rig."""
     cart: CartStudy
     """The pendulum-driven cart."""
     verdict: TravelVerdict
@@ -106,7 +144,7 @@ class PaperAudit:
                 holds = seen.velocity_never_negative and seen.displacement_never_decreases
                 error = seen.relative_error
             if holds and error is not None:
-                judged[row.law.name] = abs(error)
+                judged[row.law.name] = round(abs(error), 9)  # rows that are one law share a rank
         return {
             name: 1 + sum(other < error for other in judged.values())
             for name, error in judged.items()
@@ -122,6 +160,8 @@ class PaperAudit:
                     "published": asdict(row.published),
                     "ours": {r.key: asdict(r.criteria) for r in row.readings},
                     "closed_form": {r.key: r.closed_form for r in row.readings},
+                    "in_steps_of_10_ms": row.coarse,
+                    "largest_step": row.largest_step,
                 }
                 for row in self.table
             ],
@@ -138,6 +178,19 @@ class PaperAudit:
                 }
                 for one in self.step_travels
             ],
+            "equation_5_in_steps_of_10_ms": [
+                {
+                    "stribeck_velocity": creep.stribeck_velocity,
+                    "travels": list(creep.travels),
+                    "mean_travel": creep.mean,
+                    "least_velocity": creep.least_velocity,
+                    "with_rule_for_rest": creep.held,
+                    "in_a_tenth_of_the_step": creep.fine,
+                }
+                for creep in self.creeps
+            ],
+            "rules_for_rest": [asdict(rule) for rule in self.rest_rules],
+            "trials": [asdict(trial) for trial in self.trials],
             "travel_with_a_viscous_part": dict(self.viscous_travels),
             "misprints": [_consequence_dict(c) for c in self.consequences],
             "bristles": [asdict(row) for row in self.bristles],
@@ -154,23 +207,28 @@ class PaperAudit:
                 }
                 for row in self.fixed_steps
             ],
-            "stick_slip": {
-                "speed": self.stick_slip.mechanism.speed,
-                "stick_time": self.stick_slip.stick_time,
-                "slip_time": self.stick_slip.slip_time,
-                "closed_form": {
-                    "stick_time": self.stick_slip.stick_formula,
-                    "slip_time": self.stick_slip.slip_formula,
-                },
-            },
+            "stick_slip": self.stick_slip and _stick_slip_dict(self.stick_slip),
             "cart": self.cart.to_dict(),
             "selection": self.verdict.to_dict(),
         }
 
 
+def _stick_slip_dict(pulled: StickSlip) -> dict[str, Any]:
+    return {
+        "speed": pulled.mechanism.speed,
+        "stick_time": pulled.stick_time,
+        "slip_time": pulled.slip_time,
+        "closed_form": {"stick_time": pulled.stick_formula, "slip_time": pulled.slip_formula},
+    }
+
+
 def _consequence_dict(consequence: Consequence) -> dict[str, Any]:
     return {
         **published_dict(consequence.form),
+        "values": {path: value for path, _, value in parameters(consequence.printed, "printed")},
+        "values_corrected": {
+            path: value for path, _, value in parameters(consequence.corrected, "corrected")
+        },
         "tests": {
             one.test: {
                 "printed": _finite(asdict(one.printed)),
@@ -193,14 +251,20 @@ def _finite(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def audit(
-    *, verdict: TravelVerdict | None = None, progress: Callable[[str, float], object] | None = None
+    rig: Rig | None = None,
+    *,
+    verdict: TravelVerdict | None = None,
+    progress: Callable[[str, float], object] | None = None,
 ) -> PaperAudit:
     """Recompute the paper: Table II, its unpublished parameters, its printed equations.
 
     Parameters
     ----------
+    rig : Rig, optional
+        A rig of one's own, for the same questions: a block that a compressed spring sets in motion
+        on the level, with its travel or several. The rig of the paper if not given.
     verdict : TravelVerdict, optional
-        The selection on the bundled rig, if it was already made.
+        The selection on the rig, if it was already made.
     progress : callable, optional
         Called with the name of a law and the number of its runs so far.
 
@@ -209,38 +273,85 @@ def audit(
     PaperAudit
         The numbers of the paper, recomputed.
 
+    Raises
+    ------
+    InputError
+        If the rig has another form than that of the paper.
+
     Examples
     --------
     >>> from stickslip.paper import audit
     >>> found = audit()  # doctest: +SKIP
     """
-    rig = load_rig()
-    values = PaperValues.of(rig)
+    paper = load_rig()
+    rig = paper if rig is None else rig
+    own = rig.digest != paper.digest
+    if own:
+        check_form(rig)
     if verdict is None and rig.measurement is not None:
         verdict = select_travels(
             rig.mechanism, rig.laws, rig.measurement, t_end=rig.t_end, progress=progress
         )
     assert verdict is not None
+    rig = adopted(rig, verdict) if own else rig
+    values = PaperValues.of(rig)
     published = {row.law: row for row in rig.published}
     travels = {name: row.travel for name, row in published.items() if row.travel is not None}
+    rows = tuple(_row(rig, values, published.get(name) or Published(law=name)) for name in MODELS)
     return PaperAudit(
         rig=rig,
+        own=own,
         values=values,
         measured=values.measured,
-        table=tuple(_row(rig, values, row) for row in published.values()),
+        table=rows,
         requirements=requirements(values, travels, t_end=rig.t_end),
         step_travels=step_travels(values, travels, t_end=rig.t_end),
         viscous_travels=_viscous_travels(rig, values),
         consequences=consequences(values),
         fixed_steps=compare_fixed_steps(values.rig, rig.laws["coulomb"], t_end=1.0),
-        bristles=bristle_rows(values, t_end=rig.t_end),
+        bristles=() if own else bristle_rows(values, t_end=rig.t_end),
         springbacks=springbacks(values),
-        stick_slip=stick_slip(values),
+        creeps=() if own else stribeck_creeps(values, t_end=rig.t_end),
+        rest_rules=rest_rules(values),
+        trials=_trials(rig),
+        stick_slip=None if own else stick_slip(values),
         cart=study_cart(
-            _named(verdict), rig.laws["coulomb-viscous"], levels=(values.mu_k, values.mu_s)
+            _named(verdict),
+            rig.laws["coulomb-viscous"],
+            levels=(values.mu_k, values.mu_s),
+            bristles=lugre_row(values, STIFFNESS),
         ),
         verdict=verdict,
     )
+
+
+MODELS = (
+    "coulomb",
+    "dahl",
+    "lugre",
+    "stribeck",
+    "coulomb-viscous",
+    "coulomb-viscous-static",
+)
+"""The rows of Table II in its order, and the one of the paper's six models that it leaves out."""
+
+
+def _trials(rig: Rig) -> tuple[TrialTravels, ...]:
+    """Return each measured travel with what every law makes of its compression."""
+    assert isinstance(rig.mechanism, SpringBlock)
+    assert rig.measurement is not None
+    found = []
+    for record in rig.measurement.records():
+        block = vary(rig.mechanism, "mechanism", record.overrides)
+        runs = {name: simulate(block, rig.laws[name], t_end=rig.t_end) for name in MODELS}
+        found.append(
+            TrialTravels(
+                compression=block.compression,
+                measured=float(record.travel or 0.0),
+                travels={name: float(run.at(rig.t_end)["x"][0]) for name, run in runs.items()},
+            )
+        )
+    return tuple(found)
 
 
 def _named(verdict: TravelVerdict) -> FrictionLaw | None:
@@ -258,7 +369,7 @@ def _viscous_travels(rig: Rig, values: PaperValues) -> dict[str, float]:
         if "viscous_coefficient" in fields_of(form)
     }
     found = {}
-    for name in (row.law for row in rig.published):
+    for name in MODELS:
         law = rig.laws[name]
         if name in viscous and getattr(law, "viscous_coefficient", None) == 0.0:
             full = vary(law, "friction", {"friction.viscous_coefficient": values.viscous})
@@ -269,4 +380,12 @@ def _viscous_travels(rig: Rig, values: PaperValues) -> dict[str, float]:
 def _row(rig: Rig, values: PaperValues, published: Published) -> TableRow:
     law = rig.laws[published.law]
     readings = excitations(values.rig, law, measured=values.measured, t_end=rig.t_end)
-    return TableRow(law=law, published=published, readings=readings)
+    push = readings[0]
+    largest = largest_step(push.mechanism, law, push.run)
+    coarse = None
+    if largest is None or largest >= STEP:
+        run = simulate(push.mechanism, law, t_end=rig.t_end, solver=FixedStep(dt=STEP))
+        coarse = float(run["x"][-1])
+    return TableRow(
+        law=law, published=published, readings=readings, coarse=coarse, largest_step=largest
+    )

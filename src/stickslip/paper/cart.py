@@ -7,7 +7,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from stickslip.drives import ThreePhase
 from stickslip.friction import (
@@ -31,6 +34,12 @@ STEP = 0.01
 """Of the runs as block diagrams [s]."""
 KINETIC = 0.2
 """Coefficient of the runs that are compared with the printed equations."""
+SAMPLES = 20_000
+"""Times at which forces of a run are evaluated."""
+SURPLUS = (0.0, 0.5, 1.0, 1.5)
+"""Break-away levels that are tried, as shares of the step from the kinetic level to the static."""
+ALONE = 0.4
+"""That step over the kinetic level, where the static level is not known to be higher."""
 SWING = ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0)
 CART = PendulumCart(cart_mass=0.5, ball_mass=0.1, length=0.3, pendulum=Prescribed(profile=SWING))
 
@@ -70,6 +79,18 @@ class CartRun:
         """Of all cycles [N]."""
         return min(cycle.least_normal_force for cycle in self.cycles)
 
+    @cached_property
+    def largest_friction(self) -> tuple[float, ...]:
+        """Largest friction over the normal force in each cycle."""
+        first, last = self.run.span
+        times = np.union1d(np.linspace(first, last, SAMPLES), self.run.t)
+        seen = self.run.at(times)
+        shares = np.abs(seen["friction"]) / seen["normal_force"]
+        ends = np.linspace(first, last, len(self.cycles) + 1)
+        return tuple(
+            float(shares[(begin <= times) & (times <= end)].max()) for begin, end in pairwise(ends)
+        )
+
     @property
     def travel(self) -> float:
         """All travel [m]."""
@@ -97,6 +118,7 @@ class CartRun:
             "least_velocity": self.least_velocity,
             "least_velocity_by_cycle": list(self.least_velocities),
             "least_normal_force": self.least_normal_force,
+            "largest_friction_by_cycle": list(self.largest_friction),
         }
 
 
@@ -124,6 +146,9 @@ class CartStudy:
     """Fig. 2: as printed, corrected in fixed steps, exactly."""
     table_1: tuple[CartRun, ...]
     """The scheme of Fig. 2, (1) and (2) in fixed steps, at the levels of Table I; and exactly."""
+    break_away: tuple[CartRun, ...]
+    """The exact cart with the kinetic level of Table I and break-away levels around its static one,
+    and with bristles, whose break-away falls with the rate of the force."""
     choices: tuple[CartRun, ...]
     """Fig. 11: the law that `select` names for the rig, if it names one, and the paper's choice."""
 
@@ -180,6 +205,7 @@ class CartStudy:
             "kinetic_coefficient": KINETIC,
             "figure_2": [one.to_dict() for one in self.runs],
             "levels_of_table_1": [one.to_dict() for one in self.table_1],
+            "break_away": [one.to_dict() for one in self.break_away],
             "backward_motion": [
                 {
                     "cause": share.key,
@@ -193,7 +219,11 @@ class CartStudy:
 
 
 def study_cart(
-    chosen: FrictionLaw | None, theirs: FrictionLaw, *, levels: tuple[float, float] = (0.25, 0.35)
+    chosen: FrictionLaw | None,
+    theirs: FrictionLaw,
+    *,
+    levels: tuple[float, float] = (0.25, 0.35),
+    bristles: FrictionLaw | None = None,
 ) -> CartStudy:
     """Drive the cart with the printed equations, in fixed steps and exactly; then with two laws.
 
@@ -205,6 +235,8 @@ def study_cart(
         What the paper chose.
     levels : tuple of float
         Kinetic and static coefficient of Table I.
+    bristles : FrictionLaw, optional
+        A law whose break-away depends on how fast the force grows; none is run if None.
 
     Returns
     -------
@@ -245,11 +277,35 @@ def study_cart(
             _run("table-1", "(1), (2) as printed", plain(kinetic_coefficient=levels[0]), free),
             _run("table-1-exact", "exact", at_table_1, exact),
         ),
+        break_away=_break_away(levels, bristles),
         choices=(
             *(() if chosen is None else (_run("selected", chosen.title, chosen, exact),)),
             _run("paper", theirs.title, theirs, exact),
         ),
     )
+
+
+def _break_away(levels: tuple[float, float], bristles: FrictionLaw | None) -> tuple[CartRun, ...]:
+    """Vary the break-away level, at the kinetic levels of Table I and of Fig. 2."""
+    (mu_k, mu_s), exact = levels, EventDriven()
+    step = mu_s - mu_k or ALONE * mu_k
+    laws = [
+        Coulomb(kinetic_coefficient=kinetic, static_coefficient=kinetic + share * step)
+        for kinetic in (mu_k, KINETIC)
+        for share in SURPLUS
+    ]
+    runs = [
+        _run(
+            f"break-away-{index}",
+            f"$mu_k$ = {law.kinetic_coefficient:.3g}, $mu_s$ = {law.break_away(1.0):.3g}",
+            law,
+            exact,
+        )
+        for index, law in enumerate(laws)
+    ]
+    if bristles is not None:
+        runs.append(_run("break-away-bristles", bristles.title, bristles, exact))
+    return tuple(runs)
 
 
 def _run(

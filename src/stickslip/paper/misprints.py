@@ -70,10 +70,17 @@ class Outcome:
 class Consequence:
     """One printed equation and what it does in the tests."""
 
-    form: type[PrintedForm]
-    """The printed equation."""
+    printed: PrintedForm
+    """The printed equation, with its values."""
+    corrected: FrictionLaw
+    """The corrected law, with its values."""
     outcomes: tuple[Outcome, ...]
     """What came of each test of the equation."""
+
+    @property
+    def form(self) -> type[PrintedForm]:
+        """The printed equation."""
+        return type(self.printed)
 
     def outcome(self, test: str) -> Outcome | None:
         """Return what came of a test; None if it says nothing about the equation."""
@@ -119,17 +126,16 @@ def consequences(values: PaperValues) -> tuple[Consequence, ...]:
         "printed-10": {**level, **viscous},
     }
     twins, tests = _twins(values), _tests(values)
-    return tuple(
-        Consequence(
-            form=form,
-            outcomes=tuple(
-                _outcome(form(**arguments[name]), twins[form.corrected.name], key, test)
-                for key, test in tests.items()
-                if key != "hold" or hasattr(twins[form.corrected.name], "kinetic_coefficient")
-            ),
+    found = []
+    for name, form in PRINTED_FORMS.items():
+        printed, twin = form(**arguments[name]), twins[form.corrected.name]
+        outcomes = tuple(
+            _outcome(printed, twin, key, test)
+            for key, test in tests.items()
+            if key != "hold" or hasattr(twin, "kinetic_coefficient")
         )
-        for name, form in PRINTED_FORMS.items()
-    )
+        found.append(Consequence(printed=printed, corrected=twin, outcomes=outcomes))
+    return tuple(found)
 
 
 def _tests(values: PaperValues) -> dict[str, _Test]:

@@ -1,16 +1,18 @@
 """The audit of the paper as a page, and what it adds to the page of its rig."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.metadata import version
 from typing import NamedTuple
 
 from stickslip.experiments import Rig, load_rig
-from stickslip.formatting import fixed, percent
+from stickslip.formatting import fixed, joined, percent, quantity
 from stickslip.friction import SOURCES
 from stickslip.paper.audit import PaperAudit, audit
 from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.sections import (
+    assumption_section,
+    break_away_section,
     cart_section,
     choice_section,
     equation_section,
@@ -20,6 +22,7 @@ from stickslip.paper.sections import (
     misprint_section,
     phenomena_section,
     ranking_section,
+    rest_section,
     schematic_section,
     table_section,
     unpublished_section,
@@ -108,7 +111,7 @@ def _remark(found: PaperAudit) -> str:
 
 
 def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
-    """Return the audit of the paper as one HTML page.
+    """Return the audit of the paper, or of another rig, as one HTML page.
 
     Parameters
     ----------
@@ -122,24 +125,35 @@ def paper_report(audit: PaperAudit, *, command: str = "stickslip paper") -> str:
     str
         The page as HTML.
     """
+    own = audit.own
+    makers: tuple[Callable[[PaperAudit], Section], ...] = (
+        *(() if own else (schematic_section,)),
+        excitation_section,
+        table_section,
+        ranking_section,
+        *(() if own else (unpublished_section,)),
+        assumption_section,
+        equation_section,
+        misprint_section,
+        *(() if own else (merit_section, cart_section)),
+        rest_section,
+        break_away_section,
+        choice_section,
+        *(() if own else (phenomena_section,)),
+        figure_section,
+    )
+    opening = _own_opening(audit) if own else _opening(audit)
     page = Page(
-        title="The pendulum-driven cart paper, recomputed",
-        subject="Tables and figures beside what was printed",
-        kicker="audit of a paper",
+        title=audit.rig.heading if own else "The pendulum-driven cart paper, recomputed",
+        subject=(
+            "The questions of the pendulum-driven cart paper, asked of this rig"
+            if own
+            else "Tables and figures beside what was printed"
+        ),
+        kicker="a rig beside the paper" if own else "audit of a paper",
         sections=documents.made_sections(
-            Section(id="verdict", nav="Verdict", heading="", blocks=(_opening(audit),)),
-            partial(schematic_section, audit),
-            partial(excitation_section, audit),
-            partial(table_section, audit),
-            partial(ranking_section, audit),
-            partial(unpublished_section, audit),
-            partial(equation_section, audit),
-            partial(misprint_section, audit),
-            partial(merit_section, audit),
-            partial(cart_section, audit),
-            partial(choice_section, audit),
-            partial(phenomena_section, audit),
-            partial(figure_section, audit),
+            Section(id="verdict", nav="Verdict", heading="", blocks=(opening,)),
+            *(partial(maker, audit) for maker in makers),
             _closing(audit, command),
         ),
         footer=f"Written by stickslip {version('stickslip')}. No network, no scripts.",
@@ -176,6 +190,50 @@ def _opening(found: PaperAudit) -> Opening:
     )
 
 
+def _own_opening(found: PaperAudit) -> Opening:
+    """Say what the selection and the two readings make of a rig of one's own."""
+    first, words = found.table[0], found.verdict.words
+    push, own = (first.reading(key).criteria for key in ("A", found.values.own_reading))
+    given = "released" if found.values.own_reading == "B" else "fastened to the block"
+    ranks = found.ranking(found.values.own_reading)
+    first_by_rank = [row.law.title for row in found.table if ranks.get(row.law.name) == 1]
+    criteria = (
+        f"put {joined(first_by_rank)} first, and the error depends on what was assumed"
+        if first_by_rank
+        else "reject every model, since the block moves back with each"
+    )
+    return Opening(
+        kicker=found.rig.heading,
+        verdict=words.verdict,
+        lede=(
+            f"{words.lede} With the values of the file, or those assumed for the paper where it"
+            f" gives none, the criteria of the paper {criteria}."
+        ),
+        facts=(
+            Fact(
+                value=percent(abs(own.relative_error or 0.0)),
+                aside=f"{fixed(own.travel, 3)} m",
+                what=f"error of {first.law.title}, the spring {given}; measured"
+                f" {fixed(found.measured, 3)} m",
+            ),
+            Fact(
+                value=percent(abs(push.relative_error or 0.0)),
+                aside=f"{fixed(push.travel, 3)} m",
+                what=f"error of {first.law.title} if a push of {quantity(found.values.force, 'N')}"
+                f" for {PUSH_DURATION:g} s stood for the spring",
+            ),
+            Fact(
+                value=f"{fixed(push.work_in, 3)} J",
+                aside=f"and {fixed(own.work_in, 3)} J",
+                what="work of that push, and of the spring",
+            ),
+        ),
+        settles=tuple(words.settles[:3]),
+        cannot_tell=tuple(words.cannot_tell[:3]),
+        measure_next=tuple(words.measure_next[:3]),
+    )
+
+
 def _push_text(found: PaperAudit) -> str:
     """Say what the reading means if the push was what the experiment did."""
     values = found.values
@@ -207,7 +265,7 @@ def _facts(found: PaperAudit, reached: Mapping[str, int]) -> tuple[Fact, ...]:
             what="work of the push of 10 N for 0.1 s, and of the released spring",
         ),
         Fact(
-            value=f"{reached['A']} of {len(found.table)} rows",
+            value=f"{reached['A']} of {len(found.rig.published)} rows",
             aside=f"{reached['B']} with the spring",
             what="of Table II can follow from unpublished values for the push, Table I kept",
         ),
@@ -223,6 +281,10 @@ def _closing(found: PaperAudit, command: str) -> Section:
         blocks=(
             Code(text=f"$ {command}"),
             Paragraph(text=f"Versions: {used}. Rig: sha256 `{found.rig.digest[:16]}`."),
-            References(items=law_references((row.law for row in found.table), {"paper": ["rig"]})),
+            References(
+                items=law_references(
+                    (row.law for row in found.table), {} if found.own else {"paper": ["rig"]}
+                )
+            ),
         ),
     )

@@ -9,7 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from stickslip.friction import Coulomb, CoulombViscous, Dahl, FrictionLaw, LuGre, Viscous
+from stickslip.friction import (
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    FrictionLaw,
+    LuGre,
+    PrintedStribeck,
+    Viscous,
+)
 from stickslip.identification import positive_root
 from stickslip.mechanisms import SpringBlock
 from stickslip.paper.excitations import rigs
@@ -21,6 +29,7 @@ from stickslip.trajectory import Trajectory
 
 __all__ = [
     "BristleRow",
+    "Creep",
     "Requirement",
     "StepTravel",
     "bristle_rows",
@@ -28,6 +37,7 @@ __all__ = [
     "lugre_row",
     "requirements",
     "step_travels",
+    "stribeck_creeps",
 ]
 
 STEP = 0.01
@@ -210,6 +220,87 @@ def step_travels(
         for law in laws
         if law.name in published
     )
+
+
+CREEPING = (10.0e-3, 11.35e-3, 13.0e-3)
+"""Stribeck velocities [m/s] around the one at which (5) in steps creeps to the printed travel."""
+NEIGHBOURS = 15
+"""Runs at each of them, whose Stribeck velocities differ by less than any measurement tells."""
+NUDGE = 1e-9
+"""Relative difference of these velocities."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Creep:
+    """What (5) does in steps of 10 ms with the sgn that it lacks, its exponent as printed.
+
+    Without a rule for rest the block steps across zero velocity and back. Backwards the exponent
+    makes friction larger than the static level, so that each step back is followed by a larger one
+    forwards: it creeps on, chaotically, so that the travel is known as a distribution only.
+    """
+
+    stribeck_velocity: float
+    """[m/s]."""
+    travels: tuple[float, ...]
+    """Travel at the end [m] of runs whose Stribeck velocities differ by 1e-9 of themselves."""
+    run: Trajectory
+    """The first of these runs."""
+    held: float
+    """Travel with the rule for rest, in the same steps [m]."""
+    fine: float
+    """Travel without it, in a tenth of the step [m]."""
+
+    @property
+    def mean(self) -> float:
+        """Of the travels [m]."""
+        return math.fsum(self.travels) / len(self.travels)
+
+    @property
+    def least_velocity(self) -> float:
+        """Of the first run [m/s]."""
+        return float(self.run["v"].min())
+
+
+def stribeck_creeps(values: PaperValues, *, t_end: float) -> tuple[Creep, ...]:
+    """Push the block with (5) as printed but for the missing sgn, in steps of 10 ms.
+
+    Parameters
+    ----------
+    values : PaperValues
+        The paper's rig and coefficients.
+    t_end : float
+        Length of the paper's runs [s].
+
+    Returns
+    -------
+    tuple of Creep
+        One entry for each of some Stribeck velocities.
+    """
+    _, _, push = rigs(values.rig)["A"]
+
+    def ran(velocity: float, solver: FixedStep) -> Trajectory:
+        form = PrintedStribeck(
+            kinetic_coefficient=values.mu_k,
+            static_coefficient=values.mu_s,
+            stribeck_velocity=velocity,
+            signed=True,
+        )
+        return simulate(push, form, t_end=t_end, solver=solver)
+
+    free = FixedStep(dt=STEP, stick_rule=False)
+    found = []
+    for velocity in CREEPING:
+        runs = [ran(velocity * (1.0 + NUDGE * i), free) for i in range(NEIGHBOURS)]
+        found.append(
+            Creep(
+                stribeck_velocity=velocity,
+                travels=tuple(float(run["x"][-1]) for run in runs),
+                run=runs[0],
+                held=float(ran(velocity, FixedStep(dt=STEP))["x"][-1]),
+                fine=float(ran(velocity, FixedStep(dt=0.1 * STEP, stick_rule=False))["x"][-1]),
+            )
+        )
+    return tuple(found)
 
 
 def dahl_row(values: PaperValues, sigma_0: float) -> Dahl:

@@ -17,7 +17,7 @@ from stickslip.formatting import (
     with_unit,
     within,
 )
-from stickslip.identification import Estimate, Trial, far_above_dry
+from stickslip.identification import LEAST_ERROR, Estimate, Trial, far_above_dry
 from stickslip.quantities import fields_of
 from stickslip.selection.admissibility import doubts
 from stickslip.selection.contradictions import Contradiction
@@ -226,7 +226,9 @@ def _remarks(explained: Sequence[TravelCandidate], best: TravelCandidate) -> str
         names = _symbols([best], set(best.invented))
         verb = "was" if len(best.invented) == 1 else "were"
         said = f" {names} {verb} neither measured, given nor fitted: a typical value was assumed."
-    closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best)]
+    travels = best.fit.measured if best.fit else ()
+    seen = LEAST_ERROR * max(map(abs, travels), default=0.0)
+    closer = [c for c in explained if c.passed_over and misfit(c) < misfit(best) - seen]
     if closer:
         one = min(closer, key=lambda c: (bool(c.invented), misfit(c)))
         said += f" {one.title} fits these readings more closely, but {one.passed_over}."

@@ -59,6 +59,7 @@ class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
         dt: _Given,
         method: _Method = ...,
         stick_rule: bool = ...,
+        zero_velocity_band: _Given = ...,
     ) -> None: ...
 
 __all__ = [

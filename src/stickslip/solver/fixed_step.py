@@ -69,6 +69,8 @@ class FixedStep(Solver):
     """Integrator: forward Euler, Heun, or the classical Runge-Kutta of order 4."""
     stick_rule: bool = True
     """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""
+    zero_velocity_band: Annotated[float, Quantity("D_v", "m/s", low=0)] = 0.0
+    """Hold it too when a step ends within this speed and break-away is not exceeded (Karnopp)."""
 
     @override
     def __post_init__(self) -> None:
@@ -104,8 +106,13 @@ class FixedStep(Solver):
             )
         times = self._times(t_end)
         y = diagram.begun(y0)
-        rests = tuple(self.stick_rule and y[slip] == 0 for slip in diagram.slips)
+        rests = tuple(
+            (self.stick_rule and y[slip] == 0) or self._within_band(y[slip])
+            for slip in diagram.slips
+        )
         held = diagram.holds(0.0, y, rests)
+        for slip, stuck in zip(diagram.slips, held, strict=True):
+            y[slip] = 0.0 if stuck else y[slip]
         rows = [diagram.sample(0.0, y, held)]
         balances = [diagram.balance(0.0, y, held, rows[0])]
         status = Status.END_TIME
@@ -135,15 +142,21 @@ class FixedStep(Solver):
             return [*times, t_end]
         return [*times[:-1], t_end]
 
+    def _within_band(self, velocity: float) -> bool:
+        return self.zero_velocity_band > 0 and abs(velocity) <= self.zero_velocity_band
+
     def _step(
         self, diagram: BlockDiagram, t: float, dt: float, y: list[float], held: tuple[bool, ...]
     ) -> tuple[list[float], tuple[bool, ...]]:
-        """Advance one step; with the stick rule, stop at a sign change what a contact holds."""
+        """Advance one step; by the rules for rest, stop what a contact holds."""
         tableau = TABLEAUS[self.method]
         kept = diagram.holds(t, y, held)
         new = _advanced(diagram, tableau, t, y, dt, kept)
         slips = list(zip(diagram.slips, kept, strict=True))
-        turned = [self.stick_rule and not stuck and y[i] * new[i] < 0 for i, stuck in slips]
+        turned = [
+            not stuck and ((self.stick_rule and y[i] * new[i] < 0) or self._within_band(new[i]))
+            for i, stuck in slips
+        ]
         if not any(turned):
             return new, kept
         stopped = list(new)

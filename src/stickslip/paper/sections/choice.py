@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 
-from stickslip.formatting import fixed, percent, quantity, significant
-from stickslip.friction import FrictionLaw, PrintedForm
+from stickslip.formatting import fixed, number, percent, quantity, significant
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.cart import KINETIC, CartRun, CartStudy
+from stickslip.paper.sections.common import values_of
 from stickslip.plots import MotionView, draw_motion, inline_svg
-from stickslip.quantities import fields_of
 from stickslip.report import Caption, Column, Figure, Name, Paragraph, Row, Section, Table
 
 __all__ = ["choice_section", "largest_pull"]
@@ -23,13 +22,13 @@ def choice_section(found: PaperAudit) -> Section:
     study = found.cart
     return Section(
         id="cart-choice",
-        nav="Fig. 11, the choice",
+        nav="The cart" if found.own else "Fig. 11, the choice",
         heading=_heading(study),
         blocks=(
             Paragraph(text=_text(found)),
             _table(study),
-            _figure(study),
-            Caption(text=f"{_return_text(study)} {_normal_text(study)}"),
+            _figure(study, own=found.own),
+            Caption(text=f"{_return_text(found)} {_normal_text(study)}"),
         ),
     )
 
@@ -47,28 +46,22 @@ def _heading(study: CartStudy) -> str:
 def _text(found: PaperAudit) -> str:
     named = [one for one in found.cart.choices if one.key == "selected"]
     chosen = f"names {named[0].law.title}" if named else "names no law"
+    swing = (
+        "Cart and swing are those assumed for the page of the paper, as listed above."
+        if found.own
+        else "Cart and swing are those used for Fig. 2 above, which are ours; so the printed figure"
+        " can be compared in kind only."
+    )
     return (
         "The paper selects Coulomb or Coulomb + viscous friction, and takes the latter “for"
         " instance” into the cart, with a viscous coefficient that it does not print:"
-        f" {found.values.viscous:g} N s/m is assumed here, as in the tables above. `select`"
-        f" {chosen} for the rig, with the coefficient that the measured travel gives. Cart and"
-        " swing are those used for Fig. 2 above, which are ours; so the printed figure can be"
-        " compared in kind only."
+        f" {number(found.values.viscous)} N s/m is taken here, as in the tables above. `select`"
+        f" {chosen} for the rig, with the values that the measurement gives. {swing}"
     )
 
 
 def _label(one: CartRun) -> str:
     return "by select" if one.key == "selected" else "the paper’s example"
-
-
-def _parameters(law: FrictionLaw | PrintedForm) -> str:
-    """List the parameters that a law has, as symbols with values and units."""
-    parts = []
-    for name, field in fields_of(type(law)).items():
-        value = getattr(law, name)
-        if value is not None and not isinstance(value, bool):
-            parts.append(f"${field.symbol}$ {quantity(value, field.unit)}")
-    return ", ".join(parts)
 
 
 def _table(study: CartStudy) -> Table:
@@ -89,7 +82,7 @@ def _table(study: CartStudy) -> Table:
     rows = tuple(
         Row(
             cells=(
-                Name(text=f"{one.law.title}, {_label(one)}", aside=_parameters(one.law)),
+                Name(text=f"{one.law.title}, {_label(one)}", aside=values_of(one.law)),
                 fixed(1e3 * one.travels[0], 2),
                 fixed(1e3 * one.travels[-1], 2),
                 _nothing_or(one.mean_return),
@@ -106,7 +99,7 @@ def _nothing_or(way: float) -> str:
     return "none" if way == 0.0 else significant(1e3 * way, 2)
 
 
-def _figure(study: CartStudy) -> Figure:
+def _figure(study: CartStudy, *, own: bool) -> Figure:
     runs = {_label(one): one.run for one in study.choices}
     last = study.choices[0].run.span[1]
     stroke = (last - STROKE[0] * study.period, last - STROKE[1] * study.period)
@@ -129,14 +122,15 @@ def _figure(study: CartStudy) -> Figure:
             wide=(880, 300),
             narrow=(358, 600),
         ),
-        caption="**In place of Fig. 11. The cart under Coulomb + viscous friction**, the paper’s"
-        " example, and under the law that select names, both solved exactly: displacement in all"
-        f" cycles, velocity in the last whole stroke{apart}.",
+        caption=f"**{'' if own else 'In place of Fig. 11. '}The cart under Coulomb + viscous"
+        " friction**, the paper’s example, and under the law that select names, both solved"
+        f" exactly: displacement in all cycles, velocity in the last whole stroke{apart}.",
     )
 
 
-def _return_text(study: CartStudy) -> str:
+def _return_text(found: PaperAudit) -> str:
     """Say whether the cart slips back, and what keeps it from it."""
+    study = found.cart
     back = [one for one in study.choices if one.mean_return > 0.0]
     if back:
         ways = ", ".join(f"{_label(one)}: {quantity(one.mean_return, 'm', 2)}" for one in back)
@@ -144,8 +138,8 @@ def _return_text(study: CartStudy) -> str:
     asked = max(largest_pull(one) for one in study.choices)
     return (
         f"The cart never slips back: at rest the swing pulls it back with up to {percent(asked)} of"
-        " the normal force, less than friction can hold. In the exact run for Fig. 2, with a lower"
-        f" level of {KINETIC:g}, it does."
+        " the normal force, less than friction can hold. At a lower level of"
+        f" {KINETIC:g} it does slip back, as the tables above show."
     )
 
 

@@ -1,42 +1,80 @@
 """What the sections share."""
 
+import math
+from collections.abc import Iterable
 from typing import Literal
 
+from stickslip.formatting import quantity
+from stickslip.friction import FrictionLaw, PrintedForm
 from stickslip.paper.audit import PaperAudit
+from stickslip.quantities import fields_of
 from stickslip.report import Axis
 
-__all__ = ["COLOURS", "travel_axis"]
+__all__ = ["COLOURS", "levels_from", "travel_axis", "values_of"]
 
 COLOURS: dict[str, Literal["c1", "c2", "c3", "c4"]] = {"A": "c2", "B": "c1", "C": "c3"}
 """Colour of each reading of the rig."""
-
-NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
-
-
-def in_words(number: int) -> str:
-    """Return a small number in words."""
-    return NUMBERS[number] if number < len(NUMBERS) else str(number)
+PER_LOAD = ("bristle_stiffness", "bristle_damping")
+"""Parameters that a law has over the load, and a printed equation as they are."""
+STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
+"""Ends of axes, times a power of ten."""
 
 
-def travel_axis(audit: PaperAudit, caption: str) -> Axis:
+def levels_from(found: PaperAudit) -> str:
+    """Return where the kinetic and static coefficient are from, in words."""
+    return "of this rig" if found.own else "of Table I"
+
+
+def values_of(law: FrictionLaw | PrintedForm, load: float | None = None) -> str:
+    """List the parameters that a law has, as symbols with values and units.
+
+    Parameters
+    ----------
+    law : FrictionLaw or PrintedForm
+        The law, or a printed equation.
+    load : float, optional
+        Normal force [N] at which bristles are given as forces; over the load if None.
+
+    Returns
+    -------
+    str
+        The values, separated by commas.
+    """
+    parts = []
+    for name, field in fields_of(type(law)).items():
+        value, unit = getattr(law, name), field.unit
+        if load is not None and name in PER_LOAD and isinstance(law, FrictionLaw):
+            value, unit = value * load, {"1/m": "N/m", "s/m": "N s/m"}.get(unit, unit)
+        plain = name.endswith("exponent") and value == 1.0 and law.name != "stribeck"
+        if value is not None and not isinstance(value, bool) and not plain:
+            parts.append(f"${field.symbol}$ {quantity(value, unit)}")
+    return ", ".join(parts)
+
+
+def travel_axis(audit: PaperAudit, travels: Iterable[float], caption: str) -> Axis:
     """Return the travel axis of the tables, with the measured travel as its line.
 
     Parameters
     ----------
     audit : PaperAudit
         The audit, which has the measured travel.
+    travels : iterable of float
+        What it has to hold [m].
     caption : str
         What the marks are.
 
     Returns
     -------
     Axis
-        An axis from 0 to 0.5 m.
+        An axis from 0 to a round number above all travels.
     """
+    most = max((*travels, audit.measured))
+    power = 10.0 ** math.floor(math.log10(most))
+    high = next(step * power for step in STEPS if step * power >= most)
     return Axis(
         low=0.0,
-        high=0.5,
-        ticks=(0.0, 0.1, 0.2, 0.3, 0.4, 0.5),
+        high=high,
+        ticks=(0.0, 0.4 * high, 0.8 * high),
         reference=audit.measured,
         caption=caption,
     )

@@ -1,8 +1,9 @@
 """The printed equations, their defects, and where these act."""
 
-from stickslip.formatting import fixed, in_words, significant, with_unit
+from stickslip.formatting import fixed, in_words, joined, number, quantity, significant, with_unit
 from stickslip.friction import PRINTED_EQUATIONS, PrintedForm, RightEquation
 from stickslip.paper.audit import PaperAudit
+from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.misprints import (
     BACKWARD,
     BRISTLE_STEP,
@@ -13,6 +14,7 @@ from stickslip.paper.misprints import (
     Consequence,
     Outcome,
 )
+from stickslip.paper.sections.common import levels_from, values_of
 from stickslip.report import (
     Block,
     Caption,
@@ -36,11 +38,9 @@ def equation_section(found: PaperAudit) -> Section:
             text=(
                 "In the paper’s symbols. It quotes (1) to (4) from its references [6] and [7],"
                 " whose friction model it calls simple, in order to improve on them. (1) and (3)"
-                " are forces on the cart, (5) to (10) resistances. Elsewhere on this page"
-                " $sigma_0$, $sigma_1$ and $sigma_2$ stand for the $sigma_1$, $sigma_2$ and"
-                " $sigma_3$ of (9), $sigma_2$ for the viscous $mu$ of (5) and (10) and $mu_v$ of"
-                " (8), and $mu_k$ for $mu_d$ of Table I. “Coulomb plus viscous plus static”, one of"
-                " the six models that the paper names, has no equation of its own; it is taken"
+                " are forces on the cart, (5) to (10) resistances. The symbols of this page are"
+                " those of the table after the equations. “Coulomb plus viscous plus static”, one"
+                " of the six models that the paper names, has no equation of its own; it is taken"
                 " here as (10) with the rule for rest of (5), the law `coulomb-viscous-static`."
             )
         )
@@ -48,12 +48,56 @@ def equation_section(found: PaperAudit) -> Section:
     for form in PRINTED_EQUATIONS:
         blocks += _shown(form)
     blocks.append(Paragraph(text=_energy_text(found)))
+    blocks += [Subheading(text="Symbols"), _symbol_table()]
     return Section(
         id="equations",
         nav="Equations",
         heading="The equations as printed",
         blocks=tuple(blocks),
     )
+
+
+SYMBOLS = (
+    ("$v$", "slip velocity", "m/s", "$x$′, written with a dot"),
+    ("$F$", "friction force, with the sign of $v$", "N", "$F_f$; $F$ in (5), −$F_f$ in (1), (3)"),
+    ("$N$", "normal force", "N", "$N$"),
+    (
+        "$mu_k$",
+        "kinetic coefficient",
+        "1",
+        "$mu_d$ in Table I, $mu$ in (1), (2), (7) and (11), $mu_k$ in (3)",
+    ),
+    ("$mu_s$", "static coefficient", "1", "$mu_s$ in Table I"),
+    ("$F_c$", "$mu_k$$N$, Coulomb friction", "N", "$F_c$; in (7) with its sgn $v$"),
+    ("$F_s$", "$mu_s$$N$, break-away force", "N", "$F_s$"),
+    (
+        "$sigma_2$",
+        "viscous coefficient",
+        "N s/m",
+        "$mu$ in (5) and (10), $mu_v$ in (8), $sigma_3$ in (9)",
+    ),
+    ("$sigma_0$", "stiffness of the bristles", "N/m", "$sigma_0$ in (6), $sigma_1$ in (9)"),
+    ("$sigma_1$", "damping of the bristles", "N s/m", "$sigma_2$ in (9)"),
+    ("$z$", "deflection of the bristles", "m", "$Z$"),
+    ("$v_s$", "Stribeck velocity", "m/s", "$x$′ with the index s in (5), $v_s$ in (9)"),
+    ("$n$", "exponent of the Stribeck curve", "1", "1 in (5), $alpha$ in (9)"),
+    ("—", "steady friction against velocity", "N", "$F$($v$) and $F_v$ in (5), $F_v$ in (9)"),
+    ("—", "force of the law while it slides", "N", "$F_d$ in (6), $F_v$ in (8) and (9)"),
+    ("—", "resultant of the other forces", "N", "$F_x$; $F_e$ in (5), once $mu_v$ below (8)"),
+    ("$k$, $x_0$", "spring and its compression", "N/m, m", "$K$ or $k$, $x$"),
+    ("$x$", "displacement of block or cart", "m", "$x$; the whole travel is $s$ in (11)"),
+)  # fmt: skip
+"""Symbols of the page: symbol, meaning, unit, in the paper."""
+
+
+def _symbol_table() -> Table:
+    columns = (
+        Column(head="here"),
+        Column(head="meaning"),
+        Column(head="unit"),
+        Column(head="in the paper"),
+    )
+    return Table(columns=columns, rows=tuple(Row(cells=cells) for cells in SYMBOLS))
 
 
 def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
@@ -70,9 +114,12 @@ def _shown(form: type[PrintedForm] | RightEquation) -> tuple[Block, ...]:
 def _energy_text(found: PaperAudit) -> str:
     """Say for which of the two springs eq. (11) holds."""
     release, attached = (found.table[0].reading(key).criteria for key in "BC")
-    way = attached.travel + 2.0 * attached.largest_return
+    places = found.table[0].reading("C").run["x"]  # turning points among them
+    way = float(abs(places[1:] - places[:-1]).sum())
+    x = quantity(found.values.rig.compression, "m")
     return (
-        f"With Table I and $x$ = 0.1 m it gives {fixed(release.travel, 3)} m. For a block that"
+        f"With the coefficient {levels_from(found)} and $x$ = {x} it gives"
+        f" {fixed(release.travel, 3)} m. For a block that"
         f" stays fastened to its spring $s$ would be the length of its path, {fixed(way, 3)} m;"
         f" since that block returns, it ends at {fixed(attached.travel, 3)} m."
     )
@@ -115,6 +162,7 @@ def misprint_section(found: PaperAudit) -> Section:
                     " `stickslip models --published`."
                 )
             ),
+            _values_table(found),
         ),
     )
 
@@ -125,16 +173,63 @@ def _tests_text(found: PaperAudit) -> str:
     below = HELD * values.mu_k * values.load
     return (
         "Each form is evaluated as it stands, as a block diagram would, in four tests on the block"
-        " of Table I: coasting forwards, as after the push; pushed from rest with"
-        f" {force:g} N for 0.1 s; coasting backwards from {-BACKWARD:g} m/s; and held at rest"
-        f" against {below:.3g} N, half of kinetic friction. All are right when the block coasts"
-        " forwards. By the paper’s account four of the five rows of Table II never move backwards,"
+        f" {levels_from(found)}: coasting forwards, as after the push; pushed from rest with"
+        f" {number(force)} N for {PUSH_DURATION:g} s; coasting backwards from {-BACKWARD:g} m/s;"
+        f" and held at rest against {below:.3g} N, half of kinetic friction. {_forwards(found)} By"
+        " the paper’s account four of the five rows of Table II never move backwards,"
         " so no error of sign acts on them; LuGre’s does, and there the sgn of (9) may have acted."
         " (6) to (10) omit the break-away force that the paper describes (III.B.1) and prints in"
         " (5): as they stand they would not start from rest. Table II has travels, so we infer that"
         " the simulations used another rule for rest. (3) and (4) are tried with their signed"
         " coefficient, which was hardly simulated. (1) creeps where it should hold, by an amount"
         " that vanishes with the step."
+    )
+
+
+def _forwards(found: PaperAudit) -> str:
+    """Say which forms are right in the coast forwards."""
+    wrong = [one.form.equation for one in found.consequences if one.differs("coast")]
+    if wrong:
+        return f"When the block coasts forwards, {joined(wrong)} err."
+    return "All are right when the block coasts forwards."
+
+
+def _values_table(found: PaperAudit) -> Table:
+    """Show the values behind every number of the tests."""
+    load = found.values.load
+    columns = (
+        Column(head="equation"),
+        Column(head="values as printed"),
+        Column(head="values of the corrected law"),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                f"{one.form.equation} {one.form.title}",
+                values_of(one.printed),
+                Name(text=values_of(one.corrected, load), aside=one.corrected.title),
+            )
+        )
+        for one in found.consequences
+    )
+    bare = [
+        row.law.title
+        for row in found.table
+        if getattr(row.law, "viscous_coefficient", None) == 0.0
+        and row.law.name in {one.corrected.name for one in found.consequences}
+        and row.law.name != "dahl"
+    ]
+    other = (
+        f" {joined(bare)} have $sigma_2$ here, so that the sgn of its term shows, and none in the"
+        " table of the models above."
+        if bare
+        else ""
+    )
+    return Table(
+        columns=columns,
+        rows=rows,
+        caption=f"The values behind the numbers above; bristles at a load of {quantity(load, 'N')}."
+        f" The weight $W$ of (4) is that load.{other}",
     )
 
 

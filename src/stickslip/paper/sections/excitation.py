@@ -2,11 +2,18 @@
 
 from collections.abc import Sequence
 
-from stickslip.formatting import fixed, in_words, interval, residue, signed_percent
+from stickslip.formatting import (
+    fixed,
+    in_words,
+    interval,
+    number,
+    quantity,
+    residue,
+    signed_percent,
+)
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.excitations import PUSH_DURATION, Excitation
 from stickslip.paper.sections.common import COLOURS, travel_axis
-from stickslip.paper.unpublished import ROUNDING
 from stickslip.plots import EXCITATION_SIZES, draw_excitations, inline_svg, sketch
 from stickslip.report import (
     Caption,
@@ -32,16 +39,28 @@ def excitation_section(found: PaperAudit) -> Section:
     """Show three readings of one sentence of the paper, with the first law of its table."""
     row = found.table[0]
     mu_k = getattr(row.law, "kinetic_coefficient", 0.0)
-    rig = found.values.rig
-    force = rig.stiffness * rig.compression
-    text = (
-        "By section IV of the paper a compressed spring is released and drives the block, with the"
-        f" applied force $F$ = $K$$x$; for experiment and simulation alike it also states a force"
-        f" of {force:g} N that is applied for {PUSH_DURATION:g} s. The compression is not printed;"
-        f" {rig.compression:g} m follows from {force:g} N and $K$. A released spring does not push"
-        " with a constant force, and lets go when it has reached its natural length. Both readings,"
-        f" and a control, with the same block, $mu_k$ = {mu_k:g} and {row.law.title} friction:"
-    )
+    values = found.values
+    force = f"{quantity(values.force, 'N')} for {PUSH_DURATION:g} s"
+    if found.own:
+        how = "stays fastened" if values.own_reading == "C" else "leaves it at its natural length"
+        text = (
+            "By the file of this rig a spring compressed by"
+            f" {quantity(values.rig.compression, 'm')} is released, and the block {how}: reading"
+            f" {values.own_reading}. The paper also"
+            f" writes of a constant force, applied for {PUSH_DURATION:g} s; reading A is what such"
+            f" a push, with the force of this spring, would do. All with $mu_k$ = {number(mu_k)}"
+            f" and {row.law.title} friction:"
+        )
+    else:
+        text = (
+            "By section IV of the paper a compressed spring is released and drives the block, with"
+            " the applied force $F$ = $K$$x$; for experiment and simulation alike it also states a"
+            f" force of {force.replace(' for ', ' that is applied for ')}. The compression is not"
+            f" printed; {values.rig.compression:g} m follows from {quantity(values.force, 'N')} and"
+            " $K$. A released spring does not push with a constant force, and lets go when it has"
+            " reached its natural length. Both readings, and a control, with the same block,"
+            f" $mu_k$ = {mu_k:g} and {row.law.title} friction:"
+        )
     travels = {f"{reading.criteria.travel:.2f}" for reading in row.readings}
     return Section(
         id="excitation",
@@ -49,7 +68,7 @@ def excitation_section(found: PaperAudit) -> Section:
         heading=f"Two readings of the rig and a control, {in_words(len(travels))} travels",
         blocks=(
             Paragraph(text=text),
-            _sketches(row.readings),
+            *(() if found.own else (_sketches(row.readings),)),
             _figure(found, row.readings),
             _table(found, row.readings),
             _closed_forms(row.readings),
@@ -76,13 +95,15 @@ def _sketches(readings: Sequence[Excitation]) -> Gallery:
 
 
 def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
-    low, high = found.measured - ROUNDING, found.measured + ROUNDING
+    values = found.values
+    low, high = (found.measured + side * values.uncertainty for side in (-1.0, 1.0))
+    digits = 3 if found.own else 2
     svg = inline_svg(
         draw_excitations(
             {_label(r): r.run for r in readings},
-            chosen=next(_label(r) for r in readings if r.key == "B"),
+            chosen=next(_label(r) for r in readings if r.key == values.own_reading),
             band=(low, high),
-            measured=f"measured, {found.measured:.2f} m",
+            measured=f"measured, {found.measured:.{digits}f} m",
         ),
         alt="Travel against time in the three readings of the rig",
         prefix="excitations",
@@ -90,18 +111,32 @@ def _figure(found: PaperAudit, readings: Sequence[Excitation]) -> Figure:
     )
     return Figure(
         svg=svg,
-        caption=(
-            "**Travel in the two readings and the control.** Blue-grey band:"
-            f" {interval(low, high)} m, the travels that round to {found.measured:.2f} m."
-        ),
+        caption=f"**Travel in the two readings and the control.** {_band_text(found, low, high)}",
     )
+
+
+def _band_text(found: PaperAudit, low: float, high: float) -> str:
+    """Say what the band around the measured travel is, where there is one."""
+    if not high > low:
+        return "Line: the measured travel, whose uncertainty is not stated."
+    what = (
+        f"the travels that round to {found.measured:.2f} m"
+        if found.values.rounded
+        else "the measured travel ± its standard uncertainty"
+    )
+    return f"Blue-grey band: {interval(low, high)} m, {what}."
 
 
 def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
     columns = (
         Column(head="excitation"),
         Column(head="travel\nm", numeric=True),
-        Column(head="", axis=travel_axis(found, "travel, m; line: measured")),
+        Column(
+            head="",
+            axis=travel_axis(
+                found, (r.criteria.travel for r in readings), "travel, m; line: measured"
+            ),
+        ),
         Column(head="error", numeric=True, phone="label", label="error"),
         Column(head="work put in\nJ", numeric=True, phone="label", label="work put in, J"),
         Column(head="how it ends"),
@@ -116,7 +151,7 @@ def _table(found: PaperAudit, readings: Sequence[Excitation]) -> Table:
                 fixed(reading.criteria.work_in, 3),
                 _ending(reading),
             ),
-            chosen=reading.key == "B",
+            chosen=reading.key == found.values.own_reading,
         )
         for reading in readings
     )
@@ -138,13 +173,15 @@ def _ending(reading: Excitation) -> str:
         return "still moves at the end"
     if seen.displacement_never_decreases:
         return f"stops at {seen.stop_time:.3f} s, stays"
-    farthest = seen.travel + seen.largest_return
+    farthest = float(reading.run["x"].max())
     return f"turns at {farthest:.3f} m, ends at {seen.stop_time:.3f} s"
 
 
 def _closed_forms(readings: Sequence[Excitation]) -> Caption:
     """Set the runs against the formulas."""
     known = {r: r.closed_form for r in readings if r.closed_form is not None}
+    if not known:
+        return Caption(text="No reading has a closed form here: the block stays with its spring.")
     off = max(abs(r.criteria.travel - travel) for r, travel in known.items())
     travels = ", ".join(f"{r.key} {travel:.7f} m" for r, travel in known.items())
     return Caption(

@@ -71,11 +71,13 @@ def schematic_section(found: PaperAudit) -> Section:
 def phenomena_section(found: PaperAudit) -> Section:
     """Return stick-slip and Figs 3 and 4: the phenomena of friction that the paper reviews."""
     pulled = found.stick_slip
+    assert pulled is not None  # of the rig of the paper
     error = max(
         abs(pulled.stick_time / pulled.stick_formula - 1.0),
         abs(pulled.slip_time / pulled.slip_formula - 1.0),
     )
-    laws = {row.law.title: row.law for row in found.table}
+    printed = [row.law for row in found.table if row.published.travel is not None]
+    laws = {law.title: law for law in printed}
     bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
     load = found.values.load
     figures = [
@@ -148,6 +150,10 @@ def figure_section(found: PaperAudit) -> Section:
         for name, number in RUN_FIGURES.items()
         if name in rows
     ]
+    own = (
+        f"The block in readings A and {found.values.own_reading} with each model. Dashed: the"
+        " measured travel."
+    )
     text = (
         "The block in readings A and B with the values assumed for Table II, and a third run with"
         " the value, found above, that gives the published travel. Dashed: the published and the"
@@ -156,36 +162,40 @@ def figure_section(found: PaperAudit) -> Section:
     )
     return Section(
         id="figures",
-        nav="Figs 6 to 10",
-        heading="The block with each law, recomputed",
-        blocks=(Paragraph(text=text), *figures),
+        nav="The block" if found.own else "Figs 6 to 10",
+        heading="The block with each law" if found.own else "The block with each law, recomputed",
+        blocks=(Paragraph(text=own if found.own else text), *figures),
     )
 
 
 def _run_figure(found: PaperAudit, row: TableRow, number: int) -> Figure:
-    shown = [row.reading(key) for key in "BA"]
+    shown = [row.reading(key) for key in (found.values.own_reading, "A")]
     runs = {f"{reading.key}. {reading.title}": reading.run for reading in shown}
     need = found.requirement(row.law.name)
     if need is not None and need.run is not None:
         runs[_need_label(need, row, symbol_label(need.symbol))] = need.run
-    published = row.published.travel or 0.0
+    if row.law.name == "stribeck" and found.creeps:
+        creep = found.creeps[len(found.creeps) // 2]
+        velocity = f"{significant(1e3 * creep.stribeck_velocity, 4)} mm/s"
+        runs[f"(5) in 10 ms, {symbol_label('v_s')} = {velocity}"] = creep.run
+    published = row.published.travel
     travels = [f"{r.key} {r.criteria.travel:.3f} m" for r in reversed(shown)]
     note = f" ({row.published.note})" if row.published.note else ""
+    digits = 3 if found.own else 2
+    levels = {} if published is None else {f"published, {published:.2f} m": published}
+    printed = "" if published is None else f"Published travel {published:.2f} m{note}; ours "
+    title = row.law.title if found.own else f"Fig. {number}. {row.law.title}"
     return Figure(
         svg=inline_svg(
             draw_motion(
                 runs,
-                levels={
-                    f"published, {published:.2f} m": published,
-                    f"measured, {found.measured:.2f} m": found.measured,
-                },
+                levels=levels | {f"measured, {found.measured:.{digits}f} m": found.measured},
             ),
             alt=f"Displacement and velocity of the block with {row.law.title} friction",
             prefix=f"fig{number}",
             **BLOCK_SIZES,
         ),
-        caption=f"**Fig. {number}. {row.law.title}.** Published travel {published:.2f} m{note};"
-        f" ours {', '.join(travels)}.{_need_text(found, need, row)}",
+        caption=f"**{title}.** {printed}{', '.join(travels)}.{_need_text(found, need, row)}",
     )
 
 
@@ -222,17 +232,18 @@ def _need_text(found: PaperAudit, need: Requirement | None, row: TableRow) -> st
 
 
 def _least_friction(found: PaperAudit, row: TableRow) -> str:
-    """Say that no value of a law gives a travel that the work put in cannot pay for."""
+    """Say why (5) does not reach its travel when solved exactly, and how it can in steps."""
     values, published = found.values, row.published.travel or 0.0
     rig, level = values.rig, values.mu_k * values.load
-    impulse = rig.stiffness * rig.compression * PUSH_DURATION
+    impulse = values.force * PUSH_DURATION
     most = max(0.5 * rig.stiffness * rig.compression**2, 0.5 * impulse**2 / rig.mass)
     mean = most / published
     if not isinstance(row.law, Stribeck) or mean >= level:
         return ""
     return (
-        f" No value of (5) gives it with Table I: neither excitation puts in more than"
+        f" Solved exactly, (5) with Table I cannot give it: neither excitation puts in more than"
         f" {quantity(most, 'J')}, so that the mean friction over {published:.2f} m is at most"
         f" {quantity(mean, 'N', 2)}, {percent(mean / level)} of $F_c$ = {quantity(level, 'N', 3)},"
-        " below which (5) never falls."
+        " below which (5) never falls forwards. In steps of 10 ms without a rule for rest it can,"
+        " as said above: the fourth curve is one such run, with sgn $v$ added."
     )

@@ -4,14 +4,23 @@ from stickslip.formatting import fixed, in_words, joined, significant
 from stickslip.friction import FrictionLaw
 from stickslip.paper.audit import PaperAudit
 from stickslip.paper.unpublished import Requirement
-from stickslip.report import Caption, Column, Name, Paragraph, Row, Section, Table
+from stickslip.report import (
+    Caption,
+    Column,
+    Name,
+    Paragraph,
+    Row,
+    Section,
+    Subheading,
+    Table,
+)
 
 __all__ = ["unpublished_section"]
 
 
 def unpublished_section(found: PaperAudit) -> Section:
     """Show the value behind each published row with its range, for a push and for a spring."""
-    total = len(found.table)
+    total = sum(row.published.travel is not None for row in found.table)
     reached = {key: _reached(found, key) for key in "AB"}
     columns = (
         Column(head="row"),
@@ -46,14 +55,18 @@ def unpublished_section(found: PaperAudit) -> Section:
                     "The paper prints no stiffness or damping of bristles, no Stribeck velocity and"
                     " no viscous coefficient. The values below, found by root finding in readings A"
                     " and B, give its travels; under each value is the range for travels that round"
-                    " to the printed figure. Coulomb would need another coefficient than Table I’s,"
-                    " and Stribeck less dry friction than Table I has, since (5) never falls below"
-                    " Coulomb friction. For the push no viscous coefficient gives the row of"
-                    " Coulomb + viscous."
+                    " to the printed figure. All runs of this table are solved exactly. Coulomb"
+                    " would need another coefficient than Table I’s, and Stribeck less dry friction"
+                    " than Table I has, since forwards (5) never falls below Coulomb friction. For"
+                    " the push no viscous coefficient gives the row of Coulomb + viscous."
                 )
             ),
             Table(columns=columns, rows=rows),
             Paragraph(text=_step_text(found)),
+            Subheading(text="The 0.45 m of Stribeck, from (5) in steps"),
+            Paragraph(text=_creep_text(found)),
+            _creep_table(found),
+            Subheading(text="The 0.25 m of Dahl and 0.13 m of LuGre, by stiffness"),
             _bristle_table(found),
             Caption(
                 text=(
@@ -85,6 +98,55 @@ def _step_text(found: PaperAudit) -> str:
         " misses the first step, since sgn 0 = 0; the exact push gives 0.154 m. Which of these it"
         " was cannot be told from the paper."
     )
+
+
+def _creep_text(found: PaperAudit) -> str:
+    """Say how (5) reaches its printed travel in steps, and what speaks against it."""
+    row = next(one for one in found.table if one.law.name == "stribeck")
+    travel = row.published.travel or 0.0
+    inside = [one for one in found.creeps if min(one.travels) <= travel <= max(one.travels)]
+    at = joined([f"{significant(1e3 * one.stribeck_velocity, 4)} mm/s" for one in inside])
+    least = min(one.least_velocity for one in found.creeps)
+    reaches = (
+        f" At $v_s$ = {at} the printed {fixed(travel, 2)} m lies among them, with Table I kept."
+        if inside
+        else ""
+    )
+    return (
+        "As printed, (5) drives the block backwards without end once its velocity is negative."
+        " With the sgn $v$ that it lacks, but its exponent as printed, it creeps forwards instead,"
+        " in the paper’s steps of 10 ms by forward Euler and without a rule for rest: backwards"
+        " its friction exceeds $F_s$, so that each step back is followed by a larger one forwards."
+        f" The push gives the travels below after 10 s.{reaches} That agrees with what the paper"
+        " says of its Fig. 8, that the velocity does not become exactly zero; the Yes of Table II"
+        f" does not agree, since the velocity falls to {significant(1e3 * least, 2)} mm/s again and"
+        " again. The creep is a matter of the step, and chaotic: $v_s$ that differ by 10⁻⁹ of"
+        " themselves give the scatter shown, whose digits differ between computers. With the rule"
+        " for rest the block stays where it stops, and in steps of 1 ms it creeps by millimetres."
+    )
+
+
+def _creep_table(found: PaperAudit) -> Table:
+    columns = (
+        Column(head="$v_s$\nmm/s", numeric=True, label="Stribeck velocity, mm/s"),
+        Column(head="10 ms, no rule\nmean, m", numeric=True, phone="label", label="mean, m"),
+        Column(head="scatter\nm", numeric=True, phone="label", label="scatter, m"),
+        Column(head="10 ms, rule\nfor rest, m", numeric=True, phone="label", label="with rule, m"),
+        Column(head="1 ms, no rule\nm", numeric=True, phone="label", label="in 1 ms, m"),
+    )
+    rows = tuple(
+        Row(
+            cells=(
+                significant(1e3 * one.stribeck_velocity, 4),
+                fixed(one.mean, 2),
+                f"{fixed(min(one.travels), 2)} to {fixed(max(one.travels), 2)}",
+                fixed(one.held, 3),
+                fixed(one.fine, 3),
+            )
+        )
+        for one in found.creeps
+    )
+    return Table(columns=columns, rows=rows)
 
 
 def _viscous(law: FrictionLaw) -> float:

@@ -229,12 +229,20 @@ def _curves(
             if (name := along[contact]) in places:  # a key to the curves above
                 label.set_color(CURVES[places.index(name) % len(CURVES)])
         found.append((panels[-1].axvline(float(seen.t[0]), color=INK, linewidth=1.0), []))
+    key = "" if run.contacts else _key(run, seen, until)
     for axes in panels:
         bottom = axes.get_position().y0 <= lowest
         axes.tick_params(labelbottom=bottom)
         if bottom:
-            axes.set_xlabel("time, s")
+            axes.set_xlabel(f"time, s{key}")
     return found
+
+
+def _key(run: Trajectory, seen: Trajectory, until: float) -> str:
+    """Return what the colours behind the curves mean, of those that are there."""
+    parts = ["yellow: stick"] if within(run.stick_spans(), until) else []
+    parts += ["blue: slip back"] if _spans(seen, -1) else []
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def _spans(seen: Trajectory, mode: int) -> list[tuple[float, float]]:

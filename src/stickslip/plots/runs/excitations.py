@@ -59,7 +59,7 @@ def draw_excitations(
     chosen : str, optional
         The reading that is taken; the first if not given.
     band : tuple of float, optional
-        Range of the measured travel [m].
+        Range of the measured travel [m]; a line if its ends are equal.
     measured : str
         What the band is called.
     slip : str
@@ -82,7 +82,10 @@ def draw_excitations(
         ]
         axes.margins(x=0, y=0.16 if narrow else 0.1)
         if band:
-            axes.axhspan(*band, facecolor=SLIP_BACK, edgecolor="none", zorder=0)
+            if band[1] > band[0]:
+                axes.axhspan(*band, facecolor=SLIP_BACK, edgecolor="none", zorder=0)
+            else:
+                axes.axhline(band[0], color=MUTED, linewidth=1.0, zorder=1)
             label_at(axes, 0.0, band[1], measured, MUTED, offset=(6, 8))
         if any(_rest(run, last) for run in runs.values()):
             axes.annotate(

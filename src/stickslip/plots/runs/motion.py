@@ -112,6 +112,9 @@ def draw_motion(
         named = panel(panels[0], views[0], levels)
         for axes, view in zip(panels[1:], views[1:], strict=True):
             panel(axes, view, {})
+        if not narrow and len(views) > MOST_BESIDE:
+            for axes in panels:
+                axes.locator_params(axis="x", nbins=5)
         if narrow or len(views) > MOST_BESIDE:
             panels[0].margins(x=0, y=0.2)
             # The broad line is found without its name, so that the others choose first.

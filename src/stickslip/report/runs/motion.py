@@ -23,7 +23,7 @@ from stickslip.report.core.blocks import Block, Caption, Figure, KeyValue, KeyVa
 from stickslip.report.core.documents import Section
 from stickslip.report.core.tables import Cell, Column, Row, Table
 from stickslip.report.runs.subject import RunReport
-from stickslip.sweep import DrivenCycle
+from stickslip.sweep import Band, DrivenCycle
 from stickslip.trajectory import Event, Trajectory
 
 __all__ = [
@@ -51,6 +51,10 @@ SHORTEST, LONGEST = 3.0, 8.0
 """How long an animation takes [s]: what is faster is shown in slow motion, what is longer is cut
 or sped up."""
 ANIMATED_CYCLES = 2
+SAMPLES = 2001
+"""Times at which the width of a band is asked for."""
+LINE = 0.01
+"""Width of the line of a curve, as a share of its range."""
 ROUNDING = 1e-9
 """Relative error of a travel that is 0: a law fitted to one travel reproduces it to rounding."""
 
@@ -68,8 +72,9 @@ def motion_section(about: RunReport) -> Section:
     if until is not None:
         caption += f" Of {len(about.cycles)} cycles the first {DRAWN} are shown."
     if about.band is not None:
+        shaded = "Shaded" if _seen(about, about.band) else "Narrower than the line"
         caption += (
-            f" Shaded: range of 95 % of {about.band.count} runs with the parameters of the law"
+            f" {shaded}: range of 95 % of {about.band.count} runs with the parameters of the law"
             " drawn from their estimates, for displacement and velocity."
         )
     blocks = (
@@ -100,6 +105,17 @@ def motion_section(about: RunReport) -> Section:
         ),
     )
     return Section(id="motion", nav="Motion", heading="The motion", blocks=blocks)
+
+
+def _seen(about: RunReport, band: Band) -> bool:
+    """Whether the band is anywhere wider than the line that is drawn through it."""
+    times = np.linspace(*about.run.span, SAMPLES)
+    seen = about.run.at(times)
+    return any(
+        float(np.max(high - low)) > LINE * float(np.ptp(seen[name]))
+        for name in band.states
+        for low, _, high in [band.at(name, times)]
+    )
 
 
 def _sticks(run: Trajectory, begin: float = -math.inf, until: float | None = None) -> bool:

@@ -234,7 +234,8 @@ def steps_heading(rows: Sequence[FixedStepRow], limit: float | None = None) -> s
     large = [row.dt for row in rows if row.dt and (row.diverged or row.dt > (limit or math.inf))]
     if large:
         return f"A fixed step of {quantity(min(large), 's')} is too large for this law"
-    worst = max(rows, key=lambda row: row.reversals, default=None)
+    shown = max((row.dt for row in rows if row.dt is not None), default=None)  # in the panels
+    worst = max((r for r in rows if r.dt == shown), key=lambda row: row.reversals, default=None)
     exact = next((row.reversals for row in rows if row.dt is None), 0)
     extra = worst.reversals - exact if worst else 0
     if worst is None or worst.dt is None or extra == 0:
