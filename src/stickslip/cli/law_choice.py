@@ -431,8 +431,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
             f" law is {PRINTED_FORMS[name].corrected.name}."
         )
     if name in rig.laws:
-        known = rig.estimates
-        return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
+        return _of_rig(rig, rig.laws[name], rig.estimates_of(name))
     given = rig.given.get(name, {})
     try:
         law = dataclasses.replace(starting_law(law_type(name)), **given)

@@ -34,14 +34,26 @@ from stickslip.cli.law_choice import (
 )
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
-from stickslip.errors import InputError
+from stickslip.errors import InputError, StickslipError
 from stickslip.experiments import Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
+from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
+from stickslip.routes import fit
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
-from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycles_in
+from stickslip.sweep import (
+    Band,
+    DrivenCycle,
+    Refit,
+    Spread,
+    Validation,
+    band_of,
+    compare_estimates,
+    cycles_in,
+    validate,
+)
 from stickslip.trajectory import Event, Trajectory
 
 if TYPE_CHECKING:
@@ -50,11 +62,14 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "check_table", "run", "table_bytes"]
 
 CRITERIA_FAILED = 4
+DRAWS = 200
+"""Draws with which measurements are compared where --ensemble gives no number."""
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
 NO_ESTIMATES = (
-    "--ensemble samples the estimates of a law, and this law has none: give the law.toml of"
-    " `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
+    "--ensemble samples uncertain parameters, and neither this law nor the mechanism has any: give"
+    " the law.toml of `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml, or"
+    ' state uncertainties, such as --set kinetic_coefficient="0.25 +- 0.01".'
 )
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
@@ -80,7 +95,9 @@ class Settings:
     stick_rule: bool
     """Whether fixed steps hold the body at rest by a rule."""
     ensemble: int | None = None
-    """Number of draws of the law's parameters; none if None."""
+    """Number of draws of uncertain parameters; none if None."""
+    refit: bool = False
+    """Whether the law is fitted to what was measured on the rig, too."""
     seed: int = 0
     """Seed of these draws."""
     report: Path | None = None
@@ -101,6 +118,10 @@ class Ran:
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
+    validation: Validation | None = None
+    """What was measured on the rig beside the prediction; None if that cannot be compared."""
+    refit: Refit | None = None
+    """The law fitted to that, on request."""
 
 
 def run(
@@ -192,10 +213,8 @@ def _write_page(folder: Path, text: str | None) -> None:
 
 
 def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
-    """Make the run, and the ensemble if one was asked for."""
-    _refuse_both(settings)
-    if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(NO_ESTIMATES)
+    """Make the run, the ensemble if one was asked for, and what was measured beside it."""
+    _refuse_impossible(rig, chosen, settings)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = rig.start(chosen.law)
     wanted = settings.report is None and settings.ensemble is None
@@ -219,12 +238,64 @@ def _ran(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         run=run,
         band=band,
         remarks=(*chosen.remarks, *beyond),
+        validation=_validated(rig, chosen, settings),
+        refit=_refitted(rig, chosen) if settings.refit else None,
     )
 
 
-def _refuse_both(settings: Settings) -> None:
+def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings) -> None:
     if settings.ensemble is not None and settings.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+    if settings.refit and settings.fixed_step is not None:
+        raise InputError("--refit requires exact events: leave --fixed-step out.")
+    known = chosen.estimates is not None or rig.parameter_uncertainties
+    if settings.ensemble is not None and not known:
+        raise InputError(NO_ESTIMATES)
+    if settings.refit and (rig.measurement is None or isinstance(chosen, ChosenLaws)):
+        lacks = "nothing was measured" if rig.measurement is None else "it has several contacts"
+        raise InputError(
+            f"--refit fits the law to what was measured on {rig.path or rig.heading}, but {lacks}:"
+            " leave it out."
+        )
+
+
+def _validated(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Validation | None:
+    """Return what was measured beside the prediction; None, with a note, if that cannot be."""
+    if rig.measurement is None:
+        return None
+    try:
+        if settings.fixed_step is not None:
+            raise InputError("that requires exact events, and --fixed-step locates none.")
+        return validate(
+            rig.mechanism,
+            chosen.law,
+            rig.measurement,
+            chosen.estimates,
+            t_end=rig.t_end,
+            count=settings.ensemble or DRAWS,
+            seed=settings.seed,
+        )
+    except StickslipError as error:
+        note(plain(f"The prediction was not compared with what was measured: {error}"))
+        return None
+
+
+def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
+    """Fit what is known of the law with an interval, or all of it, to what was measured."""
+    assert rig.measurement is not None
+    known = chosen.estimates
+    vary = [f"friction.{name}" for name in known.intervals] if known else None
+    records = any(record.time is not None for record in rig.measurement.records())
+    with Drawing("Refitting"):
+        found = fit(
+            rig.mechanism,
+            chosen.law,
+            rig.measurement,
+            vary=vary or None,
+            settings=RecordSettings(hold=rig.hold) if records else None,
+            t_end=None if records else rig.t_end,
+        )
+    return Refit(fit=found, parameters=compare_estimates(chosen.law, known, found))
 
 
 def _band(
@@ -232,7 +303,7 @@ def _band(
 ) -> Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
-    if settings.ensemble is None or known is None:
+    if settings.ensemble is None:
         return None
     if not run.status.complete:
         note("The ensemble was not simulated: the run with the best-fit values ended early.")
@@ -244,6 +315,7 @@ def _band(
             friction,
             known,
             t_end=t_end,
+            parameter_uncertainties=rig.parameter_uncertainties,
             count=settings.ensemble,
             seed=settings.seed,
             times=np.linspace(*run.span, settings.samples),
@@ -262,9 +334,9 @@ def _ran_by_contact(
             "--enforce takes a mechanism with one contact that slips along a coordinate, but"
             f" {rig.mechanism.name} has {names}: leave it out."
         )
-    _refuse_both(settings)
-    if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(NO_ESTIMATES)
+    _refuse_impossible(rig, chosen, settings)
+    if rig.measurement is not None:
+        note("The prediction was not compared with what was measured: that takes one contact.")
     friction = friction_of(chosen)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
@@ -336,6 +408,8 @@ def _page(ran: Ran, settings: Settings) -> str:
             remarks=ran.remarks,
             law_file="" if source is None else source.path,
             band=ran.band,
+            validation=ran.validation,
+            refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
             fixed_step=settings.fixed_step,
             commands=(command_line(),),
             versions=versions(),
@@ -421,6 +495,10 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
+    if ran.validation is not None:
+        content["validation"] = ran.validation.to_dict()
+    if ran.refit is not None:
+        content["refit"] = ran.refit.to_dict()
     return content
 
 
@@ -463,6 +541,23 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print(f"Not certified: {problem}", markup=False)
     if ran.band is not None:
         _show_band(ran.band)
+    if ran.validation is not None:
+        _show_validation(ran.validation)
+    if ran.refit is not None:
+        console.print("\nRefitted to this measurement", markup=False, style="bold")
+        for line in ran.refit.sentences(ran.validation):
+            console.print(f"  {line}", markup=False)
+
+
+def _show_validation(seen: Validation) -> None:
+    """Print what was measured beside the prediction, and what to think of it."""
+    console = stdout()
+    console.print("\nPrediction and measurement", markup=False, style="bold")
+    if seen.travels:
+        rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
+        show_table("", ["trial", "", "measured", "predicted", "95 % band", "in the band"], rows)
+    for line in seen.sentences():
+        console.print(line, markup=False)
 
 
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:

@@ -52,6 +52,7 @@ def known_laws(
     """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
+    uncertainties: dict[str, dict[str, float]] = {}
     named, given = [], {}
     shared = friction.given()
     for name, law in kinds.items():
@@ -74,11 +75,19 @@ def known_laws(
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
+        stated = {
+            key: value.uncertainty
+            for key, value in values.items()
+            if isinstance(value, Given) and value.uncertainty is not None
+        }
+        if stated:
+            uncertainties[name] = stated
     return KnownLaws(
         laws=found,
         named=tuple(named),
         given={name: values for name, values in given.items() if values},
         assumed=assumed,
+        uncertainties=uncertainties,
     )
 
 

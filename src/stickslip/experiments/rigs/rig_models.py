@@ -21,12 +21,14 @@ from stickslip.errors import ParameterError
 from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.units import shown
+from stickslip.units import NUMBER_WITH_UNIT, shown
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
 
 UNCERTAINTY = "uncertainty"
 """Key of the standard uncertainty of a number."""
+PLUS_MINUS = re.compile(r"\s*(?P<value>\S.*?)\s*(?:\+/?-|±)\s*(?P<doubt>\S.*?)\s*")
+"""A number with its standard uncertainty, such as ``0.25 +- 0.01`` or ``100 +- 2 g``."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,7 +54,8 @@ class Number:
     alternatives: tuple[Quantity, ...] = ()
     """Other ranges that would do, where several owners share the field."""
     measured: bool = False
-    """Whether it may have an uncertainty: ``{ value = ..., uncertainty = "2 %" }``."""
+    """Whether it may have an uncertainty, ``{ value = ..., uncertainty = "2 %" }`` or
+    ``"0.25 +- 0.01"``."""
 
     def read(self, value: Any) -> float | Given:
         """Return the number in SI, with its mark and its uncertainty where it may have them."""
@@ -61,6 +64,9 @@ class Number:
             return self._number(value)
         marked: object = False
         doubt: object = None
+        pair = PLUS_MINUS.fullmatch(value) if self.measured and isinstance(value, str) else None
+        if pair is not None:
+            value = _with_one_unit(pair["value"], pair["doubt"])
         if isinstance(value, dict):
             if "unknown" in value and self.mark:
                 raise ParameterError(
@@ -79,9 +85,14 @@ class Number:
                 f"({self.quantity.symbol}) has {self.mark} = {shown(marked)}: write true or false."
             )
         if marked and doubt is not None:
+            why = (
+                "fits hold an assumed value and would leave its uncertainty out"
+                if self.mark == "assumed"
+                else "a fitted parameter has no prior uncertainty"
+            )
             raise ParameterError(
-                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty, but a fitted"
-                " parameter has no prior uncertainty. Leave one of them out."
+                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty, but {why}."
+                " Leave one of them out."
             )
         number = self._number(value)
         return Given(number, marked, None if doubt is None else self._doubt(doubt, number))
@@ -98,7 +109,11 @@ class Number:
                 )
             doubt = share * abs(value)
         else:
-            doubt = read_number(given, Quantity(symbol, unit))
+            units = (unit, *(one.unit for one in self.alternatives))
+            doubt = Number(
+                Quantity(symbol, unit),
+                alternatives=tuple(Quantity(symbol, other) for other in units[1:]),
+            )._number(given)  # of its own class
         return check_uncertainty(doubt, value, self.quantity, given)
 
     def _number(self, value: object) -> float:
@@ -143,6 +158,20 @@ class Number:
             )
         text = f"{quantity.symbol} [{quantity.unit}], {quantity.range}"
         return {"anyOf": kinds, "description": text, "x-unit": quantity.unit}
+
+
+def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
+    """Return the two numbers of ``100 +- 2 g``; one without a unit has that of the other."""
+    texts = {"value": value, UNCERTAINTY: doubt}
+    found = {key: NUMBER_WITH_UNIT.fullmatch(text) for key, text in texts.items()}
+    units = {key: one["unit"] if one else None for key, one in found.items()}
+    shared = units["value"] or units[UNCERTAINTY]
+    if shared and "%" not in shared:
+        texts = {
+            key: text if units[key] or not found[key] else f"{text} {shared}"
+            for key, text in texts.items()
+        }
+    return {**texts}
 
 
 class Table(BaseModel):
