@@ -442,7 +442,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         ) from None
     lacks = "only some values" if given else "no values"
     note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
-    return _of_rig(rig, law, None)
+    return _of_rig(rig, law, rig.estimates_of(name, law))
 
 
 def _of_rig(rig: Rig, law: FrictionLaw, estimates: LawEstimates | None) -> ChosenLaw:

@@ -555,7 +555,7 @@ def _show_validation(seen: Validation) -> None:
     console.print("\nPrediction and measurement", markup=False, style="bold")
     if seen.travels:
         rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
-        show_table("", ["trial", "", "measured", "predicted", "95 % band", "in the band"], rows)
+        show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
     for line in seen.sentences():
         console.print(line, markup=False)
 

@@ -253,9 +253,9 @@ class Rig:
         _check_names("contact in Rig.contacts", self.contacts, contacts)
         _check_names("state in Rig.initial", self.initial, state_units(self.mechanism))
         _check_names("law in Rig.assumed", self.assumed, self.laws)
-        _check_names("law in Rig.law_uncertainties", self.law_uncertainties, self.laws)
         for name in self.law_uncertainties:
-            self.estimates_of(name)
+            if name in self.laws:
+                self.estimates_of(name)
         paths = tuple(canonical(self.mechanism, name) for name in self.vary)
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
@@ -317,13 +317,15 @@ class Rig:
         except InputError as error:
             raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
 
-    def estimates_of(self, name: str) -> LawEstimates | None:
+    def estimates_of(self, name: str, law: FrictionLaw | None = None) -> LawEstimates | None:
         """Return how well a law is known: as it was fitted, and as single parameters are stated.
 
         Parameters
         ----------
         name : str
-            Name of one of `laws`.
+            Name of a law.
+        law : FrictionLaw, optional
+            The law with its values; that of `laws` if not given.
 
         Returns
         -------
@@ -347,7 +349,7 @@ class Rig:
         if not stated:
             return known
         known = known or LawEstimates(law=name, levels=levels_at(self.mechanism))
-        return known.stating(self.laws[name], stated)
+        return known.stating(self.laws[name] if law is None else law, stated)
 
     def with_uncertainties(self, measurement: Measurement) -> Measurement:
         """Return a measurement of this rig with the uncertainties of its mechanism beside its own.

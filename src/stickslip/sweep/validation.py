@@ -56,8 +56,9 @@ __all__ = [
 
 Array: TypeAlias = NDArray[np.float64]
 
-EXPECTED = 0.05
-"""Share of simulated measurements with as large a residual, below which it is not expected."""
+EXPECTED, REFUTED = 0.05, 0.01
+"""Share of simulated measurements with as large a residual, from which on it is expected, and below
+which the prediction is refuted; between them nothing is said."""
 ORIGIN, LEAST_ORIGIN = 0.01, 10
 """Share of a record whose mean sets the origin of its position, and its fewest samples."""
 NOISY = 1.5
@@ -102,7 +103,7 @@ class ValidatedRecord:
     """The same (2, n) with the noise of the sensor."""
     as_large: float | None
     """Share of simulated records, with parameters and noise drawn, whose residual has at least this
-    root mean square."""
+    root mean square; over its own noise where that was estimated."""
     shift: float
     """Shift of the record's times [s] with which its residual is least."""
     shifted_rms: float
@@ -136,8 +137,8 @@ class ValidatedRecord:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the residual is expected of parameters and noise; None if nothing was drawn."""
-        return None if self.as_large is None else self.as_large >= EXPECTED
+        """Whether the residual is expected of parameters and noise; None if that is not clear."""
+        return _judged(self.as_large)
 
     @property
     def late(self) -> bool:
@@ -230,13 +231,13 @@ class ValidatedTravel:
         scale = shown_in(known, self.unit)
         band = "—"
         if self.low is not None and self.high is not None:
-            band = f"{scale.interval(self.low, self.high)} {scale.unit}"
+            band = scale.interval(self.low, self.high)
         answer = {True: "yes", False: "no", None: "—"}[self.inside]
         return (*(scale.quantity(one, 4) for one in known), band, answer)  # type: ignore[return-value]
 
     @property
     def inside(self) -> bool | None:
-        """Whether the reading, give or take two standard errors, meets the band."""
+        """Whether the reading, give or take 1.96 standard errors, meets the band."""
         if self.low is None or self.high is None:
             return None
         room = Z95 * self.uncertainty
@@ -292,8 +293,7 @@ class Validation(InPanels):
         """Whether all that was measured is expected of the law; None if that cannot be told."""
         seen = [one.agrees for one in self.records]
         if self.travels:
-            share = self.travels_as_large if self.stated else None
-            seen.append(None if share is None else share >= EXPECTED)
+            seen.append(_judged(self.travels_as_large if self.stated else None))
         return False if False in seen else None if None in seen or not seen else True
 
     @property
@@ -305,28 +305,34 @@ class Validation(InPanels):
                 f"Whether the {what} agrees with the prediction cannot be told: no parameter of the"
                 " law or of the mechanism has an uncertainty."
             )
-        if self.agrees is None:
+        if self.agrees is None and self.travels and not self.stated:
             return (
                 f"Whether the {what} agrees with the prediction cannot be told: no uncertainty of"
                 " the readings was stated."
             )
+        if self.agrees is None:
+            return (
+                f"Whether the {what} agrees with the prediction is not clear: its residuals are"
+                f" rather large for the uncertain parameters and {self._errors}, but may be chance"
+                f" ({self._odds})."
+            )
         if self.agrees:
             return (
                 f"The {what} agrees with the prediction: such residuals are expected from the"
-                f" uncertain parameters and the noise ({self._odds})."
+                f" uncertain parameters and {self._errors} ({self._odds})."
             )
         left = f", parameters that the band leaves out ({self._kept})" if self.kept else ""
+        times = ", times of the record" if self.records else ""
         return (
             f"The {what} does not agree with the prediction: its residuals are larger than the"
-            f" uncertain parameters and the noise explain ({self._odds}). Possible causes: other"
-            " friction than where the law was fitted, the form of the law, values of the"
-            f" mechanism, times of the record{left}."
-            if self.records
-            else f"The {what} does not agree with the prediction: its residuals are larger than the"
-            f" uncertain parameters and errors of reading explain ({self._odds}). Possible causes:"
+            f" uncertain parameters and {self._errors} explain ({self._odds}). Possible causes:"
             " other friction than where the law was fitted, the form of the law, values of the"
-            f" mechanism{left}."
+            f" mechanism{times}{left}."
         )
+
+    @property
+    def _errors(self) -> str:
+        return "the noise" if self.records else "errors of reading"
 
     @property
     def _record(self) -> str:
@@ -363,9 +369,10 @@ class Validation(InPanels):
         if self.drawn:
             names = joined([parameter_words(path) for path in self.drawn])
             left = f" Held at their values: {self._kept}." if self.kept else ""
+            no = "measurement noise" if self.records else "error of reading"
             said.append(
                 f"The band includes the uncertainty of {names} ({self.count} draws, seed"
-                f" {self.seed}) and no measurement noise.{left}"
+                f" {self.seed}) and no {no}.{left}"
             )
         return tuple(said)
 
@@ -410,7 +417,8 @@ def validate(
     Nothing is fitted but the origin of measured positions. Parameters of the law are drawn from
     their estimates, and those of the mechanism from `Measurement.parameter_uncertainties`; with
     each draw, and with noise of the sensor, a measurement is simulated. The measurement agrees with
-    the prediction if at least 5 % of these have as large residuals.
+    the prediction if at least 5 % of these have as large residuals, and does not if less than 1 %
+    have.
 
     Parameters
     ----------
@@ -588,7 +596,11 @@ def _record(
         band = predicted + np.quantile(others, ends, axis=0)
         wide = predicted + np.quantile(with_noise, ends, axis=0)
         sizes = np.sqrt(np.mean(with_noise**2, axis=1))
-        as_large = float(np.mean(sizes >= _rms(read - zero)))
+        size = _rms(read - zero)
+        if stated is None and noise > 0.0:  # that of each as it would have been estimated
+            sizes /= np.array([noise_of(row, step_of(values)) for row in with_noise])
+            size /= noise
+        as_large = float(np.mean(sizes >= size))
     return ValidatedRecord(
         name=record.name,
         quantity=compared,
@@ -749,6 +761,13 @@ def _drawn_travels(
     lasted = np.array([status.complete for status in runs.status])
     travel = runs["x"][:, 1] - runs["x"][:, 0]
     return np.where(lasted, travel, np.nan)
+
+
+def _judged(share: float | None) -> bool | None:
+    """Return whether residuals are expected, of the share of simulated ones that are as large."""
+    if share is None or REFUTED <= share < EXPECTED:
+        return None
+    return share >= EXPECTED
 
 
 def _rms(values: Array) -> float:

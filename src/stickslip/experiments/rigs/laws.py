@@ -66,6 +66,13 @@ def known_laws(
             kept = {key: value for key, value in values.items() if key in changed}
             values |= _own(own, law, file, overridden, at) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
+        stated = {
+            key: value.uncertainty
+            for key, value in values.items()
+            if isinstance(value, Given) and value.uncertainty is not None
+        }
+        if stated:
+            uncertainties[name] = stated
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file, at))
@@ -75,13 +82,6 @@ def known_laws(
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
-        stated = {
-            key: value.uncertainty
-            for key, value in values.items()
-            if isinstance(value, Given) and value.uncertainty is not None
-        }
-        if stated:
-            uncertainties[name] = stated
     return KnownLaws(
         laws=found,
         named=tuple(named),

@@ -111,9 +111,7 @@ def read_rig(
         named=known.named,
         given=known.given,
         assumed=known.assumed,
-        law_uncertainties={
-            name: stated for name, stated in known.uncertainties.items() if name in known.laws
-        },
+        law_uncertainties=known.uncertainties,
         contacts=of_contacts,
         vary=_varied(table.mechanism),
         parameter_uncertainties=_doubts(table.mechanism),

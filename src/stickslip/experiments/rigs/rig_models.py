@@ -166,6 +166,8 @@ def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
     found = {key: NUMBER_WITH_UNIT.fullmatch(text) for key, text in texts.items()}
     units = {key: one["unit"] if one else None for key, one in found.items()}
     shared = units["value"] or units[UNCERTAINTY]
+    if not shared and all(found.values()):
+        return {key: float(text) for key, text in texts.items()}  # in SI, as plain numbers are
     if shared and "%" not in shared:
         texts = {
             key: text if units[key] or not found[key] else f"{text} {shared}"

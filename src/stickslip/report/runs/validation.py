@@ -49,7 +49,7 @@ def validation_section(about: RunReport) -> Section | None:
 
 
 def _travels(seen: Validation) -> Table:
-    heads = ("measured", "predicted", "95 % band", "in the band")
+    heads = ("measured", "predicted", "95 % band", "meets it")
     columns = (
         Column(head="trial"),
         Column(head="quantity", phone="label", label="quantity:"),
