@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.display import InPanels, Summary
+from stickslip.drives import SampledSwing
 from stickslip.errors import InputError
 from stickslip.experiments import (
     QUANTITIES,
@@ -69,6 +70,8 @@ FARTHEST = 0.1
 """Largest shift that is tried, over the length of a record; at most half a cycle of the drives."""
 FINE = 4001
 """Even times at which a run is looked up for shifts, beside the solver's own."""
+RECORDED = "recorded_swing"
+"""What a recorded motion, whose error is in no band, is called among what is held."""
 Z95 = 1.959963984540054
 
 
@@ -282,7 +285,8 @@ class Validation(InPanels):
     drawn: tuple[str, ...] = ()
     """Parameters that were drawn, by path."""
     kept: tuple[str, ...] = ()
-    """Parameters of the law that the band leaves out: given, assumed or not identified."""
+    """Parameters of the law that the band leaves out: given, assumed or not identified; and
+    ``"recorded_swing"`` where a recorded motion drives."""
     count: int = 0
     """Number of draws."""
     seed: int = 0
@@ -468,6 +472,8 @@ def validate(
     if count < 2:
         raise InputError(f"validate: count must be at least 2, got {count}.")
     uncertain = _Uncertain(law, estimates, count, seed)
+    if any(isinstance(drive, SampledSwing) for drive in mechanism.drives().values()):
+        uncertain.kept += (RECORDED,)
     records = measurement.records()
     if any(record.time is not None for record in records):
         doubts = uncertainties_of(mechanism, measurement)
@@ -500,7 +506,9 @@ class _Uncertain:
     def __init__(self, law: FrictionLaw, known: LawEstimates | None, count: int, seed: int) -> None:
         self.law, self.count, self.seed = law, count, seed
         self.known = known if known is not None and known.intervals else None
-        self.kept = () if known is None else (*known.not_fitted, *known.not_identified)
+        self.kept: tuple[str, ...] = ()
+        if known is not None:
+            self.kept = (*known.not_fitted, *known.not_identified)
         self.paths: dict[str, None] = {}
         self.random = np.random.default_rng([seed, 2])  # of the noise
 
@@ -524,10 +532,9 @@ class _Uncertain:
     def said(self) -> dict[str, Any]:
         """Return what a `Validation` says of the draws."""
         drawn = tuple(self.paths)
-        kept = tuple(self.kept)
         return {
             "drawn": drawn,
-            "kept": kept,
+            "kept": self.kept,
             "count": self.count if drawn else 0,
             "seed": self.seed,
         }

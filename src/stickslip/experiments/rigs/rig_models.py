@@ -16,7 +16,7 @@ from typing import Annotated, Any, ClassVar, Literal, Union
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stickslip.drives import DRIVES, PROFILES, Drive, Profile
+from stickslip.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
@@ -189,6 +189,8 @@ class Table(BaseModel):
 
     target: ClassVar[type[Parametrised] | None] = None
     """The class whose parameters stand in this table."""
+    moved: ClassVar[str] = ""
+    """Unit of the coordinate that a recorded motion moves; empty if both will do."""
     misplaced: ClassVar[Mapping[str, str]] = {}
     """Keys one might expect here, and what to do instead."""
 
@@ -334,12 +336,32 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         if part in MEMBERS:
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
-            return choice({kind: table_of(one, kind, moved=inner) for kind, one in members})
+            tables = {kind: table_of(one, kind, moved=inner) for kind, one in members}
+            return choice({kind: _or_in_file(table, inner) for kind, table in tables.items()})
     if len(parts) == 1:
         return _alone(parts[0])
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
+
+
+def _or_in_file(table: type[Table], moved: str) -> type[Table]:
+    """Return a table in which a file may stand in place of the samples of a motion."""
+    if table.target is not SampledSwing:
+        return table
+    samples = {name: (table.model_fields[name].annotation, ()) for name in SampledSwing.data_fields}
+    of_file = {
+        name: (str, Field(default="", description=text))
+        for name, text in (
+            ("file", "data file with the recorded motion, relative to the rig file"),
+            ("column", "name of its column with the position or angle; `position` if empty"),
+            ("unit", "unit of that column, where its header has none"),
+        )
+    }
+    fields: dict[str, Any] = {**samples, **of_file}
+    model = create_model(table.__name__, __base__=table, **fields)
+    model.__doc__, model.target, model.moved = table.__doc__, table.target, moved
+    return model
 
 
 MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}
