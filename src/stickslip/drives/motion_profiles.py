@@ -474,8 +474,8 @@ class SampledSwing(Straight, Profile):
     continuous and straight between knots. Differentiating twice amplifies noise: with knots ``h``
     apart and samples ``dt`` apart, noise ``s`` leaves an error of the acceleration of about
     ``12 s sqrt(dt / h) / h**2`` (`acceleration_error` has it). Knots that are too wide flatten
-    jumps of the acceleration. If no spacing is given, the Bayesian information criterion chooses
-    it, which stays above the noise.
+    jumps of the acceleration. If no spacing is given, the corrected information criterion of Akaike
+    chooses it.
 
     Examples
     --------
@@ -634,73 +634,100 @@ def _smoothed(
         count = max(COARSEST, round(end / spacing))
     else:
         counts = [COARSEST]
-        while counts[-1] * FINER < min((n - 4) // 2, MOST_INTERVALS):
+        while counts[-1] * FINER < min((n - 6) // 2, MOST_INTERVALS):
             counts.append(max(counts[-1] + 1, int(counts[-1] * FINER)))
         tiny = n * (1e-14 * float(np.ptp(y) or 1.0)) ** 2  # rounding of floats
 
         def criterion(count: int) -> float:
-            """Return the Bayesian information criterion."""
-            squares = _spline(t, y, count)[1]
-            return n * math.log(max(squares, tiny) / n) + (count + 3) * math.log(n)
+            """Return the information criterion of Akaike, corrected for few samples."""
+            squares, p = _Spline(t, y, count).squares, count + 4  # with the noise
+            return n * math.log(max(squares, tiny) / n) + 2.0 * p * n / (n - p - 1)
 
         count = min(counts, key=criterion)
-    spline, squares = _spline(t, y, count)
-    knots = spline.t[3:-3]
-    noise = math.sqrt(squares / max(n - (count + 3), 1))
-    bends = spline(knots, 2).tolist()
+    found = _Spline(t, y, count)
+    if not math.isfinite(found.squares):
+        raise ParameterError(
+            f"SampledSwing.spacing (h) is too small for samples as uneven as these, got"
+            f" {number(end / count, 4)} s: increase it."
+        )
+    h, c = end / count, found.weights
+    bends = ((c[:-2] - 2.0 * c[1:-1] + c[2:]) / h**2).tolist()
+    noise = math.sqrt(found.squares / max(n - (count + 3), 1))
     return _Smoothed(
-        position=float(spline(0.0)),
-        rate=float(spline(0.0, 1)),
+        position=float(c[0] + 4.0 * c[1] + c[2]) / 6.0,
+        rate=float(c[2] - c[0]) / (2.0 * h),
         pieces=tuple(
-            Piece(a, u, (v - u) / (b - a))
-            for (a, u), (b, v) in itertools.pairwise(zip(knots.tolist(), bends, strict=True))
+            Piece(k * h, u, (v - u) / h) for k, (u, v) in enumerate(itertools.pairwise(bends))
         ),
         noise=noise,
-        error=noise * _bent_by_noise(t, count),
+        error=noise * found.bent_by_noise(h),
     )
 
 
-def _spline(t: Any, y: Any, count: int) -> tuple[Any, float]:
-    """Return a spline of a number of intervals, and its squared residuals."""
-    from scipy.interpolate import BSpline
-    from scipy.linalg import cho_solve_banded
+class _Spline:
+    """Least-squares weights (count + 3,) of cubic B-splines with even knots from 0 to the end."""
 
-    table, factor = _normal_equations(t, count)
-    weights = cho_solve_banded(factor, table.T @ y)
-    weights += cho_solve_banded(factor, table.T @ (y - table @ weights))  # takes off rounding
-    residual = y - table @ weights
-    return BSpline(_knots(t, count), weights, 3), float(residual @ residual)
+    def __init__(self, t: Any, y: Any, count: int) -> None:
+        import numpy as np
+
+        place = t * (count / t[-1])
+        cell = np.minimum(place.astype(int), count - 1)
+        u = place - cell
+        basis = (
+            (1.0 - u) ** 3 / 6.0,
+            (3.0 * u**3 - 6.0 * u**2 + 4.0) / 6.0,
+            (-3.0 * u**3 + 3.0 * u**2 + 3.0 * u + 1.0) / 6.0,
+            u**3 / 6.0,
+        )
+        size = count + 3
+        bands = np.zeros((4, size))
+        for i, one in enumerate(basis):
+            for k, other in enumerate(basis[i:]):
+                bands[k] += np.bincount(cell + i, one * other, size)
+        self.factor = _banded_factor(bands.tolist())
+        self.weights, residual = np.zeros(size), y
+        for _ in range(2 if self.factor else 0):  # the second round takes off rounding
+            right = sum(np.bincount(cell + i, one * residual, size) for i, one in enumerate(basis))
+            self.weights = self.weights + _banded_solution(self.factor, right)
+            residual = y - sum(one * self.weights[cell + i] for i, one in enumerate(basis))
+        self.squares = float(residual @ residual) if self.factor else math.inf
+
+    def bent_by_noise(self, h: float) -> float:
+        """Return the standard error of the second derivative over that of a sample."""
+        import numpy as np
+
+        size = len(self.weights)
+        knots = np.unique(np.linspace(0, size - 3, MOST_KNOTS).astype(int))
+        bends = np.zeros((size, len(knots)))
+        for i, weight in enumerate((1.0, -2.0, 1.0)):
+            bends[knots + i, np.arange(len(knots))] = weight / h**2
+        covered = np.sum(bends * _banded_solution(self.factor, bends), axis=0)
+        return math.sqrt(float(np.mean(covered)))
 
 
-def _knots(t: Any, count: int) -> Any:
-    import numpy as np
-
-    end = float(t[-1])
-    return np.concatenate([[0.0] * 3, np.linspace(0.0, end, count + 1), [end] * 3])
-
-
-def _normal_equations(t: Any, count: int) -> tuple[Any, Any]:
-    """Return the values of the basis at the samples, and the banded factor of their squares."""
-    import numpy as np
-    from scipy.interpolate import BSpline
-    from scipy.linalg import cholesky_banded
-
-    table = BSpline.design_matrix(t, _knots(t, count), 3)
-    square = table.T @ table
-    bands = np.zeros((4, count + 3))
-    for k in range(4):
-        bands[k, : count + 3 - k] = square.diagonal(-k)
-    return table, (cholesky_banded(bands, lower=True), True)
+def _banded_factor(a: list[list[float]]) -> list[list[float]]:
+    """Return the Cholesky factor of bands ``a[k][j] = A[j + k, j]``; empty if there is none."""
+    size = len(a[0])
+    for j in range(size):
+        square = a[0][j] - sum(a[k][j - k] ** 2 for k in range(1, min(4, j + 1)))
+        if square <= 1e-12 * a[0][j]:
+            return []
+        a[0][j] = math.sqrt(square)
+        for m in range(1, min(4, size - j)):
+            known = sum(a[m + k][j - k] * a[k][j - k] for k in range(1, min(4 - m, j + 1)))
+            a[m][j] = (a[m][j] - known) / a[0][j]
+    return a
 
 
-def _bent_by_noise(t: Any, count: int) -> float:
-    """Return the standard error of the second derivative over that of a sample."""
-    import numpy as np
-    from scipy.interpolate import BSpline
-    from scipy.linalg import cho_solve_banded
-
-    _, factor = _normal_equations(t, count)
-    basis = BSpline(_knots(t, count), np.eye(count + 3), 3)
-    bends = basis(np.linspace(0.0, float(t[-1]), min(count, MOST_KNOTS) + 1), 2)
-    covariance = cho_solve_banded(factor, bends.T)
-    return math.sqrt(float(np.mean(np.sum(bends * covariance.T, axis=1))))
+def _banded_solution(factor: list[list[float]], right: Any) -> Any:
+    """Solve with the factor of `_banded_factor` for right sides (n,) or (n, m)."""
+    found, size = right.copy(), len(right)
+    for j in range(size):
+        for k in range(1, min(4, j + 1)):
+            found[j] -= factor[k][j - k] * found[j - k]
+        found[j] /= factor[0][j]
+    for j in range(size - 1, -1, -1):
+        for k in range(1, min(4, size - j)):
+            found[j] -= factor[k][j] * found[j + k]
+        found[j] /= factor[0][j]
+    return found

@@ -393,7 +393,7 @@ class LawEstimates:
 
         Raises
         ------
-        InputError
+        UnknownNameError
             If there is no such parameter.
 
         Examples

@@ -349,7 +349,7 @@ def _or_in_file(table: type[Table], moved: str) -> type[Table]:
     """Return a table in which a file may stand in place of the samples of a motion."""
     if table.target is not SampledSwing:
         return table
-    samples = {name: (table.model_fields[name].annotation, ()) for name in SampledSwing.data_fields}
+    samples = {name: (Annotated[Any, _Numbers()], ()) for name in SampledSwing.data_fields}
     of_file = {
         name: (str, Field(default="", description=text))
         for name, text in (
