@@ -105,8 +105,8 @@ class ValidatedRecord:
     wide: Array | None
     """The same (2, n) with the noise of the sensor."""
     as_large: float | None
-    """Share of simulated records, with parameters and noise drawn, whose residual has at least this
-    root mean square; over its own noise where that was estimated."""
+    """Share of simulated records, with parameters and noise drawn, whose residual is at least as
+    large: the root mean square of it over the standard deviation of band and noise at each time."""
     shift: float
     """Shift of the record's times [s] with which its residual is least."""
     shifted_rms: float
@@ -602,11 +602,15 @@ def _record(
         ends = (QUANTILES[0], QUANTILES[-1])
         band = predicted + np.quantile(others, ends, axis=0)
         wide = predicted + np.quantile(with_noise, ends, axis=0)
-        sizes = np.sqrt(np.mean(with_noise**2, axis=1))
-        size = _rms(read - zero)
-        if stated is None and noise > 0.0:  # that of each as it would have been estimated
-            sizes /= np.array([noise_of(row, step_of(values)) for row in with_noise])
-            size /= noise
+        step = step_of(values)
+        noises = (  # that of each as it would have been estimated
+            np.full(len(others), noise)
+            if stated is not None
+            else np.array([noise_of(row, step) for row in with_noise])
+        )
+        variance = np.var(others, axis=0) + (1e-9 * float(np.ptp(values))) ** 2
+        size = _rms((read - zero) / np.sqrt(variance + noise**2))
+        sizes = np.sqrt(np.mean(with_noise**2 / (variance + noises[:, None] ** 2), axis=1))
         as_large = float(np.mean(sizes >= size))
     return ValidatedRecord(
         name=record.name,
