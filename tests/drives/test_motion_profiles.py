@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip import Coulomb, PendulumCart, load_rig, simulate
+from stickslip import Coulomb, Measurement, PendulumCart, fit, load_rig, simulate
 from stickslip.drives import SampledSwing, SineSwing, ThreePhase, TimedThreePhase
 from stickslip.errors import InputError, ParameterError
+from stickslip.identification import RecordSettings
 from stickslip.mechanisms import Prescribed, cycle_or_none
 from stickslip.quantities import vary
 
@@ -146,6 +147,21 @@ def test_sensitivities_to_friction_hold_with_a_recorded_motion():
     laws = (Coulomb(kinetic_coefficient=0.2 + d) for d in (-1e-5, 1e-5))
     ends = [float(simulate(mechanism, law, t_end=1.4)["x"][-1]) for law in laws]
     assert slope == pytest.approx((ends[1] - ends[0]) / 2e-5, rel=1e-4)  # h^2 / 6 of a few
+
+
+def test_a_fit_says_that_the_error_of_a_recorded_swing_is_in_no_interval():
+    sine = SineSwing(amplitude=1.2, frequency=1.6)
+    t = np.arange(0.0, 1.5001, 0.005)
+    mechanism = cart(SampledSwing(times=t, positions=[sine.at(x)[0] for x in t]))
+    x = simulate(mechanism, LAW, t_end=1.5).at(t[:300])["x"]
+    noisy = x + 1e-4 * np.random.default_rng(0).normal(size=300)
+    found = fit(
+        mechanism,
+        Coulomb,
+        Measurement(time=t[:300], position=noisy),
+        settings=RecordSettings(starts=1),
+    )
+    assert "The motion of theta is a recorded one" in " ".join(found.sentences)
 
 
 GOOD = {"times": np.arange(20) * 0.1, "positions": np.zeros(20)}
