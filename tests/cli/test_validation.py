@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.cli.test_law_files import CART, KNOWN, LAW, write
 
-from stickslip import Coulomb, SpringBlock, load_rig, simulate
+from stickslip import Coulomb, Pendulum, SpringBlock, load_rig, simulate
 from stickslip.cli import main
 
 
@@ -140,3 +140,31 @@ def test_a_refit_needs_a_measurement(walk):
     code, _, err = walk("simulate", CART, "--law", "coulomb", "--refit")
     assert code == 2
     assert "nothing was measured: leave it out" in err
+
+
+def test_a_free_decay_is_predicted_from_its_initial_state_and_refitted(walk):
+    t = np.arange(0.0, 8.0, 0.02)
+    clock = Pendulum(mass=0.2, length=0.5)
+    run = simulate(clock, Coulomb(kinetic_coefficient=0.01), t_end=8.0, y0={"theta": 0.5})
+    angle = run.at(t)["theta"] + 1e-3 * np.random.default_rng(1).normal(size=t.size)
+    rows = "\n".join(f"{a},{b}" for a, b in zip(t.tolist(), angle.tolist(), strict=True))
+    Path("decay.csv").write_text(f"time [s],position [rad]\n{rows}\n")
+    Path("decay.toml").write_text(
+        """
+[mechanism]
+type = "pendulum"
+mass = 0.2
+length = 0.5
+[friction.coulomb]
+kinetic_coefficient = "0.01 +- 0.0003"
+[run]
+t_end = 8
+[[trial]]
+file = "decay.csv"
+initial = { theta = "0.5 rad" }
+"""
+    )
+    code, out, _ = walk("simulate", "decay.toml", "--refit", "--ensemble", 50)
+    assert code == 0
+    assert "The record agrees with the prediction" in out
+    assert ": agree (difference" in out

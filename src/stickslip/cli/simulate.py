@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,9 +35,9 @@ from stickslip.cli.law_choice import (
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError, StickslipError
-from stickslip.experiments import Rig, bristle_remark, extrapolations
+from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
-from stickslip.identification import RecordSettings
+from stickslip.identification import RecordSettings, inside
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
 from stickslip.routes import fit
 from stickslip.selection import criteria_of
@@ -286,11 +286,12 @@ def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
     known = chosen.estimates
     vary = [f"friction.{name}" for name in known.intervals] if known else None
     records = any(record.time is not None for record in rig.measurement.records())
+    measurement = _without_fitted_start(rig) if records else rig.measurement
     with Drawing("Refitting"):
         found = fit(
             rig.mechanism,
             chosen.law,
-            rig.measurement,
+            measurement,
             vary=vary or None,
             settings=RecordSettings(hold=rig.hold) if records else None,
             t_end=None if records else rig.t_end,
@@ -349,6 +350,23 @@ def _ran_by_contact(
     )
     band = _band(rig, chosen, settings, run, t_end=t_end)
     return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=chosen.remarks)
+
+
+def _without_fitted_start(rig: Rig) -> Measurement:
+    """Return the records of a rig without initial states that fits estimate."""
+    assert rig.measurement is not None
+    kept = [
+        replace(
+            record,
+            initial={
+                name: value
+                for name, value in record.initial.items()
+                if name in inside(rig.mechanism, record)
+            },
+        )
+        for record in rig.measurement.records()
+    ]
+    return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
 def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
