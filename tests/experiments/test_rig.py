@@ -511,7 +511,7 @@ BAD_TEXT = {
     ),
     "misspelt mark": (
         f"{MECHANISM}[friction]\nkinetic_coefficient = {{value = 1, asumed = true}}",
-        "keys value and assumed, got 'value', 'asumed'",
+        "keys value and assumed or uncertainty, got 'value', 'asumed'",
     ),
     "mark of another kind": (
         f"{MECHANISM}[friction]\nkinetic_coefficient = {{value = 1, assumed = 1}}",

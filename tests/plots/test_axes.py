@@ -38,7 +38,7 @@ from stickslip.identification import Fit
 from stickslip.selection import Verdict
 from stickslip.selection.verdict import Candidate, Wording
 from stickslip.solver import Max, Samples
-from stickslip.sweep import band_of, basins, bifurcation
+from stickslip.sweep import band_of, basins, bifurcation, validate
 from stickslip.sweep.mean_velocity import VelocityMap
 from stickslip.trajectory import Status
 
@@ -79,6 +79,7 @@ def results():
         "run": simulate(BLOCK, LAW, t_end=1.0),
         "ensemble": ensemble(BLOCK, LAW, levels, t_end=1.0, outputs=outputs),
         "band": band_of(BLOCK, LAW, known, t_end=1.0, count=20),
+        "validation": validate(BLOCK, LAW, Measurement(travel=0.20), known, count=20),
         "record fit": fit(Axis(inertia=1.0), CoulombViscous, table),
         "travel fit": fit(BLOCK, Coulomb, Measurement(travel=0.20, uncertainty=0.005)),
         "record verdict": select(Axis(inertia=1.0), ["coulomb", "coulomb-viscous"], table),
@@ -95,8 +96,8 @@ def results():
 
 
 KINDS = (
-    "run", "ensemble", "band", "record fit", "travel fit", "record verdict", "travel verdict",
-    "map", "bifurcation", "basins", "loop",
+    "run", "ensemble", "band", "validation", "record fit", "travel fit", "record verdict",
+    "travel verdict", "map", "bifurcation", "basins", "loop",
 )  # fmt: skip
 
 
@@ -211,6 +212,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
         plots.plot_measurement: "measurement must be a Measurement",
+        plots.plot_validation: "seen must be a Validation",
         plots.plot_trials: "comparison must be a TrialComparison",
         plots.plot_profile: "optimum must be an Optimum",
         plots.plot_closed_loop: "loop must be a ClosedLoop",

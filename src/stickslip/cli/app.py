@@ -376,11 +376,18 @@ def simulate(
             "--ensemble",
             metavar="N",
             min=2,
-            help="Also simulate N samples of the law's parameters, drawn from the estimates in its"
-            " file.",
+            help="Also simulate N samples of the uncertain parameters: of the law, drawn from the"
+            " estimates in its file, and of the mechanism.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of --ensemble.")] = 0,
+    refit: Annotated[
+        bool,
+        typer.Option(
+            "--refit",
+            help="Also fit the law to what was measured on this rig, and compare the intervals.",
+        ),
+    ] = False,
     report: Annotated[
         bool,
         typer.Option("--report", help="Write a report of the run to stickslip-run/index.html."),
@@ -401,6 +408,7 @@ def simulate(
     Prints the events and the certificate; writes the run and a report on request.
     With a fitted law from a file, --ensemble samples its parameters from their estimated
     distribution and shows the 95 % band of the motion.
+    What was measured on the rig is compared with the prediction.
     --law printed-5 and the others of `stickslip models --published` run with --fixed-step; they
     take the values of their corrected law, and --set friction.signed=true adds a missing sgn.
     """
@@ -417,6 +425,7 @@ def simulate(
         stick_rule=not no_stick_rule,
         zero_velocity_band=zero_velocity_band,
         ensemble=ensemble,
+        refit=refit,
         seed=seed,
         report=folder,
     )

@@ -531,8 +531,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
     name = _name(rig) if name is None else name
     _refuse_printed(name)
     if name in rig.laws:
-        known = rig.estimates
-        return _of_rig(rig, rig.laws[name], known if known and known.law == name else None)
+        return _of_rig(rig, rig.laws[name], rig.estimates_of(name))
     given = rig.given.get(name, {})
     try:
         law = dataclasses.replace(starting_law(law_type(name)), **given)
@@ -543,7 +542,7 @@ def _own(rig: Rig, name: str | None) -> ChosenLaw:
         ) from None
     lacks = "only some values" if given else "no values"
     note(f"{rig.path} has {lacks} for {name}; default values are used: {law}.")
-    return _of_rig(rig, law, None)
+    return _of_rig(rig, law, rig.estimates_of(name, law))
 
 
 def _refuse_printed(name: str) -> None:

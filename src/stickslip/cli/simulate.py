@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,15 +35,27 @@ from stickslip.cli.law_choice import (
 )
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
-from stickslip.errors import InputError
-from stickslip.experiments import Rig, bristle_remark, extrapolations
+from stickslip.errors import InputError, StickslipError
+from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
 from stickslip.friction import PRINTED_FORMS
+from stickslip.identification import RecordSettings, inside
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
+from stickslip.routes import fit
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
 from stickslip.solver import FixedStep, Solver
-from stickslip.sweep import Band, DrivenCycle, Spread, band_of, cycles_in
+from stickslip.sweep import (
+    Band,
+    DrivenCycle,
+    Refit,
+    Spread,
+    Validation,
+    band_of,
+    compare_estimates,
+    cycles_in,
+    validate,
+)
 from stickslip.trajectory import Event, Trajectory
 
 if TYPE_CHECKING:
@@ -52,11 +64,14 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "check_table", "run", "table_bytes"]
 
 CRITERIA_FAILED = 4
+DRAWS = 200
+"""Draws with which measurements are compared where --ensemble gives no number."""
 EVENT_CHECKS = ("guard_violation", "event_residual", "stick_drift")
 """Parts of a certificate that only a run with located events has."""
 NO_ESTIMATES = (
-    "--ensemble samples the estimates of a law, and this law has none: give the law.toml of"
-    " `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml."
+    "--ensemble samples uncertain parameters, and neither this law nor the mechanism has any: give"
+    " the law.toml of `stickslip select`, or of `stickslip fit -o law.toml`, as --law law.toml, or"
+    ' state uncertainties, such as --set kinetic_coefficient="0.25 +- 0.01".'
 )
 MODES = {0: "stick", 1: "slip +", -1: "slip -", 2: "at stop +", -2: "at stop -", 3: "open"}
 FIRST_EVENTS, LAST_EVENTS = 12, 4
@@ -84,7 +99,9 @@ class Settings:
     zero_velocity_band: float = 0.0
     """Speed [m/s] within which fixed steps hold the body; none if 0."""
     ensemble: int | None = None
-    """Number of draws of the law's parameters; none if None."""
+    """Number of draws of uncertain parameters; none if None."""
+    refit: bool = False
+    """Whether the law is fitted to what was measured on the rig, too."""
     seed: int = 0
     """Seed of these draws."""
     report: Path | None = None
@@ -105,6 +122,10 @@ class Ran:
     """Where 95 % of the runs of an ensemble lie; None without an ensemble."""
     remarks: tuple[str, ...]
     """What does not carry over from where the law was fitted."""
+    validation: Validation | None = None
+    """What was measured on the rig beside the prediction; None if that cannot be compared."""
+    refit: Refit | None = None
+    """The law fitted to that, on request."""
 
 
 def run(
@@ -209,10 +230,8 @@ def _has_criteria(ran: Ran) -> bool:
 
 
 def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
-    """Make the run, and the ensemble if one was asked for."""
-    _refuse_both(settings)
-    if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(NO_ESTIMATES)
+    """Make the run, the ensemble if one was asked for, and what was measured beside it."""
+    _refuse_impossible(rig, chosen, settings)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = rig.start(chosen.law)
     wanted = settings.report is None and settings.ensemble is None
@@ -236,6 +255,8 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         run=run,
         band=band,
         remarks=(*chosen.remarks, *beyond),
+        validation=_validated(rig, chosen, settings),
+        refit=_refitted(rig, chosen) if settings.refit else None,
     )
 
 
@@ -247,10 +268,10 @@ def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
             f" step in seconds, such as --fixed-step 0.001, or its corrected law as --law"
             f" {chosen.corrected.name}."
         )
-    if settings.report is not None or settings.ensemble is not None:
+    if settings.report is not None or settings.ensemble is not None or settings.refit:
         raise InputError(
-            "--report and --ensemble take a friction law: with an equation as printed, leave them"
-            " out, or write the run with -o run.csv."
+            "--report, --ensemble and --refit take a friction law: with an equation as printed,"
+            " leave them out, or write the run with -o run.csv."
         )
     run = simulate(
         rig.mechanism,
@@ -262,9 +283,60 @@ def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
     return Ran(rig=rig, chosen=chosen, run=run, band=None, remarks=())
 
 
-def _refuse_both(settings: Settings) -> None:
+def _refuse_impossible(rig: Rig, chosen: ChosenLaw | ChosenLaws, settings: Settings) -> None:
     if settings.ensemble is not None and settings.fixed_step is not None:
         raise InputError("--ensemble requires exact events: leave --fixed-step out.")
+    if settings.refit and settings.fixed_step is not None:
+        raise InputError("--refit requires exact events: leave --fixed-step out.")
+    known = chosen.estimates is not None or rig.parameter_uncertainties
+    if settings.ensemble is not None and not known:
+        raise InputError(NO_ESTIMATES)
+    if settings.refit and (rig.measurement is None or isinstance(chosen, ChosenLaws)):
+        lacks = "nothing was measured" if rig.measurement is None else "it has several contacts"
+        raise InputError(
+            f"--refit fits the law to what was measured on {rig.path or rig.heading}, but {lacks}:"
+            " leave it out."
+        )
+
+
+def _validated(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Validation | None:
+    """Return what was measured beside the prediction; None, with a note, if that cannot be."""
+    if rig.measurement is None:
+        return None
+    try:
+        if settings.fixed_step is not None:
+            raise InputError("that requires exact events, and --fixed-step locates none.")
+        return validate(
+            rig.mechanism,
+            chosen.law,
+            rig.measurement,
+            chosen.estimates,
+            t_end=rig.t_end,
+            count=settings.ensemble or DRAWS,
+            seed=settings.seed,
+        )
+    except StickslipError as error:
+        note(plain(f"The prediction was not compared with what was measured: {error}"))
+        return None
+
+
+def _refitted(rig: Rig, chosen: ChosenLaw) -> Refit:
+    """Fit what is known of the law with an interval, or all of it, to what was measured."""
+    assert rig.measurement is not None
+    known = chosen.estimates
+    vary = [f"friction.{name}" for name in known.intervals] if known else None
+    records = any(record.time is not None for record in rig.measurement.records())
+    measurement = _without_fitted_start(rig) if records else rig.measurement
+    with Drawing("Refitting"):
+        found = fit(
+            rig.mechanism,
+            chosen.law,
+            measurement,
+            vary=vary or None,
+            settings=RecordSettings(hold=rig.hold) if records else None,
+            t_end=None if records else rig.t_end,
+        )
+    return Refit(fit=found, parameters=compare_estimates(chosen.law, known, found))
 
 
 def _band(
@@ -272,7 +344,7 @@ def _band(
 ) -> Band | None:
     """Return the band of the ensemble; None if none was asked for, or the run ended early."""
     known = chosen.estimates
-    if settings.ensemble is None or known is None:
+    if settings.ensemble is None:
         return None
     if not run.status.complete:
         note("The ensemble was not simulated: the run with the best-fit values ended early.")
@@ -284,6 +356,7 @@ def _band(
             friction,
             known,
             t_end=t_end,
+            parameter_uncertainties=rig.parameter_uncertainties,
             count=settings.ensemble,
             seed=settings.seed,
             times=run.sampled(settings.samples).t,
@@ -302,9 +375,9 @@ def _ran_by_contact(
             "--enforce takes a mechanism with one contact that slips along a coordinate, but"
             f" {rig.mechanism.name} has {names}: leave it out."
         )
-    _refuse_both(settings)
-    if settings.ensemble is not None and chosen.estimates is None:
-        raise InputError(NO_ESTIMATES)
+    _refuse_impossible(rig, chosen, settings)
+    if rig.measurement is not None:
+        note("The prediction was not compared with what was measured: that takes one contact.")
     friction = friction_of(chosen)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
@@ -317,6 +390,23 @@ def _ran_by_contact(
     )
     band = _band(rig, chosen, settings, run, t_end=t_end)
     return Ran(rig=rig, chosen=chosen, run=run, band=band, remarks=chosen.remarks)
+
+
+def _without_fitted_start(rig: Rig) -> Measurement:
+    """Return the records of a rig without initial states that fits estimate."""
+    assert rig.measurement is not None
+    kept = [
+        replace(
+            record,
+            initial={
+                name: value
+                for name, value in record.initial.items()
+                if name in inside(rig.mechanism, record)
+            },
+        )
+        for record in rig.measurement.records()
+    ]
+    return replace(rig.measurement, trials=tuple(kept)) if rig.measurement.trials else kept[0]
 
 
 def _lengths(mechanism: Mechanism, run: Trajectory) -> dict[str, float]:
@@ -377,6 +467,8 @@ def _page(ran: Ran, settings: Settings) -> str:
             remarks=ran.remarks,
             law_file="" if source is None else source.path,
             band=ran.band,
+            validation=ran.validation,
+            refit=() if ran.refit is None else ran.refit.sentences(ran.validation),
             fixed_step=settings.fixed_step,
             commands=(command_line(),),
             versions=versions(),
@@ -463,6 +555,10 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
+    if ran.validation is not None:
+        content["validation"] = ran.validation.to_dict()
+    if ran.refit is not None:
+        content["refit"] = ran.refit.to_dict()
     return content
 
 
@@ -505,6 +601,23 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print(f"Not certified: {problem}", markup=False)
     if ran.band is not None:
         _show_band(ran.band)
+    if ran.validation is not None:
+        _show_validation(ran.validation)
+    if ran.refit is not None:
+        console.print("\nRefitted to this measurement", markup=False, style="bold")
+        for line in ran.refit.sentences(ran.validation):
+            console.print(f"  {line}", markup=False)
+
+
+def _show_validation(seen: Validation) -> None:
+    """Print what was measured beside the prediction, and what to think of it."""
+    console = stdout()
+    console.print("\nPrediction and measurement", markup=False, style="bold")
+    if seen.travels:
+        rows = [[one.name, one.quantity.replace("_", " "), *one.cells()] for one in seen.travels]
+        show_table("", ["trial", "", "measured", "predicted", "95 % band", "meets it"], rows)
+    for line in seen.sentences():
+        console.print(line, markup=False)
 
 
 def _event_rows(events: Sequence[Event]) -> list[list[str]]:

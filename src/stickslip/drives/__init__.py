@@ -11,6 +11,7 @@ HOMES = {
     "Pulse": "elementary",
     "Ramp": "elementary",
     "Sampled": "elementary",
+    "SampledSwing": "motion_profiles",
     "SevenStep": "motion_profiles",
     "Sine": "elementary",
     "SineSwing": "motion_profiles",
@@ -18,6 +19,7 @@ HOMES = {
     "Square": "elementary",
     "Sum": "base",
     "ThreePhase": "motion_profiles",
+    "TimedThreePhase": "motion_profiles",
 }
 
 INSIDE = {

@@ -15,10 +15,12 @@ from stickslip.drives.elementary import Sampled as Sampled
 from stickslip.drives.elementary import Sine as _Sine
 from stickslip.drives.elementary import Square as _Square
 from stickslip.drives.motion_profiles import Profile as Profile
+from stickslip.drives.motion_profiles import SampledSwing as _SampledSwing
 from stickslip.drives.motion_profiles import SevenStep as _SevenStep
 from stickslip.drives.motion_profiles import SineSwing as _SineSwing
 from stickslip.drives.motion_profiles import SplineSwing as _SplineSwing
 from stickslip.drives.motion_profiles import ThreePhase as _ThreePhase
+from stickslip.drives.motion_profiles import TimedThreePhase as _TimedThreePhase
 from stickslip.drives.registry import DRIVES as DRIVES
 from stickslip.drives.registry import PROFILES as PROFILES
 from stickslip.quantities import Given as _Given
@@ -43,6 +45,17 @@ class Ramp(_Ramp):  # type: ignore[misc]  # final but for this
         *,
         rate: _Given,
         start: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SampledSwing(_SampledSwing):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        times: tuple[float, ...],
+        positions: tuple[float, ...],
+        spacing: _Given | None = ...,
     ) -> None: ...
 
 @final
@@ -112,6 +125,19 @@ class ThreePhase(_ThreePhase):  # type: ignore[misc]  # final but for this
         fast: _Given,
         slow: _Given,
         first: _Literal['fast', 'slow'] = ...,
+        last: _Given | None = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TimedThreePhase(_TimedThreePhase):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        amplitude: _Given,
+        first_duration: _Given,
+        middle_duration: _Given,
+        last_duration: _Given,
     ) -> None: ...
 
 __all__ = [
@@ -123,6 +149,7 @@ __all__ = [
     "Pulse",
     "Ramp",
     "Sampled",
+    "SampledSwing",
     "SevenStep",
     "Sine",
     "SineSwing",
@@ -130,4 +157,5 @@ __all__ = [
     "Square",
     "Sum",
     "ThreePhase",
+    "TimedThreePhase",
 ]

@@ -1,5 +1,6 @@
 """Motion profiles: what moves a pendulum or an inner mass as it is told, again and again."""
 
+import functools
 import itertools
 import math
 from abc import ABC, abstractmethod
@@ -15,12 +16,31 @@ from stickslip.formatting import number
 from stickslip.maths import Scalar, sin, sqrt
 from stickslip.quantities import Numbers, Quantity
 
-__all__ = ["Profile", "SevenStep", "SineSwing", "SplineSwing", "ThreePhase"]
+__all__ = [
+    "Profile",
+    "SampledSwing",
+    "SevenStep",
+    "SineSwing",
+    "SplineSwing",
+    "ThreePhase",
+    "TimedThreePhase",
+]
+
+GAP = 3.0
+"""Step of time over the usual one from which on a recorded motion has a gap."""
+FEWEST = 8
+"""Samples of a recorded motion at least."""
+COARSEST = 2
+"""Intervals of the coarsest spline that is tried."""
+FINER = 1.15
+"""Ratio of the numbers of intervals that are tried."""
+MOST_INTERVALS, MOST_KNOTS = 3000, 300
+"""Intervals of a spline at most, and knots at which its error is looked at."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Profile(Drive, ABC):
-    """A periodic motion, given by its acceleration [rad/s^2] or [m/s^2].
+    """A motion that is told, given by its acceleration [rad/s^2] or [m/s^2]; mostly periodic.
 
     As a drive its value is the acceleration; `start_position` and `start_rate` are where it begins.
     """
@@ -35,7 +55,7 @@ class Profile(Drive, ABC):
     @property
     @abstractmethod
     def period(self) -> float:
-        """Duration of a cycle [s]."""
+        """Duration of a cycle, or of a motion that does not repeat itself [s]."""
 
     @property
     @abstractmethod
@@ -47,9 +67,8 @@ class Profile(Drive, ABC):
         """Rate [rad/s] or [m/s] at time 0."""
         return 0.0
 
-    @final
     @override
-    def repeats(self) -> float:
+    def repeats(self) -> float | None:
         return self.period
 
     @abstractmethod
@@ -80,18 +99,21 @@ class Stepped(Straight, Profile, ABC):
 
     @override
     def at(self, t: float) -> tuple[float, float]:
-        left = t % float(self.period)
-        position, rate = float(self.start_position), float(self.start_rate)
-        pieces = self.cycle()
-        ends = [*(float(piece.start) for piece in pieces[1:]), float(self.period)]
-        for piece, end in zip(pieces, ends, strict=True):
-            h = min(left, end) - float(piece.start)
-            if h <= 0.0:
-                break
-            value, slope = float(piece.value), float(piece.slope)
-            position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
-            rate += value * h + slope * h * h / 2.0
-        return position, rate
+        return _moved(self, self.cycle(), t % float(self.period))
+
+
+def _moved(profile: Profile, pieces: Sequence[Piece], t: float) -> tuple[float, float]:
+    """Return position and rate at a time [s] within the pieces of a profile."""
+    position, rate = float(profile.start_position), float(profile.start_rate)
+    ends = [*(float(piece.start) for piece in pieces[1:]), float(profile.period)]
+    for piece, end in zip(pieces, ends, strict=True):
+        h = min(t, end) - float(piece.start)
+        if h <= 0.0:
+            break
+        value, slope = float(piece.value), float(piece.slope)
+        position += rate * h + value * h * h / 2.0 + slope * h**3 / 6.0
+        rate += value * h + slope * h * h / 2.0
+    return position, rate
 
 
 def _number(value: Any) -> float:
@@ -113,7 +135,8 @@ class ThreePhase(Stepped):
 
     From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
     amplitude, and comes back to rest where it began. With ``first="fast"`` the outer phases are the
-    fast ones: ``+fast``, ``-slow``, ``+fast``; with ``first="slow"`` the middle one is.
+    fast ones: ``+fast``, ``-slow``, ``+fast``; with ``first="slow"`` the middle one is. The last
+    phase may have an acceleration of its own.
 
     Examples
     --------
@@ -131,6 +154,8 @@ class ThreePhase(Stepped):
     """Size of the small acceleration."""
     first: Literal["fast", "slow"] = "fast"
     """What the outer phases are."""
+    last: Annotated[float, Quantity("A_3", "rad/s^2", above=0, or_unit="m/s^2")] | None = None
+    """Size of the acceleration of the last phase; that of the first one if not given."""
 
     @override
     def __post_init__(self) -> None:
@@ -140,20 +165,31 @@ class ThreePhase(Stepped):
             raise ParameterError(f"ThreePhase.first must be 'fast' or 'slow', got {self.first!r}.")
 
     @property
-    def _pair(self) -> tuple[Scalar, Scalar]:
-        """Sizes of the outer and of the middle acceleration."""
-        return (self.fast, self.slow) if self.first == "fast" else (self.slow, self.fast)
+    def accelerations(self) -> tuple[float, float, float]:
+        """Sizes of the accelerations of the three phases; that of the middle one is a braking."""
+        outer, middle = (self.fast, self.slow) if self.first == "fast" else (self.slow, self.fast)
+        return outer, middle, outer if self.last is None else self.last
+
+    @property
+    def _rates(self) -> tuple[float, float]:
+        """Largest rates on the way there and on the way back."""
+        first, middle, last = self.accelerations
+        there: float = sqrt(4.0 * self.amplitude / (1.0 / first + 1.0 / middle))
+        back: float = sqrt(4.0 * self.amplitude / (1.0 / middle + 1.0 / last))
+        return there, back
 
     @property
     def peak_rate(self) -> float:
-        """Largest rate, on the way there and on the way back."""
-        rate: float = sqrt(4.0 * self.amplitude / (1.0 / self.fast + 1.0 / self.slow))
-        return rate
+        """Largest rate, on the way there or on the way back."""
+        there, back = self._rates
+        return there if self.last is None else max(there, back)
 
     @property
     @override
     def period(self) -> float:
-        return 2.0 * self.peak_rate * (1.0 / self.fast + 1.0 / self.slow)
+        first, middle, last = self.accelerations
+        there, back = self._rates
+        return there * (1.0 / first + 1.0 / middle) + back * (1.0 / middle + 1.0 / last)
 
     @property
     @override
@@ -162,10 +198,79 @@ class ThreePhase(Stepped):
 
     @override
     def cycle(self) -> tuple[Piece, ...]:
-        outer, middle = self._pair
-        rate = self.peak_rate
-        times = (rate / outer, 2.0 * rate / middle, rate / outer)
-        return _steps(times, (outer, -middle, outer))
+        first, middle, last = self.accelerations
+        there, back = self._rates
+        times = (there / first, (there + back) / middle, back / last)
+        return _steps(times, (first, -middle, last))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TimedThreePhase(Stepped):
+    """There and back in three phases of constant acceleration, given by their durations.
+
+    From minus the amplitude at rest it accelerates, brakes beyond the turning point at the
+    amplitude, and comes back to rest where it began. Any three durations make such a motion; where
+    the outer ones are equal, so are their accelerations, and it is a `ThreePhase`.
+
+    Examples
+    --------
+    >>> swing = TimedThreePhase(
+    ...     amplitude=0.8, first_duration=0.1, middle_duration=0.5, last_duration=0.2
+    ... )
+    >>> [round(one, 2) for one in swing.accelerations]
+    [86.67, 32.19, 37.14]
+    >>> position, rate = swing.at(swing.period - 1e-12)
+    >>> round(position, 9), abs(round(rate, 9))
+    (-0.8, 0.0)
+    """
+
+    amplitude: Annotated[float, Quantity("theta_m", "rad", above=0, or_unit="m")]
+    """Half the way between the turning points, about 0."""
+    first_duration: Annotated[float, Quantity("t_1", "s", above=0)]
+    """Duration of the first phase."""
+    middle_duration: Annotated[float, Quantity("t_2", "s", above=0)]
+    """Duration of the phase that brakes and turns back."""
+    last_duration: Annotated[float, Quantity("t_3", "s", above=0)]
+    """Duration of the last phase."""
+
+    @property
+    def _rates(self) -> tuple[Scalar, Scalar]:
+        """Largest rates on the way there and on the way back.
+
+        Their ratio is that of the times in which they change, ``(t_2 + t_3) / (t_1 + t_2)``, since
+        both ways are as long.
+        """
+        t_1, t_2, t_3 = self.first_duration, self.middle_duration, self.last_duration
+        share = (t_2 + t_3) / (t_1 + 2.0 * t_2 + t_3)  # of the middle phase, until it turns back
+        there = 4.0 * self.amplitude / (t_1 + t_2 * share)
+        return there, there * (t_1 + t_2) / (t_2 + t_3)
+
+    @property
+    def accelerations(self) -> tuple[float, float, float]:
+        """Sizes of the accelerations of the three phases; that of the middle one is a braking."""
+        there, back = self._rates
+        return (
+            there / self.first_duration,
+            (there + back) / self.middle_duration,
+            back / self.last_duration,
+        )
+
+    @property
+    @override
+    def period(self) -> float:
+        return self.first_duration + self.middle_duration + self.last_duration
+
+    @property
+    @override
+    def start_position(self) -> float:
+        return -self.amplitude
+
+    @override
+    def cycle(self) -> tuple[Piece, ...]:
+        first, middle, last = self.accelerations
+        times = (self.first_duration, self.middle_duration, self.last_duration)
+        return _steps(times, (first, -middle, last))
 
 
 @final
@@ -365,3 +470,271 @@ class SplineSwing(Stepped):
             Piece(i * length / n, a / square, (b - a) * n / (square * length))
             for i, (a, b) in enumerate(itertools.pairwise(knots))
         )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SampledSwing(Straight, Profile):
+    """A motion that was recorded, such as the measured angle of a pendulum; it does not repeat.
+
+    A cubic spline with even knots is fitted to the samples: its acceleration, which drives, is
+    continuous and straight between knots. Differentiating twice amplifies noise: with knots ``h``
+    apart and samples ``dt`` apart, noise ``s`` leaves an error of the acceleration of about
+    ``12 s sqrt(dt / h) / h**2`` (`acceleration_error` has it). Knots that are too wide flatten
+    jumps of the acceleration. If no spacing is given, the corrected information criterion of Akaike
+    chooses it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> swing = SampledSwing(times=t, positions=-0.5 * np.cos(2.0 * np.pi * t))
+    >>> position, rate = swing.at(0.5)
+    >>> round(position, 4), round(swing.value(0.5)), swing.acceleration_error < 0.1
+    (0.5, -20, True)
+    """
+
+    data_fields: ClassVar[tuple[str, ...]] = ("times", "positions")
+
+    times: tuple[float, ...]
+    """Times of the samples [s], increasing from 0, when runs begin; at least 8, without gaps."""
+    positions: tuple[float, ...]
+    """Positions [rad] or [m] at these times."""
+    spacing: Annotated[float, Quantity("h", "s", above=0, structural=True)] | None = None
+    """Distance of the knots of the spline, rounded to a whole part of the record; chosen by the
+    data if not given."""
+
+    if TYPE_CHECKING:  # any series is taken and kept as a tuple
+
+        def __init__(
+            self, *, times: Numbers, positions: Numbers, spacing: float | None = None
+        ) -> None: ...
+
+    @override
+    def __post_init__(self) -> None:
+        """Check the samples and keep them as tuples of floats."""
+        super().__post_init__()
+        for name in ("times", "positions"):
+            object.__setattr__(self, name, _series(f"SampledSwing.{name}", getattr(self, name)))
+        _check_samples(self.times, self.positions)
+        if self.spacing is not None:
+            usual = self.period / (len(self.times) - 1)
+            if not 2.0 * usual <= self.spacing <= self.period / COARSEST:
+                raise ParameterError(
+                    "SampledSwing.spacing (h) must be from two samples,"
+                    f" {number(2.0 * usual, 4)} s, to half the record,"
+                    f" {number(self.period / COARSEST, 4)} s, got {number(self.spacing, 6)}."
+                )
+
+    @property
+    @override
+    def period(self) -> float:
+        """Duration of the record [s]."""
+        return self.times[-1]
+
+    @override
+    def repeats(self) -> None:
+        return None
+
+    @property
+    @override
+    def start_position(self) -> float:
+        return self._smoothed.position
+
+    @property
+    @override
+    def start_rate(self) -> float:
+        return self._smoothed.rate
+
+    @property
+    def noise(self) -> float:
+        """Root mean square of the samples less the spline [rad] or [m]."""
+        return self._smoothed.noise
+
+    @property
+    def acceleration_error(self) -> float:
+        """Standard error of the acceleration that comes of the noise [rad/s^2] or [m/s^2].
+
+        Root mean square over the knots; what the spline flattens comes to it.
+        """
+        return self._smoothed.error
+
+    @property
+    def _smoothed(self) -> "_Smoothed":
+        return _smoothed(self.times, self.positions, self.spacing)
+
+    @override
+    def pieces(self, until: float = 0.0) -> tuple[Piece, ...]:
+        if until > self.period * (1.0 + 1e-9):
+            raise ParameterError(
+                f"SampledSwing: the recorded motion ends at {number(self.period, 6)} s, but the run"
+                f" at t_end = {number(until, 6)} s: shorten the run."
+            )
+        return self._smoothed.pieces
+
+    @override
+    def at(self, t: float) -> tuple[float, float]:
+        return _moved(self, self.pieces(t), t)
+
+
+def _series(label: str, values: Any) -> tuple[float, ...]:
+    try:
+        found = tuple(_number(x) for x in values)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{label} must be a series of numbers, got {values!r}.") from None
+    if not all(map(math.isfinite, found)):
+        raise ParameterError(f"{label} must be finite numbers, one of them is not.")
+    return found
+
+
+def _check_samples(times: Sequence[float], positions: Sequence[float]) -> None:
+    """Refuse samples through which no motion can be laid."""
+    if len(times) != len(positions) or len(times) < FEWEST:
+        raise ParameterError(
+            f"SampledSwing.times and positions must be as many, at least {FEWEST}, got"
+            f" {len(times)} and {len(positions)}."
+        )
+    steps = [b - a for a, b in itertools.pairwise(times)]
+    usual = sorted(steps)[len(steps) // 2]
+    if min(steps) <= 0.0:
+        at = steps.index(min(steps)) + 1
+        raise ParameterError(
+            f"SampledSwing.times must increase, got {number(times[at], 6)} s after"
+            f" {number(times[at - 1], 6)} s (sample {at})."
+        )
+    if abs(times[0]) > 1e-6 * usual:
+        raise ParameterError(
+            f"SampledSwing.times must begin at 0 s, when runs begin, got {number(times[0], 6)} s:"
+            " subtract the first time, from all that was recorded with it."
+        )
+    if max(steps) > GAP * usual:
+        at = steps.index(max(steps))
+        raise ParameterError(
+            f"SampledSwing.times have a gap of {number(max(steps), 4)} s after"
+            f" {number(times[at], 6)} s, where samples are {number(usual, 4)} s apart: fill it, or"
+            " cut the record."
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Smoothed:
+    """A spline through the samples of a motion."""
+
+    position: float
+    rate: float
+    pieces: tuple[Piece, ...]
+    noise: float
+    error: float
+
+
+@functools.lru_cache(maxsize=8)
+def _smoothed(
+    times: tuple[float, ...], positions: tuple[float, ...], spacing: float | None
+) -> _Smoothed:
+    """Fit a cubic spline with even knots by least squares."""
+    import numpy as np
+
+    t, y = np.array(times), np.array(positions)
+    t[0] = 0.0
+    end, n = float(t[-1]), len(t)
+    if spacing is not None:
+        count = max(COARSEST, round(end / spacing))
+    else:
+        counts = [COARSEST]
+        while counts[-1] * FINER < min((n - 6) // 2, MOST_INTERVALS):
+            counts.append(max(counts[-1] + 1, int(counts[-1] * FINER)))
+        tiny = n * (1e-14 * float(np.ptp(y) or 1.0)) ** 2  # rounding of floats
+
+        def criterion(count: int) -> float:
+            """Return the information criterion of Akaike, corrected for few samples."""
+            squares, p = _Spline(t, y, count).squares, count + 4  # with the noise
+            return n * math.log(max(squares, tiny) / n) + 2.0 * p * n / (n - p - 1)
+
+        count = min(counts, key=criterion)
+    found = _Spline(t, y, count)
+    if not math.isfinite(found.squares):
+        raise ParameterError(
+            f"SampledSwing.spacing (h) is too small for samples as uneven as these, got"
+            f" {number(end / count, 4)} s: increase it."
+        )
+    h, c = end / count, found.weights
+    bends = ((c[:-2] - 2.0 * c[1:-1] + c[2:]) / h**2).tolist()
+    noise = math.sqrt(found.squares / max(n - (count + 3), 1))
+    return _Smoothed(
+        position=float(c[0] + 4.0 * c[1] + c[2]) / 6.0,
+        rate=float(c[2] - c[0]) / (2.0 * h),
+        pieces=tuple(
+            Piece(k * h, u, (v - u) / h) for k, (u, v) in enumerate(itertools.pairwise(bends))
+        ),
+        noise=noise,
+        error=noise * found.bent_by_noise(h),
+    )
+
+
+class _Spline:
+    """Least-squares weights (count + 3,) of cubic B-splines with even knots from 0 to the end."""
+
+    def __init__(self, t: Any, y: Any, count: int) -> None:
+        import numpy as np
+
+        place = t * (count / t[-1])
+        cell = np.minimum(place.astype(int), count - 1)
+        u = place - cell
+        basis = (
+            (1.0 - u) ** 3 / 6.0,
+            (3.0 * u**3 - 6.0 * u**2 + 4.0) / 6.0,
+            (-3.0 * u**3 + 3.0 * u**2 + 3.0 * u + 1.0) / 6.0,
+            u**3 / 6.0,
+        )
+        size = count + 3
+        bands = np.zeros((4, size))
+        for i, one in enumerate(basis):
+            for k, other in enumerate(basis[i:]):
+                bands[k] += np.bincount(cell + i, one * other, size)
+        self.factor = _banded_factor(bands.tolist())
+        self.weights, residual = np.zeros(size), y
+        for _ in range(2 if self.factor else 0):  # the second round takes off rounding
+            right = sum(np.bincount(cell + i, one * residual, size) for i, one in enumerate(basis))
+            self.weights = self.weights + _banded_solution(self.factor, right)
+            residual = y - sum(one * self.weights[cell + i] for i, one in enumerate(basis))
+        self.squares = float(residual @ residual) if self.factor else math.inf
+
+    def bent_by_noise(self, h: float) -> float:
+        """Return the standard error of the second derivative over that of a sample."""
+        import numpy as np
+
+        size = len(self.weights)
+        knots = np.unique(np.linspace(0, size - 3, MOST_KNOTS).astype(int))
+        bends = np.zeros((size, len(knots)))
+        for i, weight in enumerate((1.0, -2.0, 1.0)):
+            bends[knots + i, np.arange(len(knots))] = weight / h**2
+        covered = np.sum(bends * _banded_solution(self.factor, bends), axis=0)
+        return math.sqrt(float(np.mean(covered)))
+
+
+def _banded_factor(a: list[list[float]]) -> list[list[float]]:
+    """Return the Cholesky factor of bands ``a[k][j] = A[j + k, j]``; empty if there is none."""
+    size = len(a[0])
+    for j in range(size):
+        square = a[0][j] - sum(a[k][j - k] ** 2 for k in range(1, min(4, j + 1)))
+        if square <= 1e-12 * a[0][j]:
+            return []
+        a[0][j] = math.sqrt(square)
+        for m in range(1, min(4, size - j)):
+            known = sum(a[m + k][j - k] * a[k][j - k] for k in range(1, min(4 - m, j + 1)))
+            a[m][j] = (a[m][j] - known) / a[0][j]
+    return a
+
+
+def _banded_solution(factor: list[list[float]], right: Any) -> Any:
+    """Solve with the factor of `_banded_factor` for right sides (n,) or (n, m)."""
+    found, size = right.copy(), len(right)
+    for j in range(size):
+        for k in range(1, min(4, j + 1)):
+            found[j] -= factor[k][j - k] * found[j - k]
+        found[j] /= factor[0][j]
+    for j in range(size - 1, -1, -1):
+        for k in range(1, min(4, size - j)):
+            found[j] -= factor[k][j] * found[j + k]
+        found[j] /= factor[0][j]
+    return found

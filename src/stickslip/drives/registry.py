@@ -5,7 +5,15 @@ from types import MappingProxyType
 
 from stickslip.drives.base import Drive
 from stickslip.drives.elementary import PiecewiseLinear, Pulse, Ramp, Sampled, Sine, Square
-from stickslip.drives.motion_profiles import Profile, SevenStep, SineSwing, SplineSwing, ThreePhase
+from stickslip.drives.motion_profiles import (
+    Profile,
+    SampledSwing,
+    SevenStep,
+    SineSwing,
+    SplineSwing,
+    ThreePhase,
+    TimedThreePhase,
+)
 
 __all__ = ["DRIVES", "PROFILES"]
 
@@ -26,10 +34,12 @@ Sums have no name of their own: a list of drives is their sum.
 
 PROFILES: Mapping[str, type[Profile]] = MappingProxyType(
     {
+        "sampled-swing": SampledSwing,
         "seven-step": SevenStep,
         "sine-swing": SineSwing,
         "spline-swing": SplineSwing,
         "three-phase": ThreePhase,
+        "timed-three-phase": TimedThreePhase,
     }
 )
 """The motion profiles that come with the package, by the ``type`` they have in rig files."""

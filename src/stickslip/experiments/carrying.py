@@ -158,7 +158,17 @@ def estimates_by_contact(rig: Rig, laws: Laws) -> LawEstimates | None:
     """
     known = rig.estimates
     named = {} if known is None or isinstance(known.law, str) else known.law
-    return known if named and named.items() <= laws.names.items() else None
+    known = known if named and named.items() <= laws.names.items() else None
+    stated = {
+        f"{contact}.{name}": doubt
+        for contact, law in laws.members
+        if (own := rig.contacts.get(contact)) is not None
+        for name, doubt in own.uncertainties.get(law.name, {}).items()
+    }
+    if not stated:
+        return known
+    known = known or LawEstimates(law=laws.names, levels=levels_at(rig.mechanism))
+    return known.stating(laws, stated)
 
 
 def carried(
@@ -206,8 +216,7 @@ def carried(
     stickslip.errors.InputError: law.toml: the levels of coulomb are forces, ...
     """
     name = _name(rig, law)
-    found, known = rig.laws[name], rig.estimates
-    known = known if known is not None and known.law == name else None
+    found, known = rig.laws[name], rig.estimates_of(name)
     levels = levels_at(rig.mechanism) if known is None else known.levels
     divided = _per_load(found)
     here = levels_at(mechanism)
@@ -271,7 +280,8 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
     The law was fitted at a normal force of 20 N; in this run it is 9.81 N. ...
     """
     known = law.estimates
-    if known is None and law.fitted_on is mechanism:
+    fitted = known is not None and not (known.stated and known.largest_speed is None)
+    if law.fitted_on is mechanism and not fitted:
         return ()
     said = []
     _, rate = slip_names(mechanism)

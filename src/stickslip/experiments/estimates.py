@@ -197,6 +197,8 @@ class LawEstimates:
         of their own.
     overridden : tuple of str
         Those of `not_fitted` that were fitted and whose values were then replaced.
+    stated : tuple of str
+        Parameters whose interval was not fitted, but stated with their value.
 
     Raises
     ------
@@ -230,6 +232,7 @@ class LawEstimates:
     levels: Levels = "per load"
     largest_speed: float | Mapping[str, float] | None = None
     overridden: tuple[str, ...] = ()
+    stated: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check what can be checked without the law."""
@@ -444,6 +447,57 @@ class LawEstimates:
             covariance_of=tuple(self.covariance_of[i] for i in kept),
             covariance=tuple(tuple(self.covariance[i][j] for j in kept) for i in kept),
         )
+
+    def stating(
+        self, law: FrictionLaw | Laws, uncertainties: Mapping[str, float]
+    ) -> "LawEstimates":
+        """Return the same with stated standard uncertainties of single parameters.
+
+        They are independent of the others. Beside ranges beyond which no value lies, they are the
+        even distribution of that standard deviation.
+
+        Parameters
+        ----------
+        law : FrictionLaw or Laws
+            The law, or the laws by contact, with the values that are meant.
+        uncertainties : mapping of str to float
+            Standard uncertainties by parameter [SI].
+
+        Returns
+        -------
+        LawEstimates
+            With an interval of each of them.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such parameter.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb
+        >>> known = LawEstimates(law="coulomb", not_fitted=("static_coefficient",))
+        >>> law = Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
+        >>> known.stating(law, {"static_coefficient": 0.01}).not_fitted
+        ()
+        """
+        values = _values(law)
+        others = self.without(tuple(uncertainties))
+        hard = bool(others.intervals) and others.interval in HARD
+        reach = math.sqrt(3.0) if hard else NORMAL_95
+        intervals = dict(others.intervals)
+        for name, doubt in uncertainties.items():
+            if name not in values:
+                raise UnknownNameError("parameter with an uncertainty", name, values)
+            intervals[name] = (values[name] - reach * doubt, values[name] + reach * doubt)
+        return dataclasses.replace(
+            others,
+            intervals=intervals,
+            interval=others.interval if hard else KINDS[0],
+            not_fitted=tuple(name for name in others.not_fitted if name not in uncertainties),
+            overridden=tuple(name for name in others.overridden if name not in uncertainties),
+            stated=(*others.stated, *(name for name in uncertainties if name not in others.stated)),
+        ).checked(law)
 
     def scaled(self, factors: Mapping[str, float]) -> "LawEstimates":
         """Return the same with parameters multiplied by factors, per load from now on.

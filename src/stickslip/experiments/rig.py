@@ -9,7 +9,7 @@ from typing import Literal, final
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.estimates import LawEstimates
+from stickslip.experiments.estimates import LawEstimates, levels_at
 from stickslip.experiments.measurement import Measurement
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading
@@ -82,6 +82,8 @@ class KnownLaws:
         By law, the parameters that the file gives, those of laws of which it lacks some included.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
+    uncertainties : mapping of str to mapping of str to float
+        By law, the standard uncertainties that are stated of single parameters.
 
     Examples
     --------
@@ -94,6 +96,7 @@ class KnownLaws:
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def chosen(self, contact: str, name: str | None = None) -> FrictionLaw:
         """Return the law of a contact: that of a name, the only one, or the usual one of several.
@@ -155,6 +158,9 @@ class Rig:
         By law, the parameters that the file gives, those of laws of which it lacks some included.
     assumed : mapping of str to tuple of str
         By law, the fields whose values are assumed and not measured.
+    law_uncertainties : mapping of str to mapping of str to float
+        By law, standard uncertainties that are stated of single parameters; they come before the
+        intervals of `estimates`.
     contacts : mapping of str to KnownLaws or None
         Where several contacts have tables of their own: the same for each of them, None where
         nothing rubs. `laws` is then empty.
@@ -208,6 +214,7 @@ class Rig:
     named: tuple[str, ...] = ()
     given: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     assumed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    law_uncertainties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     contacts: Mapping[str, KnownLaws | None] = field(default_factory=dict)
     vary: tuple[str, ...] = ()
     parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
@@ -247,6 +254,9 @@ class Rig:
         _check_names("contact in Rig.contacts", self.contacts, contacts)
         _check_names("state in Rig.initial", self.initial, state_units(self.mechanism))
         _check_names("law in Rig.assumed", self.assumed, self.laws)
+        for name in self.law_uncertainties:
+            if name in self.laws:
+                self.estimates_of(name)
         paths = tuple(canonical(self.mechanism, name) for name in self.vary)
         object.__setattr__(self, "vary", paths)
         stated = self.parameter_uncertainties.items()
@@ -307,6 +317,40 @@ class Rig:
             }
         except InputError as error:
             raise InputError(f"{self.path}: {error}" if self.path else str(error)) from None
+
+    def estimates_of(self, name: str, law: FrictionLaw | None = None) -> LawEstimates | None:
+        """Return how well a law is known: as it was fitted, and as single parameters are stated.
+
+        Parameters
+        ----------
+        name : str
+            Name of a law.
+        law : FrictionLaw, optional
+            The law with its values; that of `laws` if not given.
+
+        Returns
+        -------
+        LawEstimates or None
+            None where neither is known.
+
+        Examples
+        --------
+        >>> from stickslip import Coulomb, SpringBlock
+        >>> rig = Rig(
+        ...     mechanism=SpringBlock(mass=1.0),
+        ...     laws={"coulomb": Coulomb(kinetic_coefficient=0.25)},
+        ...     law_uncertainties={"coulomb": {"kinetic_coefficient": 0.01}},
+        ... )
+        >>> low, high = rig.estimates_of("coulomb").intervals["kinetic_coefficient"]
+        >>> round(low, 4), round(high, 4)
+        (0.2304, 0.2696)
+        """
+        known = self.estimates if self.estimates and self.estimates.law == name else None
+        stated = self.law_uncertainties.get(name, {})
+        if not stated:
+            return known
+        known = known or LawEstimates(law=name, levels=levels_at(self.mechanism))
+        return known.stating(self.laws[name] if law is None else law, stated)
 
     def with_uncertainties(self, measurement: Measurement) -> Measurement:
         """Return a measurement of this rig with the uncertainties of its mechanism beside its own.

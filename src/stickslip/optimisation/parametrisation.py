@@ -79,7 +79,8 @@ class Space(ABC):
 
 
 def _numbers(profile: Profile) -> dict[str, float]:
-    return {name: float(getattr(profile, name)) for name in fields_of(type(profile))}
+    values = {name: getattr(profile, name) for name in fields_of(type(profile))}
+    return {name: float(value) for name, value in values.items() if value is not None}
 
 
 @final
@@ -106,7 +107,7 @@ class ThreePhases(Space):
 
     @override
     def place(self, profile: Profile) -> Array | None:
-        if not isinstance(profile, ThreePhase):
+        if not isinstance(profile, ThreePhase) or profile.last is not None:
             return None
         share = profile.amplitude / self.limits.position
         pair = (profile.fast, profile.slow)
@@ -154,7 +155,7 @@ class SevenSteps(Space):
 
     @override
     def place(self, profile: Profile) -> Array | None:
-        if isinstance(profile, ThreePhase):
+        if isinstance(profile, ThreePhase) and profile.last is None:
             pair = (profile.fast, profile.slow)
             fast, slow = pair if profile.first == "fast" else pair[::-1]
             top, pause = profile.peak_rate, 0.0

@@ -94,6 +94,9 @@ from stickslip.plots.runs.spring_force import PULL_SIZES as PULL_SIZES
 from stickslip.plots.runs.spring_force import draw_pull as draw_pull
 from stickslip.plots.runs.travel_comparison import TRAVEL_SIZES as TRAVEL_SIZES
 from stickslip.plots.runs.travel_comparison import draw_travels as draw_travels
+from stickslip.plots.runs.validation import VALIDATION_SIZES as VALIDATION_SIZES
+from stickslip.plots.runs.validation import draw_validation as draw_validation
+from stickslip.plots.runs.validation import plot_validation as plot_validation
 from stickslip.plots.selection.fit_data import MapPoints as MapPoints
 from stickslip.plots.selection.fit_data import block_edges as block_edges
 from stickslip.plots.selection.fit_data import errors_of as errors_of
@@ -181,6 +184,7 @@ __all__ = [
     "draw_sketch",
     "draw_travels",
     "draw_trials",
+    "draw_validation",
     "draw_velocity_map",
     "inline_svg",
     "label_at",
@@ -205,6 +209,7 @@ __all__ = [
     "plot_separation",
     "plot_sweep",
     "plot_trials",
+    "plot_validation",
     "plot_verdict",
     "save",
     "shade",

@@ -24,10 +24,11 @@ from stickslip.plots.runs.closed_loop import plot_closed_loop
 from stickslip.plots.runs.ensembles import plot_band, plot_ensemble
 from stickslip.plots.runs.profiles import plot_profile
 from stickslip.plots.runs.run import plot_run
+from stickslip.plots.runs.validation import plot_validation
 from stickslip.plots.selection.fits import plot_fit, plot_verdict
 from stickslip.plots.sweep_maps import plot_sweep
 from stickslip.selection import Verdict
-from stickslip.sweep import Band, Basins, Bifurcation, VelocityMap
+from stickslip.sweep import Band, Basins, Bifurcation, Validation, VelocityMap
 from stickslip.trajectory import Ensemble, Trajectory
 
 __all__ = ["PLOTS", "plot", "thumbnail"]
@@ -37,6 +38,7 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         Trajectory: plot_run,
         Ensemble: plot_ensemble,
         Band: plot_band,
+        Validation: plot_validation,
         ClosedLoop: plot_closed_loop,
         Fit: plot_fit,
         TrialComparison: plot_trials,

@@ -6,6 +6,15 @@ from stickslip.sweep.basins import Attractor, Basins, basins
 from stickslip.sweep.bifurcation import Bifurcation, bifurcation
 from stickslip.sweep.driven_cycles import DrivenCycle, cycles_in
 from stickslip.sweep.mean_velocity import VelocityMap, average_velocity
+from stickslip.sweep.validation import (
+    ParameterAgreement,
+    Refit,
+    ValidatedRecord,
+    ValidatedTravel,
+    Validation,
+    compare_estimates,
+    validate,
+)
 
 __all__ = [
     "Attractor",
@@ -13,12 +22,19 @@ __all__ = [
     "Basins",
     "Bifurcation",
     "DrivenCycle",
+    "ParameterAgreement",
+    "Refit",
     "Spread",
+    "ValidatedRecord",
+    "ValidatedTravel",
+    "Validation",
     "VelocityMap",
     "average_velocity",
     "band_of",
     "basins",
     "bifurcation",
+    "compare_estimates",
     "cycle_of",
     "cycles_in",
+    "validate",
 ]

@@ -1,5 +1,6 @@
-"""What the doubt of a law makes of a motion: an ensemble over its estimates, a band, not a line."""
+"""What the uncertainties of law and rig make of a motion: an ensemble, and a band of its runs."""
 
+import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, final
@@ -9,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary
-from stickslip.errors import InputError, SimulationError, check_size
+from stickslip.errors import InputError, ParameterError, SimulationError, check_size
 from stickslip.experiments import LawEstimates
 from stickslip.formatting import number
-from stickslip.friction import Friction
+from stickslip.friction import Friction, FrictionLaw, Laws
 from stickslip.mechanisms import WHOLE, Mechanism, cycle_or_none, has_one_slip, slip_names
+from stickslip.quantities import full_path, parameters, vary
 from stickslip.simulation import ensemble, event_driven_law
 from stickslip.solver import EventDriven, Samples
 from stickslip.tables import Tabular
@@ -22,12 +24,14 @@ from stickslip.trajectory import completed
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Band", "Spread", "band_of"]
+__all__ = ["QUANTILES", "Band", "Spread", "band_of", "draws_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 T = TypeVar("T")
 
 QUANTILES = (0.025, 0.5, 0.975)
+FEWEST = 0.01
+"""Share of draws that must lie in the valid ranges of a mechanism, or too few are left of them."""
 POINTS = 601
 """Evenly spaced times of a band, beside those asked for."""
 
@@ -46,7 +50,7 @@ class Spread(NamedTuple):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Band(OnAxes, Tabular):
-    """Runs of one mechanism with draws of a law's parameters."""
+    """Runs of one mechanism with draws of uncertain parameters of its law, and of its own."""
 
     draws: Mapping[str, Array]
     """Parameters (n,) of the runs that lasted to their end, by full path."""
@@ -173,9 +177,10 @@ class Band(OnAxes, Tabular):
 def band_of(
     mechanism: Mechanism,
     law: Friction,
-    estimates: LawEstimates,
+    estimates: LawEstimates | None,
     *,
     t_end: float,
+    parameter_uncertainties: Mapping[str, float] | None = None,
     count: int = 200,
     seed: int = 0,
     times: ArrayLike = (),
@@ -183,7 +188,11 @@ def band_of(
     solver: EventDriven | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Band:
-    """Run a mechanism with draws of a law's parameters.
+    """Run a mechanism with draws of uncertain parameters of its law, and of its own.
+
+    Parameters of the law are drawn with the covariance of their estimates. Those of the mechanism
+    are drawn from normal distributions, independent of the law and of each other. Noise of sensors
+    is not part of the band.
 
     Parameters
     ----------
@@ -191,10 +200,13 @@ def band_of(
         What moves.
     law : FrictionLaw or mapping of str to FrictionLaw
         What holds it back, with its best values; laws by contact, as in `simulate`.
-    estimates : LawEstimates
+    estimates : LawEstimates or None
         How well these are known; parameters without an interval keep their values.
     t_end : float
         Last time of every run [s].
+    parameter_uncertainties : mapping of str to float, optional
+        Standard uncertainties of parameters of the mechanism by path, such as
+        `Rig.parameter_uncertainties`.
     count : int
         Number of runs, at least 2. The ends of the band are then the 2.5 % and 97.5 % quantiles of
         that many: of 100 runs they lie near the second and the last but one.
@@ -218,7 +230,7 @@ def band_of(
     Raises
     ------
     InputError
-        If an argument cannot be used, or no parameter has an interval.
+        If an argument cannot be used, or no parameter has an interval or an uncertainty.
     SimulationError
         If no run lasts to its end.
 
@@ -242,7 +254,7 @@ def band_of(
     check_size(
         "ensemble at all times", float(count) * kept_times, "give a smaller count, or fewer times"
     )
-    draws = estimates.draw(law, count, seed=seed)
+    draws = draws_of(mechanism, law, estimates, parameter_uncertainties or {}, count, seed)
     pairs = dict(zip(mechanism.coordinates, mechanism.rates, strict=True))
     if has_one_slip(mechanism):
         pairs = dict([slip_names(mechanism)])
@@ -294,6 +306,67 @@ def band_of(
         mean_velocities=means,
         travels_by_cycle=cycles,
     )
+
+
+def draws_of(
+    mechanism: Mechanism,
+    law: FrictionLaw | Laws,
+    estimates: LawEstimates | None,
+    uncertainties: Mapping[str, float],
+    count: int,
+    seed: int,
+) -> dict[str, Array]:
+    """Return values (count,) of all uncertain parameters, of the law and of the mechanism, by path.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Its friction, with the best values.
+    estimates : LawEstimates or None
+        How well these are known.
+    uncertainties : mapping of str to float
+        Standard uncertainties of parameters of the mechanism, by path or last name.
+    count : int
+        Number of draws.
+    seed : int
+        Of the draws.
+
+    Returns
+    -------
+    dict of str to array (count,)
+        Values [SI] by full path; draws outside the valid ranges are drawn again.
+
+    Raises
+    ------
+    InputError
+        If nothing is uncertain, or hardly a draw lies in the valid ranges.
+    """
+    draws: dict[str, Array] = {}
+    if estimates is not None and (estimates.intervals or not uncertainties):
+        draws |= estimates.draw(law, count, seed=seed)
+    if not uncertainties:
+        if not draws:
+            raise InputError("no parameter of the law or of the mechanism has an uncertainty.")
+        return draws
+    values = {path: value for path, _, value in parameters(mechanism, "mechanism")}
+    spreads = {full_path(name, list(values)): one for name, one in uncertainties.items()}
+    random = np.random.default_rng([seed, 1])  # independent of the draws of the law
+    kept: list[dict[str, float]] = []
+    tried = 0
+    while len(kept) < count:
+        one = {path: float(random.normal(values[path], spread)) for path, spread in spreads.items()}
+        tried += 1
+        with contextlib.suppress(ParameterError):
+            vary(mechanism, "mechanism", one)
+            kept.append(one)
+        if tried > count and len(kept) < FEWEST * tried:
+            raise InputError(
+                f"nearly all samples of {', '.join(spreads)} are invalid for"
+                f" {type(mechanism).__name__}: state smaller uncertainties."
+            )
+    return draws | {path: np.array([one[path] for one in kept]) for path in spreads}
 
 
 def _only(what: str, table: Mapping[str, T]) -> T:

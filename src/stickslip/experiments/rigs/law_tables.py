@@ -85,7 +85,9 @@ def _number(quantities: Sequence[Quantity], turning: bool) -> Any:
     """Return the annotation of a value of laws, which about an axis may have its unit there."""
     others = (dataclasses.replace(one, unit=turned(one.unit)) for one in quantities if turning)
     alternatives = (*quantities[1:], *others)
-    return Annotated[Any, Number(quantities[0], mark="assumed", alternatives=alternatives)]
+    return Annotated[
+        Any, Number(quantities[0], mark="assumed", alternatives=alternatives, measured=True)
+    ]
 
 
 def _forces_table(law: type[FrictionLaw]) -> type[Table]:

@@ -52,6 +52,7 @@ def known_laws(
     """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
+    uncertainties: dict[str, dict[str, float]] = {}
     named, given = [], {}
     shared = friction.given()
     for name, law in kinds.items():
@@ -65,6 +66,13 @@ def known_laws(
             kept = {key: value for key, value in values.items() if key in changed}
             values |= _own(own, law, file, overridden, at) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
+        stated = {
+            key: value.uncertainty
+            for key, value in values.items()
+            if isinstance(value, Given) and value.uncertainty is not None
+        }
+        if stated:
+            uncertainties[name] = stated
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file, at))
@@ -79,6 +87,7 @@ def known_laws(
         named=tuple(named),
         given={name: values for name, values in given.items() if values},
         assumed=assumed,
+        uncertainties=uncertainties,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stickslip.drives import DRIVES, Drive, Sum
+from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
@@ -43,6 +43,7 @@ from stickslip.experiments.rigs.schema import (
 from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
+from stickslip.formatting import joined
 from stickslip.friction import FrictionLaw, Laws, laws
 from stickslip.mechanisms import (
     LinearOrRotary,
@@ -56,6 +57,8 @@ from stickslip.quantities import Quantity, is_rotary, motion_kinds
 __all__ = ["read_rig"]
 
 BUNDLED = "paper_rig.toml"
+SWING_FILE = ("file", "column", "unit")
+"""What a table says of the data file with a recorded motion."""
 
 
 def read_rig(
@@ -127,6 +130,7 @@ def read_rig(
         named=known.named,
         given=known.given,
         assumed=known.assumed,
+        law_uncertainties=known.uncertainties,
         contacts=of_contacts,
         vary=_varied(table.mechanism),
         parameter_uncertainties=_doubts(table.mechanism),
@@ -253,12 +257,51 @@ def _build(table: Table, key: str, file: str, overridden: Collection[str]) -> An
         return robot_of(table, added, file)
     values = _values(table, key, file, overridden)
     assert table.target is not None
+    if table.target is SampledSwing:
+        values = _recorded(values, table.moved, key, file)
     try:
         return table.target(**values)
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith(key + ".")]
         where = place(touched[0], file, overridden) if touched else file
         raise ParameterError(f"{where}: {key}: {error}") from None
+
+
+def _recorded(values: Mapping[str, Any], moved: str, key: str, file: str) -> dict[str, Any]:
+    """Return the values of a recorded motion, its samples from a data file where it names one."""
+    from stickslip.experiments.readers.table_reader import read_frame
+
+    found = {name: one for name, one in values.items() if name not in SWING_FILE}
+    samples = [name for name in SampledSwing.data_fields if name in found]
+    given = {name: values.get(name, "") for name in SWING_FILE}
+    if bool(given["file"]) is bool(samples):
+        got = joined([*samples, *filter(given.get, SWING_FILE)]) or "neither"
+        raise InputError(
+            f"{file}: {key} must have either file, the data file of the recorded motion, or times"
+            f" and positions, got {got}."
+        )
+    if samples:
+        return found
+    columns = {"position": given["column"]} if given["column"] else {}
+    units = {"position": given["unit"]} if given["unit"] else {}
+    try:
+        frame = read_frame(Path(file).parent / given["file"], columns=columns, units=units)
+        for name in ("time", "position"):
+            if name not in frame.names:
+                cure = "name its column as column" if name == "position" else "it needs one"
+                raise InputError(f"{frame.file}: has no column {name}: {cure}.")
+        if frame.units.get("position") is None:
+            raise InputError(
+                f"{frame.file}: column {frame.names['position']!r} has no unit: add unit ="
+                f' "{"deg" if moved == "rad" else "mm"}" or another one.'
+            )
+        found["times"] = tuple(frame.numbers("time", "s").tolist())
+        found["positions"] = tuple(frame.numbers("position", moved or None).tolist())
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{error.kind} in {file}: {key}:", error.name, error.known) from None
+    except InputError as error:
+        raise type(error)(f"{file}: {key}: {error}") from None
+    return found
 
 
 def _values(table: Table, key: str, file: str, overridden: Collection[str]) -> dict[str, Any]:
@@ -377,8 +420,25 @@ def _paths(table: RigTable, file: str) -> list[Path]:
     """Return the files that a rig file names, which lie beside it."""
     data = table.data
     own = table.mechanism.file if isinstance(table.mechanism, UrdfTable) else ""
-    names = (own, data.file, *data.files, *(trial.file for trial in table.trial), data.second)
+    swings = (node.file for node in _tables(table.mechanism) if node.target is SampledSwing)
+    names = (
+        own,
+        *swings,
+        data.file,
+        *data.files,
+        *(trial.file for trial in table.trial),
+        data.second,
+    )
     return [Path(file).parent / name for name in names if name]
+
+
+def _tables(table: Table) -> Iterator[Any]:
+    """Yield a table and those below it."""
+    yield table
+    for value in table.given().values():
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, Table):
+                yield from _tables(one)
 
 
 def _files(

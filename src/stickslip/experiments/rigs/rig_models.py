@@ -16,17 +16,19 @@ from typing import Annotated, Any, ClassVar, Literal, Union
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from stickslip.drives import DRIVES, PROFILES, Drive, Profile
+from stickslip.drives import DRIVES, PROFILES, Drive, Profile, SampledSwing
 from stickslip.errors import ParameterError
 from stickslip.experiments.units import check_uncertainty, read_number
 from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
-from stickslip.units import shown
+from stickslip.units import NUMBER_WITH_UNIT, shown
 
 __all__ = ["Given", "Number", "Table", "choice", "table_of"]
 
 UNCERTAINTY = "uncertainty"
 """Key of the standard uncertainty of a number."""
+PLUS_MINUS = re.compile(r"\s*(?P<value>\S.*?)\s*(?:\+/?-|±)\s*(?P<doubt>\S.*?)\s*")
+"""A number with its standard uncertainty, such as ``0.25 +- 0.01`` or ``100 +- 2 g``."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,7 +54,8 @@ class Number:
     alternatives: tuple[Quantity, ...] = ()
     """Other ranges that would do, where several owners share the field."""
     measured: bool = False
-    """Whether it may have an uncertainty: ``{ value = ..., uncertainty = "2 %" }``."""
+    """Whether it may have an uncertainty, ``{ value = ..., uncertainty = "2 %" }`` or
+    ``"0.25 +- 0.01"``."""
 
     def read(self, value: Any) -> float | Given:
         """Return the number in SI, with its mark and its uncertainty where it may have them."""
@@ -61,6 +64,9 @@ class Number:
             return self._number(value)
         marked: object = False
         doubt: object = None
+        pair = PLUS_MINUS.fullmatch(value) if self.measured and isinstance(value, str) else None
+        if pair is not None:
+            value = _with_one_unit(pair["value"], pair["doubt"])
         if isinstance(value, dict):
             if "value" not in value or set(value) - {"value", *keys}:
                 raise ParameterError(
@@ -74,9 +80,14 @@ class Number:
                 f"({self.quantity.symbol}) has {self.mark} = {shown(marked)}: write true or false."
             )
         if marked and doubt is not None:
+            why = (
+                "fits hold an assumed value and would leave its uncertainty out"
+                if self.mark == "assumed"
+                else "a fitted parameter has no prior uncertainty"
+            )
             raise ParameterError(
-                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty, but a fitted"
-                " parameter has no prior uncertainty. Leave one of them out."
+                f"({self.quantity.symbol}) has {self.mark} = true and an uncertainty, but {why}."
+                " Leave one of them out."
             )
         number = self._number(value)
         return Given(number, marked, None if doubt is None else self._doubt(doubt, number))
@@ -93,7 +104,11 @@ class Number:
                 )
             doubt = share * abs(value)
         else:
-            doubt = read_number(given, Quantity(symbol, unit))
+            units = (unit, *(one.unit for one in self.alternatives))
+            doubt = Number(
+                Quantity(symbol, unit),
+                alternatives=tuple(Quantity(symbol, other) for other in units[1:]),
+            )._number(given)  # of its own class
         return check_uncertainty(doubt, value, self.quantity, given)
 
     def _number(self, value: object) -> float:
@@ -140,6 +155,22 @@ class Number:
         return {"anyOf": kinds, "description": text, "x-unit": quantity.unit}
 
 
+def _with_one_unit(value: str, doubt: str) -> dict[str, str | float]:
+    """Return the two numbers of ``100 +- 2 g``; one without a unit has that of the other."""
+    texts = {"value": value, UNCERTAINTY: doubt}
+    found = {key: NUMBER_WITH_UNIT.fullmatch(text) for key, text in texts.items()}
+    units = {key: one["unit"] if one else None for key, one in found.items()}
+    shared = units["value"] or units[UNCERTAINTY]
+    if not shared and all(found.values()):
+        return {key: float(text) for key, text in texts.items()}  # in SI, as plain numbers are
+    if shared and "%" not in shared:
+        texts = {
+            key: text if units[key] or not found[key] else f"{text} {shared}"
+            for key, text in texts.items()
+        }
+    return {**texts}
+
+
 class Table(BaseModel):
     """Base of all tables: no key that is not known, none missing that is needed."""
 
@@ -153,6 +184,8 @@ class Table(BaseModel):
 
     target: ClassVar[type[Parametrised] | None] = None
     """The class whose parameters stand in this table."""
+    moved: ClassVar[str] = ""
+    """Unit of the coordinate that a recorded motion moves; empty if both will do."""
     misplaced: ClassVar[Mapping[str, str]] = {}
     """Keys one might expect here, and what to do instead."""
 
@@ -298,12 +331,32 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         if part in MEMBERS:
             inner = moved or _inner_unit(cls)
             members = MEMBERS[part].items()
-            return choice({kind: table_of(one, kind, moved=inner) for kind, one in members})
+            tables = {kind: table_of(one, kind, moved=inner) for kind, one in members}
+            return choice({kind: _or_in_file(table, inner) for kind, table in tables.items()})
     if len(parts) == 1:
         return _alone(parts[0])
     if parts:
         return choice({_kebab(part): table_of(part, _kebab(part)) for part in parts})
     return hint
+
+
+def _or_in_file(table: type[Table], moved: str) -> type[Table]:
+    """Return a table in which a file may stand in place of the samples of a motion."""
+    if table.target is not SampledSwing:
+        return table
+    samples = {name: (Annotated[Any, _Numbers()], ()) for name in SampledSwing.data_fields}
+    of_file = {
+        name: (str, Field(default="", description=text))
+        for name, text in (
+            ("file", "data file with the recorded motion, relative to the rig file"),
+            ("column", "name of its column with the position or angle; `position` if empty"),
+            ("unit", "unit of that column, where its header has none"),
+        )
+    }
+    fields: dict[str, Any] = {**samples, **of_file}
+    model = create_model(table.__name__, __base__=table, **fields)
+    model.__doc__, model.target, model.moved = table.__doc__, table.target, moved
+    return model
 
 
 MEMBERS: Mapping[type, Mapping[str, type]] = {Profile: PROFILES, Motor: MOTORS}

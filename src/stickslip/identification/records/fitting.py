@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.drives import SampledSwing
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, number, percent, quantity
@@ -634,6 +635,7 @@ def finished(
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
         *_zeros(ready, best, inference),
         *_of_one_row(ready.problem, best.residual, measurement),
+        *_of_recorded_swing(mechanism),
         *_doubtful(searched),
     )
     return _with_estimates(fit, told(free_parameters, ready.mechanism, measurement), sentences)
@@ -695,6 +697,20 @@ def _of_one_row(
     return (
         f"{where} alone leaves {percent(float(squares[at]) / total)} of the squared residuals:"
         " check it for an error of measurement.",
+    )
+
+
+def _of_recorded_swing(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a sentence where a recorded motion drives, whose error no interval holds."""
+    units = dict(zip(mechanism.coordinates, mechanism.units, strict=True))
+    drives = mechanism.drives()
+    guided = ((name, drives[guide.drive]) for name, guide in mechanism.guided().items())
+    return tuple(
+        f"The motion of {name} is a recorded one, whose acceleration has a standard error of"
+        f" {quantity(drive.acceleration_error, f'{units[name]}/s^2')} from noise, beside what its"
+        " smoothing flattens: neither is part of the intervals."
+        for name, drive in guided
+        if isinstance(drive, SampledSwing)
     )
 
 

@@ -82,7 +82,7 @@ def how_known(known: LawEstimates | None, name: str) -> tuple[str, str]:
         return "—", "overridden" if name in known.overridden else "given or assumed"
     if name in known.not_identified:
         return "—", f"not identified: {known.not_identified[name]}"
-    return interval(*known.intervals[name]), "fitted"
+    return interval(*known.intervals[name]), "stated" if name in known.stated else "fitted"
 
 
 def left_out(band: Band) -> list[str]:
@@ -118,9 +118,15 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
     list of Block
         A caption at most.
     """
-    if band is None or known is None:
+    if band is None:
         return []
-    names = ", ".join(_in_words(path.removeprefix("friction.")) for path in band.draws)
+    of_law = [path for path in band.draws if path.startswith("friction.")]
+    of_rig = ", ".join(_in_words(path) for path in band.draws if path not in of_law)
+    begin = f"The band: {band.count} draws (seed {band.seed}) of"
+    rig = f"{of_rig}, normal with their standard uncertainties and independent"
+    if known is None or not of_law:
+        return [Caption(text=f"{begin} {rig}. It has no measurement noise.")]
+    names = ", ".join(_in_words(path.removeprefix("friction.")) for path in of_law)
     how = (
         "with their covariance"
         if len(known.covariance_of) > 1
@@ -129,8 +135,9 @@ def drawn(band: Band | None, known: LawEstimates | None) -> list[Block]:
         else "normal with the 95 % interval"
     )
     text = (
-        f"The band: {band.count} draws (seed {band.seed}) of {names}, {how}, in the valid ranges of"
-        f" {'the law' if isinstance(known.law, str) else 'the laws'}."
+        f"{begin} {names}, {how}, in the valid ranges of"
+        f" {'the law' if isinstance(known.law, str) else 'the laws'}"
+        f"{f'; and of {rig}' if of_rig else ''}. It has no measurement noise."
     )
     kept = [*known.not_fitted, *known.not_identified]
     if kept:

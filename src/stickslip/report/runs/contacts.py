@@ -160,7 +160,7 @@ def _spread(about: ContactsReport) -> list[str]:
         ]
     )
     return [
-        "With the parameters of friction drawn from their estimates, over the whole run"
+        "With uncertain parameters drawn, over the whole run"
         f" {shown} in 95 % of {band.count} runs.",
         *left_out(band),
     ]
@@ -175,8 +175,7 @@ def motion_section(about: ContactsReport) -> Section:
     caption = "**Coordinates** against time; where there are few, dots are events."
     if about.band is not None:
         caption += (
-            f" Shaded: range of 95 % of {about.band.count} runs with the parameters of friction"
-            " drawn from their estimates."
+            f" Shaded: range of 95 % of {about.band.count} runs with uncertain parameters drawn."
         )
     draw = draw_states(about.run, band=about.band)
     figure = Figure(svg=inline_svg(draw, alt=alt, prefix="motion", **STATE_SIZES), caption=caption)

@@ -74,8 +74,8 @@ def motion_section(about: RunReport) -> Section:
     if about.band is not None:
         shaded = "Shaded" if _seen(about, about.band) else "Narrower than the line"
         caption += (
-            f" {shaded}: range of 95 % of {about.band.count} runs with the parameters of the law"
-            " drawn from their estimates, for displacement and velocity."
+            f" {shaded}: range of 95 % of {about.band.count} runs with uncertain parameters drawn,"
+            " for displacement and velocity."
         )
     blocks = (
         Figure(
@@ -282,7 +282,6 @@ def event_table(seen: Mapping[str, Sequence[Event]]) -> Table:
 def criteria_section(about: RunReport) -> Section:
     """Return the three criteria of the source paper, evaluated on the run."""
     seen = about.criteria
-    error = seen.relative_error
     items = (
         KeyValue(
             key="1. The velocity never becomes negative",
@@ -302,9 +301,7 @@ def criteria_section(about: RunReport) -> Section:
         ),
         KeyValue(
             key="3. Relative error of the travel",
-            value="no travel of this rig was measured"
-            if error is None
-            else f"{number(100.0 * error) if abs(error) > ROUNDING else 0} % of the measured one",
+            value=_third(about),
         ),
     )
     text = (
@@ -316,6 +313,24 @@ def criteria_section(about: RunReport) -> Section:
     return Section(
         id="criteria", nav="Criteria", heading="The criteria of the source paper", blocks=blocks
     )
+
+
+def _third(about: RunReport) -> str:
+    """Return the error of the travel, or of all that were measured, in words."""
+    error, measurement = about.criteria.relative_error, about.rig.measurement
+    if error is not None:
+        return f"{number(100.0 * error) if abs(error) > ROUNDING else 0} % of the measured one"
+    if measurement is None or not measurement.travelled:
+        return "no travel of this rig was measured"
+    travels = () if about.validation is None else about.validation.travels
+    errors = [one.relative_error for one in travels if one.relative_error is not None]
+    if not errors:
+        return "the measured travels were not compared"
+    what = travels[0].quantity.replace("_", " ")
+    if len(errors) == 1:
+        return f"{number(100.0 * errors[0])} % of the measured {what}"
+    ends = (number(100.0 * end) for end in (min(errors), max(errors)))
+    return f"{' to '.join(ends)} % of {len(errors)} measured values ({what})"
 
 
 def _held(holds: bool, found: str) -> str:

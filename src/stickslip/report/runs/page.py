@@ -15,12 +15,14 @@ from stickslip.report.runs.motion import (
 )
 from stickslip.report.runs.subject import RunReport
 from stickslip.report.runs.summary import opening_section
+from stickslip.report.runs.validation import validation_section
 
 __all__ = ["run_page"]
 
 SECTIONS = (
     opening_section,
     motion_section,
+    validation_section,
     cycles_section,
     animation_section,
     events_section,

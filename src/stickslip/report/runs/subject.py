@@ -12,7 +12,7 @@ from stickslip.formatting import quantity, scale_of
 from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import cycle_or_none, slip_names
 from stickslip.selection import Criteria, criteria_of
-from stickslip.sweep import Band, DrivenCycle, Spread, cycles_in
+from stickslip.sweep import Band, DrivenCycle, Spread, Validation, cycles_in
 from stickslip.trajectory import Trajectory
 
 __all__ = ["RunReport"]
@@ -39,6 +39,10 @@ class RunReport:
         Where that was, if it was another file than the rig's.
     band : Band, optional
         The motion with the law's parameters drawn from their estimates.
+    validation : Validation, optional
+        What was measured on the rig beside the prediction.
+    refit : tuple of str
+        How the law compares with a fit to that measurement, in sentences.
     fixed_step : float, optional
         The step [s], where the run was made in fixed steps.
     commands : tuple of str
@@ -65,6 +69,8 @@ class RunReport:
     remarks: tuple[str, ...] = ()
     law_file: str = ""
     band: Band | None = None
+    validation: Validation | None = None
+    refit: tuple[str, ...] = ()
     fixed_step: float | None = None
     commands: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)

@@ -59,7 +59,7 @@ def _lede(about: RunReport) -> str:
     if band is not None:
         travels = about.range_beside(band.travel, about.criteria.travel)
         said.append(
-            f"With the law's parameters drawn from their estimates, the travel of the whole run is"
+            f"With uncertain parameters drawn, the travel of the whole run is"
             f" {travels} in 95 % of {band.count} runs."
         )
         said += left_out(band)
