@@ -3,16 +3,16 @@
 from stickslip.lazy import attach
 
 LAW_MODULES = {
-    "Coulomb": "coulomb",
-    "Viscous": "viscous",
-    "CoulombViscous": "coulomb_viscous",
-    "CoulombViscousStatic": "coulomb_viscous_static",
-    "DirectionDependent": "direction_dependent",
-    "PowerViscous": "power_viscous",
-    "QuadraticDrag": "quadratic_drag",
-    "Stribeck": "stribeck",
-    "Dahl": "dahl",
-    "LuGre": "lugre",
+    "Coulomb": "named.steady",
+    "Viscous": "named.steady",
+    "CoulombViscous": "named.steady",
+    "CoulombViscousStatic": "named.steady",
+    "DirectionDependent": "named.steady",
+    "PowerViscous": "named.steady",
+    "QuadraticDrag": "named.steady",
+    "Stribeck": "named.steady",
+    "Dahl": "named.bristles",
+    "LuGre": "named.bristles",
 }
 """The laws of the package in the order of listings, with their modules: all that registers one."""
 
@@ -40,6 +40,7 @@ HOMES = {
     "contained_laws": "registry",
     "containment_of": "base",
     "law_type": "registry",
+    "law": "composition",
     "laws": "registry",
     "specification": "registry",
     "towards": "base",
@@ -51,6 +52,7 @@ INSIDE = {
     "PrintedCoulomb": "published",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
+    "force_parameters": "base",
     "given_to": "by_contact",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -17,12 +17,8 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.coulomb import Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.dahl import Dahl
-from stickslip.friction.lugre import LuGre
-from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.viscous import Viscous
+from stickslip.friction.named.bristles import Dahl, LuGre
+from stickslip.friction.named.steady import Coulomb, CoulombViscous, Stribeck, Viscous
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 

@@ -9,16 +9,17 @@ from typing import Any, final
 from stickslip.errors import InputError
 from stickslip.friction import LAW_MODULES
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.coulomb import Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.dahl import Dahl
-from stickslip.friction.direction_dependent import DirectionDependent
-from stickslip.friction.lugre import LuGre
-from stickslip.friction.power_viscous import PowerViscous
-from stickslip.friction.quadratic_drag import QuadraticDrag
+from stickslip.friction.named.bristles import Dahl, LuGre
+from stickslip.friction.named.steady import (
+    Coulomb,
+    CoulombViscous,
+    DirectionDependent,
+    PowerViscous,
+    QuadraticDrag,
+    Stribeck,
+    Viscous,
+)
 from stickslip.friction.rate_state import RATE_STATE_FORMS
-from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.viscous import Viscous
 from stickslip.quantities import gathered, named, own_classes
 
 __all__ = [

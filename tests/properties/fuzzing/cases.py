@@ -19,7 +19,8 @@ from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
 from stickslip.friction import LAWS, BristleLaw, FrictionLaw, Laws, towards
-from stickslip.friction.power_viscous import PLATEAU, PowerViscous
+from stickslip.friction import PowerViscous
+from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory

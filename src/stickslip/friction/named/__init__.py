@@ -1,0 +1,1 @@
+"""Laws of the literature, each a composition with what its source says of it."""
