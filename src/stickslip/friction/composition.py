@@ -39,6 +39,7 @@ from stickslip.friction.parts.base import (
     alternatives,
     marks,
 )
+from stickslip.friction.text import for_floats
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import Quantity, unchecked
 
@@ -515,7 +516,7 @@ def composed(
     """
     composition = Composition(read(text), names or {})
 
-    def made(kind: type[FrictionLaw]) -> type[FrictionLaw]:
+    def of(kind: type[FrictionLaw]) -> type[FrictionLaw]:
         for name, hint in inspect.get_annotations(kind).items():
             composition.fields[name] = Parameter(name=name, hint=hint, default=dataclasses.MISSING)
         fields = sorted(composition.fields.values(), key=lambda one: one.quantity.structural)
@@ -523,7 +524,8 @@ def composed(
             if field.default is not dataclasses.MISSING and field.name not in vars(kind):
                 setattr(kind, field.name, field.default)
         kind.__annotations__ = {field.name: field.hint for field in fields}
-        for name, equation in _equations(composition).items():
+        equations = _equations(composition)
+        for name, equation in equations.items():
             if name not in vars(kind):
                 setattr(kind, name, equation)
         kind.composition, kind.made_of = composition.term, composition
@@ -532,9 +534,22 @@ def composed(
             kind.formula = formula_of(composition)
         kind.__doc__ = documented(inspect.cleandoc(kind.__doc__ or ""), fields)
         abc.update_abstractmethods(kind)
-        return final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
+        made = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
+        for name, arguments in FLOATS.items():
+            if name in equations:
+                setattr(made, name, for_floats(made, equations[name], arguments))
+        return made
 
-    return made
+    return of
+
+
+FLOATS = {
+    "sliding": ("speed", "load"),
+    "force": ("velocity", "bristles", "load"),
+    "bristle_rates": ("velocity", "bristles", "load"),
+    "steady": ("velocity", "load"),
+}
+"""Equations that have a text of their own for floats, with their arguments."""
 
 
 def documented(text: str, parameters: Sequence[Parameter]) -> str:
