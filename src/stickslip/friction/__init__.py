@@ -53,6 +53,7 @@ INSIDE = {
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "force_parameters": "base",
+    "is_composition": "registry",
     "given_to": "by_contact",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -34,6 +34,7 @@ from stickslip.friction.rate_state import RateStateForm as RateStateForm
 from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
 from stickslip.friction.registry import contained_laws as contained_laws
+from stickslip.friction.registry import is_composition as is_composition
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import specification as specification
@@ -83,13 +84,13 @@ class CoulombViscous(_SetValuedLaw):
 @dataclass(frozen=True, kw_only=True, init=False)
 class CoulombViscousStatic(_SetValuedLaw):
     kinetic_coefficient: float
-    static_coefficient: float = ...
+    static_coefficient: float
     viscous_coefficient: float
     def __init__(
         self,
         *,
         kinetic_coefficient: _Given,
-        static_coefficient: _Given = ...,
+        static_coefficient: _Given,
         viscous_coefficient: _Given,
     ) -> None: ...
     @_override

@@ -6,7 +6,7 @@ import functools
 import inspect
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, TypeAlias, final
+from typing import Annotated, Any, TypeAlias, TypeVar, final
 
 from typing_extensions import Doc
 
@@ -52,6 +52,7 @@ RANKS = {"static_coefficient": 1, "break_away_coefficient": 2}
 PER_DIRECTION = ("level", "slope")
 """Scales of parameters that ``both_ways[levels]`` doubles."""
 
+K = TypeVar("K", bound=FrictionLaw)
 Names: TypeAlias = Mapping[str, str | tuple[str, str]]
 """Field of the law by a part's own name of it; two where the directions have their own."""
 Choose: TypeAlias = Callable[[Any, Any], Any]
@@ -499,9 +500,7 @@ def _directional(c: Composition) -> dict[str, Any]:
     return {"towards": towards}
 
 
-def composed(
-    text: str, *, names: Mapping[str, str] | None = None
-) -> Callable[[type[FrictionLaw]], type[FrictionLaw]]:
+def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[type[K]], type[K]]:
     """Return what makes a class of laws of a class statement: fields and equations of its parts.
 
     The statement says what the law is called and where it comes from. It may give parameters a
@@ -516,7 +515,7 @@ def composed(
     """
     composition = Composition(read(text), names or {})
 
-    def of(kind: type[FrictionLaw]) -> type[FrictionLaw]:
+    def of(kind: type[K]) -> type[K]:
         for name, hint in inspect.get_annotations(kind).items():
             composition.fields[name] = Parameter(name=name, hint=hint, default=dataclasses.MISSING)
         fields = sorted(composition.fields.values(), key=lambda one: one.quantity.structural)

@@ -17,8 +17,7 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.named.bristles import Dahl, LuGre
-from stickslip.friction.named.steady import Coulomb, CoulombViscous, Stribeck, Viscous
+from stickslip.friction import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 

@@ -1,24 +1,27 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
 import functools
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, final
 
 from stickslip.errors import InputError
-from stickslip.friction import LAW_MODULES
-from stickslip.friction.base import FrictionLaw
-from stickslip.friction.named.bristles import Dahl, LuGre
-from stickslip.friction.named.steady import (
+from stickslip.friction import (
+    LAW_MODULES,
     Coulomb,
     CoulombViscous,
+    Dahl,
     DirectionDependent,
+    LuGre,
     PowerViscous,
     QuadraticDrag,
     Stribeck,
     Viscous,
 )
+from stickslip.friction.base import FrictionLaw
+from stickslip.friction.composition import law
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import gathered, named, own_classes
 
@@ -26,6 +29,7 @@ __all__ = [
     "LAWS",
     "CandidateSpec",
     "contained_laws",
+    "is_composition",
     "law_type",
     "laws",
     "specification",
@@ -34,8 +38,8 @@ __all__ = [
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     {
-        law.name: law
-        for law in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
+        one.name: one
+        for one in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
     }
 )
 """The laws that come with the package, by kebab-case name."""
@@ -102,8 +106,8 @@ def law_type(name: str) -> type[FrictionLaw]:
                 f"{name} is available only for fits to records: {one.law.name} with its exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
-    law: type[FrictionLaw] = _law_named(laws(), name)
-    return law
+    kind: type[FrictionLaw] = law(name) if is_composition(name) else _law_named(laws(), name)
+    return kind
 
 
 def usual_specifications() -> tuple[CandidateSpec, ...]:
@@ -125,7 +129,7 @@ def usual_specifications() -> tuple[CandidateSpec, ...]:
         LuGre,
     )
     return (
-        *(CandidateSpec.of(law.name, law) for law in usual),
+        *(CandidateSpec.of(one.name, one) for one in usual),
         CandidateSpec(
             name="stribeck-exponent",
             title="Stribeck with exponent",
@@ -152,10 +156,23 @@ def specification(name: str) -> CandidateSpec:
     >>> specification("dahl-exponent").title
     'Dahl with exponent'
     """
-    known = {law: CandidateSpec.of(law, kind) for law, kind in laws().items()}
+    if is_composition(name):
+        return CandidateSpec.of(name, law(name))
+    known = {one: CandidateSpec.of(one, kind) for one, kind in laws().items()}
     known |= {one.name: one for one in usual_specifications()}
     found: CandidateSpec = _law_named(known, name)
     return found
+
+
+def is_composition(name: str) -> bool:
+    """Whether the name of a law is a composition of several parts.
+
+    Examples
+    --------
+    >>> is_composition("level + viscous"), is_composition("coulomb-viscous")
+    (True, False)
+    """
+    return bool(re.search(r"[+*(\[]", name))
 
 
 def _law_named(known: Mapping[str, Any], name: str) -> Any:
@@ -175,7 +192,7 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     --------
     >>> from stickslip import LuGre
     >>> contained_laws(LuGre)
-    ('dahl', 'stribeck', 'coulomb-viscous', 'coulomb', 'viscous')
+    ('dahl', 'stribeck', 'power-viscous', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
 

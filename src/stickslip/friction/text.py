@@ -70,7 +70,9 @@ class Written:
         return Written(f"{self.text} > {_text(other)}")
 
     def __bool__(self) -> bool:
-        raise TypeError("a condition in equations of friction is written with stickslip.maths.where")
+        raise TypeError(
+            "a condition in equations of friction is written with stickslip.maths.where"
+        )
 
 
 def _text(value: Scalar) -> str:
@@ -80,7 +82,8 @@ def _text(value: Scalar) -> str:
 
 
 NAMES: Mapping[str, Any] = {
-    name: getattr(math, name) for name in ("atan", "copysign", "cos", "exp", "log", "sin", "sqrt", "tanh")
+    name: getattr(math, name)
+    for name in ("atan", "copysign", "cos", "exp", "log", "sin", "sqrt", "tanh")
 } | {"power": power, "sign": sign}
 
 
