@@ -4,9 +4,9 @@ import abc
 import dataclasses
 import functools
 import inspect
-import typing
+import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, TypeAlias, TypeVar, final
+from typing import Annotated, Any, NoReturn, TypeAlias, TypeVar, cast, final
 
 from typing_extensions import Doc
 
@@ -18,7 +18,6 @@ from stickslip.friction.notation import (
     BOTH_WAYS,
     Around,
     Name,
-    Product,
     Sum,
     Term,
     canonical,
@@ -27,7 +26,6 @@ from stickslip.friction.notation import (
     terms_of,
 )
 from stickslip.friction.parts.base import (
-    Factor,
     Flow,
     Level,
     Memory,
@@ -47,8 +45,6 @@ __all__ = ["Composition", "composed", "law", "named_laws"]
 
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
-RANKS = {"static_coefficient": 1, "break_away_coefficient": 2}
-"""Order of levels at rest: each is the whole level as far as those before it go."""
 PER_DIRECTION = ("level", "slope")
 """Scales of parameters that ``both_ways[levels]`` doubles."""
 
@@ -62,24 +58,15 @@ Choose: TypeAlias = Callable[[Any, Any], Any]
 @final
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Leaf:
-    """A part in its place: what its parameters are called, and what modulates it."""
+    """A part in its place: what its parameters are called, and the smooth sign around it."""
 
     part: Part
-    argument: str
     names: Names
-    factors: tuple["Leaf", ...] = ()
     sign: "Leaf | None" = None
 
-    def asks(self, law: Any, slip: Slip, choose: Choose | None) -> tuple[Any, Slip]:
-        """Return what the equations of the part are given."""
-        told = dataclasses.replace(slip, argument=self.argument) if self.argument else slip
-        return _Values(law, self.names, choose) if self.names else law, told
-
-    def modulated(self, value: Scalar, law: Any, slip: Slip, choose: Choose | None) -> Scalar:
-        """Return what the part gives, times the factors beside it."""
-        for one in self.factors:
-            value = value * typing.cast(Factor, one.part).factor(*one.asks(law, slip, choose))
-        return value
+    def values(self, law: Any, choose: Choose | None) -> Any:
+        """Return the parameters of a law as the part calls them."""
+        return _Values(law, self.names, choose) if self.names else law
 
 
 class _Values:
@@ -100,7 +87,7 @@ class _Values:
 
 @final
 class Composition:
-    """A term made ready: the fields of its law, and the leaves that its equations are summed of.
+    """A term made ready: the fields of its law, and the parts that its equations are summed of.
 
     Parameters
     ----------
@@ -120,191 +107,136 @@ class Composition:
         self.fields: dict[str, Parameter] = {}
         self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
-        inside: list[Leaf] = []
-        outside: list[Leaf] = []
+        self.argument = ""
+        self.inside: list[Leaf] = []
+        self.outside: list[Leaf] = []
+        self._refuse_twice()
         for item in terms_of(term):
-            if (
-                isinstance(item, Around)
-                and item.head.name != BOTH_WAYS
-                and item.head.part.role == "memory"
-            ):
-                inside = self._remembered(item)
+            if isinstance(item, Around) and item.head.role == "memory":
+                self._remember(item)
             else:
-                outside += self._leaves(item, "", inside=False)
-        self.inside, self.outside = self._scoped(inside), self._scoped(outside)
+                self.outside += self._leaves(item, "", inside=False)
+        self.inside, self.outside = _scoped(self.inside), _scoped(self.outside)
         self._check()
 
-    def _refuse(self, sentence: str) -> typing.NoReturn:
+    def _refuse(self, sentence: str) -> NoReturn:
         raise InputError(f"the friction law {str(self.term)!r} {sentence}")
 
-    def _remembered(self, item: Around) -> list[Leaf]:
-        """Enter a memory; return the leaves of the curve inside."""
-        if self.memory is not None:
-            self._refuse(
-                f"has two memories, {self.memory.part.name} and {item.head.name}: keep one of them."
-            )
-        if item.head.part.argument and not item.head.argument:
-            self._refuse(f"does not say how many elements {item.head} has: write {item.head}[4].")
-        leaves = self._leaves(item.inner, "", inside=True)
-        self.memory = Leaf(
-            part=item.head.part, argument=item.head.argument, names=self._enter(item.head, "")
-        )
-        return leaves
+    def _remember(self, item: Around) -> None:
+        """Enter a memory and the curve inside it."""
+        head = item.head
+        if head.part.argument and not head.argument:
+            self._refuse(f"does not say how many elements {head} has: write {head}[4].")
+        self.inside = self._leaves(item.inner, "", inside=True)
+        self.argument = head.argument
+        self.memory = Leaf(part=head.part, names=self._enter(head, ""))
 
     def _leaves(self, term: Term, sides: str, *, inside: bool) -> list[Leaf]:
+        """Enter the parameters of a term; return its parts."""
         match term:
             case Sum(items=items):
-                return self._scoped(
-                    [leaf for item in items for leaf in self._leaves(item, sides, inside=inside)]
-                )
-            case Product(first=first, factors=factors):
-                leaves = self._leaves(first, sides, inside=inside)
-                stem = first.part.stem.format(first.argument) if isinstance(first, Name) else ""
-                marks = tuple(self._factor(one, sides, stem) for one in factors)
-                return [
-                    dataclasses.replace(leaf, factors=(*leaf.factors, *marks)) for leaf in leaves
-                ]
-            case Around(head=Name(name="both_ways"), inner=inner):
-                if sides:
-                    self._refuse("has both_ways inside both_ways: leave one of them out.")
-                return self._leaves(inner, term.head.argument or "all", inside=inside)
-            case Around(head=head, inner=inner) if head.part.role == "sign":
-                if inside:
-                    self._refuse(
-                        f"has {head.name} inside a memory, which is smooth by itself: leave"
-                        f" {head.name} out."
-                    )
+                return [leaf for one in items for leaf in self._leaves(one, sides, inside=inside)]
+            case Around(head=head, inner=inner):
+                if head.role == BOTH_WAYS and not sides:
+                    return _scoped(self._leaves(inner, head.argument or "all", inside=inside))
+                self._check_around(head, inside=inside)
                 return self._smoothed(head, self._leaves(inner, sides, inside=False))
-            case Around(head=head) if head.part.role == "memory":
-                self._refuse(
-                    f"has the memory {head.name} inside another term: a memory is a term of its"
-                    f" own, such as {head.name}(level) + viscous."
-                )
-            case Around(head=head):
-                self._refuse(
-                    f"has brackets behind {head.name}, which takes none: write {head.name} + ... ."
-                )
-            case Name():
-                return [self._leaf(term, sides, inside=inside)]
+            case Name(name=name, role=role):
+                if role in (BOTH_WAYS, "memory", "sign"):
+                    self._refuse(f"has {name} without brackets: write {name}(level).")
+                if inside and role != "level":
+                    self._refuse(
+                        f"has {name} inside a memory, which holds levels only: write it beside the"
+                        f" memory, as in dahl(level) + {name}."
+                    )
+                return [Leaf(part=term.part, names=self._enter(term, sides, inside=inside))]
         raise AssertionError(term)
 
-    def _leaf(self, name: Name, sides: str, *, inside: bool) -> Leaf:
-        if name.name == BOTH_WAYS or name.part.role in ("memory", "sign"):
-            self._refuse(f"has {name.name} without brackets: write {name.name}(level).")
-        if name.part.role == "factor":
+    def _check_around(self, head: Name, *, inside: bool) -> None:
+        """Refuse what cannot stand around a term."""
+        if head.role == BOTH_WAYS:
+            self._refuse("has both_ways inside both_ways: leave one of them out.")
+        if head.role == "memory":
             self._refuse(
-                f"has the factor {name} alone: a factor stands behind a part, as in level * {name}."
+                f"has the memory {head.name} inside another term: a memory is a term of its own,"
+                f" such as {head.name}(level) + viscous."
             )
-        if inside and name.part.role != "level":
+        if head.role != "sign":
+            self._refuse(f"has brackets behind {head.name}, which takes none.")
+        if inside:
             self._refuse(
-                f"has {name} inside a memory, which holds levels only: write it beside the memory,"
-                f" as in dahl(level) + {name}."
+                f"has {head.name} inside a memory, which is smooth by itself: leave it out."
             )
-        return Leaf(
-            part=name.part, argument=name.argument, names=self._enter(name, sides, inside=inside)
-        )
-
-    def _factor(self, term: Term, sides: str, stem: str) -> Leaf:
-        if not (isinstance(term, Name) and term.name != BOTH_WAYS and term.part.role == "factor"):
-            self._refuse(f"multiplies by {term}, which is no factor.")
-        return Leaf(part=term.part, argument=term.argument, names=self._enter(term, sides, stem))
 
     def _smoothed(self, head: Name, leaves: list[Leaf]) -> list[Leaf]:
-        smooth = Leaf(part=head.part, argument="", names=self._enter(head, ""))
         if not all(isinstance(leaf.part, Level) and leaf.sign is None for leaf in leaves):
             self._refuse(
                 f"has other parts than levels inside {head.name}: write them beside it, as in"
                 f" {head.name}(level) + viscous."
             )
-        return [dataclasses.replace(leaf, sign=smooth) for leaf in leaves]
+        smooth = Leaf(part=head.part, names=self._enter(head, ""))
+        return [dataclasses.replace(leaf, sign=smooth) for leaf in _scoped(leaves)]
 
-    def _scoped(self, leaves: list[Leaf]) -> list[Leaf]:
-        """Let the leaves of a sum see each other's parameters."""
-        known: dict[str, str | tuple[str, str]] = {}
-        for leaf in leaves:
-            known |= leaf.names
-        return [dataclasses.replace(leaf, names={**known, **leaf.names}) for leaf in leaves]
+    def _refuse_twice(self) -> None:
+        parts = [name for name in self.term.parts() if name.name != BOTH_WAYS]
+        memories = [one.name for one in parts if one.role == "memory"]
+        if len(memories) > 1:
+            self._refuse(f"has two memories, {' and '.join(memories)}: keep one of them.")
+        named = [one.name for one in parts]
+        for name in dict.fromkeys(named):
+            if named.count(name) > 1:
+                self._refuse(f"has {name} twice: leave one of them out.")
 
     def _check(self) -> None:
-        """Refuse what cannot be meant."""
-        named = [str(name) for name in self.term.parts()]
-        twice = next(
-            (
-                one
-                for one in named
-                if named.count(one) > 1 and one != BOTH_WAYS and not one.startswith(BOTH_WAYS)
-            ),
-            None,
-        )
-        if twice is not None:
-            self._refuse(f"has {twice} twice: leave one of them out.")
+        """Refuse levels that have nothing to stand on."""
         for leaves in (self.inside, self.outside):
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
-            chain = [part for part in levels if part.rest]
-            fading = [part.name for part in chain if part.rest == "static_coefficient"]
-            if chain and all(part.name != "level" for part in chain):
-                name = chain[0].name
-                self._refuse(
-                    f"has {name} without level, which it is a surplus on: write level + {name}."
-                )
-            if len(fading) > 1:
-                self._refuse(f"has two static surpluses, {' and '.join(fading)}: keep one of them.")
-            if any(part.name == "peak" for part in chain) and not fading:
-                self._refuse(
-                    "has peak without a static surplus before it: write level + stribeck + peak."
-                )
-        if self.memory is not None and not any(
-            isinstance(leaf.part, Level) for leaf in self.inside
-        ):
-            self._refuse("has a memory without a level in it.")
+            names = [part.name for part in levels]
+            surplus = [part.name for part in levels if part.rest == "static_coefficient"]
+            if levels and "level" not in names:
+                self._refuse(f"has {names[0]} without level: write level + {names[0]}.")
+            if len(surplus) > 1:
+                self._refuse(f"has two static surpluses, {' and '.join(surplus)}: keep one.")
+            if "peak" in names and not surplus:
+                self._refuse("has peak without a static surplus: write level + stribeck + peak.")
 
-    def _enter(self, name: Name, sides: str, stem: str = "", *, inside: bool = False) -> Names:
+    def _enter(self, name: Name, sides: str, *, inside: bool = False) -> Names:
         """Enter the parameters of a part; return what they are called where that differs."""
         names: dict[str, str | tuple[str, str]] = {}
-        part = name.part
-        for one in part.parameters:
-            own = one.name
-            given = "_".join(
-                filter(None, (stem if part.role == "factor" else "", _filled(own, name)))
-            )
-            given = self.renamed.get(given, given)
+        for one in name.part.parameters:
+            given = self.renamed.get(one.name, one.name)
             doubled = sides == "all" or (bool(sides) and one.quantity.scale in PER_DIRECTION)
             made = []
             for prefix, mark in SIDES.values() if doubled else (("", ""),):
-                change = functools.partial(
-                    self._placed, name=name, stem=stem, prefix=prefix, mark=mark, inside=inside
-                )
-                field, meaning = prefix + given, prefix + _filled(own, name)
+                field, meaning = prefix + given, prefix + one.name
                 if self.meanings.setdefault(field, meaning) != meaning:
                     self._refuse(f"has two parameters called {field}, of different meaning.")
                 if field not in self.fields:
-                    self.fields[field] = Parameter(
-                        name=field, hint=_changed(one.hint, change), default=one.default
+                    change = functools.partial(self._placed, name.name, prefix, mark, inside)
+                    self.fields[field] = dataclasses.replace(
+                        one, name=field, hint=_changed(one.hint, change)
                     )
                 made.append(field)
             if doubled:
-                names[own] = (made[0], made[1])
-            elif made[0] != own:
-                names[own] = made[0]
+                names[one.name] = (made[0], made[1])
+            elif given != one.name:
+                names[one.name] = given
         return names
 
-    def _placed(
-        self, q: Quantity, *, name: Name, stem: str, prefix: str, mark: str, inside: bool
-    ) -> Quantity:
+    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Quantity) -> Quantity:
         """Return the quantity of a part's parameter as it is in this law."""
-        symbol = _filled(q.symbol, name, stem)
+        symbol = q.symbol
         if mark:
             stem, _, index = symbol.partition("_")
             symbol = f"{stem}_{mark}" if index in ("k", "2", "") else f"{symbol}{mark}"
-        others = {f.quantity.symbol for f in self.fields.values()}
-        if symbol in others:
-            symbol = f"{symbol}_{name.name[0]}"
+        if symbol in {one.quantity.symbol for one in self.fields.values()}:
+            symbol = f"{symbol}_{part[0]}"
         # a memory divides by its levels
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
             q,
             symbol=symbol,
-            low=-float("inf") if positive else q.low,
+            low=-math.inf if positive else q.low,
             above=0.0 if positive else q.above,
             at_least=q.at_least and prefix + self.renamed.get(q.at_least, q.at_least),
             scale=q.scale + mark if q.scale in PER_DIRECTION else q.scale,
@@ -315,77 +247,51 @@ class Composition:
         """Whether the directions have parameters of their own."""
         return any(name.name == BOTH_WAYS for name in self.term.parts())
 
-    def levels(
-        self, leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None
-    ) -> Scalar | None:
-        """Return the level of sliding, over the load; None where no part has one."""
-        found = []
-        for leaf in leaves:
-            if not isinstance(leaf.part, (Level, SmoothLevel)):
-                continue
-            p, s = leaf.asks(law, slip, choose)
-            value = leaf.part.sliding(p, s)
-            if value is not None:
-                value = leaf.modulated(value, law, slip, choose)
-                if leaf.sign is not None:
-                    value = value * typing.cast(SmoothSign, leaf.sign.part).shape(
-                        *leaf.sign.asks(law, slip, choose)
-                    )
-                found.append(value)
-        return _total(found)
 
-    def rest(
-        self, leaves: Sequence[Leaf], law: Any, inputs: Mapping[str, Scalar], choose: Choose | None
-    ) -> Scalar | None:
-        """Return the level at rest, over the load; None where no part has one.
+def _scoped(leaves: list[Leaf]) -> list[Leaf]:
+    """Let the parts of a sum see each other's parameters."""
+    known: dict[str, str | tuple[str, str]] = {}
+    for leaf in leaves:
+        known |= leaf.names
+    return [dataclasses.replace(leaf, names={**known, **leaf.names}) for leaf in leaves]
 
-        Surpluses are whole levels less the ones before: of neighbours with the same factors, only
-        the last whole level is left.
-        """
-        slip = Slip(speed=0.0, along=0.0, direction=1.0, inputs=inputs)
-        held = [leaf for leaf in leaves if isinstance(leaf.part, Level) and leaf.sign is None]
-        held.sort(key=lambda leaf: RANKS.get(leaf.part.rest, 0))
-        chains: dict[tuple[str, ...], list[tuple[Leaf, Scalar]]] = {}
-        found: list[Scalar] = []
-        for leaf in held:
-            part = typing.cast(Level, leaf.part)
-            p, s = leaf.asks(law, slip, choose)
-            whole = getattr(p, part.rest) if part.rest else None
-            chain = chains.setdefault(
-                tuple(f"{one.part.name}[{one.argument}]" for one in leaf.factors), []
-            )
-            if whole is not None and (chain or part.name == "level"):
-                chain.append((leaf, whole))
-            elif not part.rest or whole is not None:
-                found.append(leaf.modulated(part.at_rest(p, s), law, slip, choose))
-        kept = [
-            leaf.modulated(whole, law, slip, choose)
-            for *_, (leaf, whole) in filter(None, chains.values())
-        ]
-        return _total([*kept, *found])
 
-    def flows(
-        self, leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None
-    ) -> Scalar | None:
-        """Return the force of the parts without levels."""
-        found = []
-        for leaf in leaves:
-            if isinstance(leaf.part, Flow):
-                value = leaf.part.flow(*leaf.asks(law, slip, choose))
-                found.append(leaf.modulated(value, law, slip, choose))
-        return _total(found)
+def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the level of sliding, over the load; None where no part has one."""
+    found = []
+    for leaf in leaves:
+        if isinstance(leaf.part, (Level, SmoothLevel)):
+            value = leaf.part.sliding(leaf.values(law, choose), slip)
+            if leaf.sign is not None and value is not None:
+                smooth = cast(SmoothSign, leaf.sign.part)
+                value = value * smooth.shape(leaf.sign.values(law, choose), slip)
+            found.append(value)
+    return _total(found)
+
+
+def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Scalar:
+    """Return the level at rest, over the load: the last whole level that is given."""
+    found = 0.0
+    ranks = ("kinetic_coefficient", "static_coefficient", "break_away_coefficient")
+    held = {
+        leaf.part.rest: leaf for leaf in leaves if isinstance(leaf.part, Level) and not leaf.sign
+    }
+    for rest in ranks:
+        given = getattr(held[rest].values(law, choose), rest) if rest in held else None
+        found = found if given is None else given
+    return found
+
+
+def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the force of the parts without levels; None where there are none."""
+    flows = [leaf for leaf in leaves if isinstance(leaf.part, Flow)]
+    return _total([cast(Flow, leaf.part).flow(leaf.values(law, choose), slip) for leaf in flows])
 
 
 def _total(values: Sequence[Scalar]) -> Scalar | None:
     """Return the sum; None where nothing is summed."""
     there = [one for one in values if one is not None]
     return functools.reduce(lambda one, other: one + other, there) if there else None
-
-
-def _filled(text: str, name: Name, stem: str = "") -> str:
-    """Put the argument of a part where its texts leave room for it."""
-    argument = name.argument if name.part.argument == "input" else ""
-    return text.replace("{0}", f"{stem}_{argument}" if stem else argument)
 
 
 def _changed(hint: Any, change: Callable[[Quantity], Quantity]) -> Any:
@@ -409,40 +315,32 @@ def _set_valued(c: Composition) -> dict[str, Any]:
     """Return the equations of a law without memory."""
 
     def sliding(self: Any, speed: Scalar, load: Scalar) -> Scalar:
-        slip = Slip(speed=speed, along=speed, direction=1.0, inputs={})
-        level = c.levels(c.outside, self, slip, None)
-        return _total(
-            [None if level is None else level * load, c.flows(c.outside, self, slip, None)]
-        )
+        slip = Slip(speed=speed, along=speed)
+        level = _level(c.outside, self, slip)
+        return _total([None if level is None else level * load, _flow(c.outside, self, slip)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        level = c.rest(c.outside, self, {}, None)
-        return (0.0 if level is None else level) * load
+        return _rest(c.outside, self) * load
 
     return {"sliding": sliding, "break_away": break_away}
 
 
 def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     """Return the equations of a law with a memory."""
-    memory = typing.cast(Memory, leaf.part)
+    memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip = Slip(speed=abs(velocity), along=velocity, direction=sign(velocity), inputs={})
-        choose = _by_velocity(velocity)
-        return slip, choose, c.levels(c.inside, self, slip, choose)
+        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        return slip, choose, _level(c.inside, self, slip, choose)
 
-    def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar | None:
-        level = c.levels(c.outside, self, slip, choose)
-        return _total(
-            [
-                None if level is None else slip.direction * level * load,
-                c.flows(c.outside, self, slip, choose),
-            ]
-        )
+    def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
+        level = _level(c.outside, self, slip, choose)
+        scaled = None if level is None else sign(slip.along) * level * load
+        return _total([scaled, _flow(c.outside, self, slip, choose)])
 
     def force(self: Any, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
-        held = memory.force(*leaf.asks(self, slip, choose), bristles, g)
+        held = memory.force(leaf.values(self, choose), slip, bristles, g)
         return _total([held * load, beside(self, slip, choose, load)])
 
     def bristle_rates(
@@ -452,17 +350,17 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         load: Scalar,  # noqa: ARG001
     ) -> tuple[Scalar, ...]:
         slip, choose, g = at(self, velocity)
-        return memory.rates(*leaf.asks(self, slip, choose), bristles, g)
+        return memory.rates(leaf.values(self, choose), slip, bristles, g)
 
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
-        return _total([g * load * slip.direction, beside(self, slip, choose, load)])
+        return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return c.rest(c.inside, self, {}, _least) * load
+        return _rest(c.inside, self, _least) * load
 
     return {
-        "bristles": memory.states(leaf.argument),
+        "bristles": memory.states(c.argument),
         "force": force,
         "bristle_rates": bristle_rates,
         "steady": steady,
@@ -477,8 +375,6 @@ def _one_way(term: Term) -> Term:
             return inner
         case Sum(items=items):
             return summed(tuple(one for item in items for one in terms_of(_one_way(item))))
-        case Product(first=first, factors=factors):
-            return Product(_one_way(first), factors)
         case Around(head=head, inner=inner):
             return Around(head, _one_way(inner))
         case _:
@@ -489,12 +385,13 @@ def _directional(c: Composition) -> dict[str, Any]:
     """Return the equations of a law without memory that differ between the directions."""
 
     def towards(self: Any, direction: int) -> SetValuedLaw:
-        kind = law(_one_way(c.term))
+        kind = cast(type[SetValuedLaw], law(_one_way(c.term)))
         prefix = SIDES[1 if direction > 0 else -1][0]
-        values = {}
-        for field in dataclasses.fields(kind):
-            own = prefix + field.name if prefix + field.name in c.fields else field.name
-            values[field.name] = getattr(self, own) if own in c.fields else field.default
+        mine = {meaning: field for field, meaning in c.meanings.items()}
+        values: dict[str, Any] = {}
+        for name, meaning in kind.made_of.meanings.items():
+            own = mine.get(prefix + meaning, mine.get(meaning))
+            values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
         return unchecked(kind, **values)
 
     return {"towards": towards}
@@ -623,7 +520,7 @@ def named_laws() -> Mapping[str, type[FrictionLaw]]:
 
     found: dict[str, type[FrictionLaw]] = {}
     for kind in LAWS.values():
-        if issubclass(kind, FrictionLaw) and kind.composition is not None:
+        if kind.composition is not None:
             found.setdefault(canonical(kind.composition), kind)
     return found
 

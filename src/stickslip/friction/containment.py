@@ -2,20 +2,21 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, TypeAlias, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.notation import (
     BOTH_WAYS,
+    OPTIONAL,
     Around,
     Name,
-    Product,
     Sum,
     Term,
     canonical,
     summed,
     terms_of,
 )
+from stickslip.friction.parts.levels import Surplus
 
 if TYPE_CHECKING:
     from stickslip.friction.composition import Composition
@@ -26,8 +27,6 @@ Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
 Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 """A simpler term, what leads there, and what goes to infinity for it."""
-OPTIONAL = ("step", "peak")
-"""Parts that laws of one name may have or not."""
 
 
 @final
@@ -108,7 +107,7 @@ def _containment(
             found[mine[meaning]] = theirs[value] if isinstance(value, str) else value
     defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
-    where = {
+    where: dict[str, Any] = {
         field: defaults[field]
         for field in theirs.values()
         if field not in reached and defaults[field] not in (None, dataclasses.MISSING)
@@ -140,15 +139,6 @@ def _reductions(term: Term) -> Iterator[Reduction]:
                 yield Around(Name(one.name), inner) if one.name else inner, one.values, one.limits
             for simpler, values, limits in _reductions(inner):
                 yield Around(head, simpler), values, limits
-        case Product(first=first, factors=factors):
-            for index, one in enumerate(factors):
-                stem = first.part.stem if isinstance(first, Name) else ""
-                values = {
-                    "_".join(filter(None, (stem, own.replace("{0}", one.argument)))): v
-                    for own, v in (one.part.vanishes or {}).items()
-                }
-                rest = (*factors[:index], *factors[index + 1 :])
-                yield Product(first, rest) if rest else first, values, ()
         case Name():
             for one in term.part.becomes:
                 yield Name(one.name, term.argument), one.values, one.limits
@@ -171,29 +161,12 @@ def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
 
 
 def _without(items: tuple[Term, ...]) -> Iterator[Reduction]:
-    """Yield a sum without one of its parts."""
+    """Yield a sum without one of its parts, and without what stands on this one."""
     for index, item in enumerate(items):
-        rest = (*items[:index], *items[index + 1 :])
-        if (
-            not isinstance(item, Name)
-            or item.name == BOTH_WAYS
-            or item.part.vanishes is None
-            or not rest
-        ):
+        if not isinstance(item, Name) or item.name == BOTH_WAYS or item.part.vanishes is None:
             continue
-        above = {
-            "level": OPTIONAL,
-            "stribeck": ("peak",),
-            "lorentz": ("peak",),
-            "hyperbolic": ("peak",),
-        }
-        rest = tuple(one for one in rest if str(one) not in above.get(item.name, ()))
-        if not rest or (
-            item.name == "level"
-            and any(isinstance(one, Name) and one.part.stem == "static" for one in rest)
-        ):
-            continue
-        values = {
-            own.replace("{0}", item.argument): value for own, value in item.part.vanishes.items()
-        }
-        yield summed(rest), values, ()
+        others = (*items[:index], *items[index + 1 :])
+        rest = tuple(one for one in others if str(one) not in item.part.below)
+        surplus = any(isinstance(one, Name) and isinstance(one.part, Surplus) for one in rest)
+        if rest and not (item.name == "level" and surplus):
+            yield summed(rest), item.part.vanishes, ()

@@ -1,5 +1,6 @@
 """The formula of a composition in LaTeX, put together from those of its parts."""
 
+import functools
 import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
@@ -57,40 +58,39 @@ def _force(c: "Composition", side: int | None = None) -> str:
             else next(_placed(c, leaf.sign, smooth) for leaf in own if leaf.sign)
         )
         held += [f"{text} N {sign}"] if levels else []
-    flows = [_modulated(c, leaf, side) for leaf in c.outside if isinstance(leaf.part, Flow)]
+    flows = [
+        _placed(c, leaf, leaf.part.tex, side) for leaf in c.outside if isinstance(leaf.part, Flow)
+    ]
     return " + ".join([*held, *flows])
 
 
 def _levels(c: "Composition", leaves: Iterable["Leaf"], side: int | None = None) -> list[str]:
     return [
-        _modulated(c, leaf, side)
+        _placed(c, leaf, leaf.part.tex, side)
         for leaf in leaves
         if isinstance(leaf.part, (Level, SmoothLevel)) and leaf.part.tex
     ]
 
 
-def _modulated(c: "Composition", leaf: "Leaf", side: int | None) -> str:
-    texts = [_placed(c, one, one.part.tex, side) for one in (leaf, *leaf.factors)]
-    return r" \, ".join(texts)
-
-
 def _rest(c: "Composition") -> Sequence[str]:
     """Return what holds at rest, where that is one level."""
-    chain = [leaf for leaf in c.outside if isinstance(leaf.part, Level) and leaf.sign is None]
-    if (
-        c.memory is not None
-        or not chain
-        or any(leaf.factors or not leaf.part.rest for leaf in chain)
-    ):
+    chain = [
+        (leaf, leaf.part.rest)
+        for leaf in c.outside
+        if isinstance(leaf.part, Level) and leaf.sign is None
+    ]
+    if c.memory is not None or not chain:
         return []
-    symbols = [_placed(c, leaf, _tex(STANDARD[leaf.part.rest])) for leaf in chain]
+    symbols = [_placed(c, leaf, _tex(STANDARD[rest])) for leaf, rest in chain]
     text = rf"|F| \le {symbols[-1]} N \text{{ at rest}}"
-    return [text, rf"{symbols[-1]} \ge {symbols[-2]}"] if chain[-1].part.name == "peak" else [text]
+    return (
+        [text, rf"{symbols[-1]} \ge {symbols[-2]}"] if chain[-1][0].part.name == "peak" else [text]
+    )
 
 
 def _placed(c: "Composition", leaf: "Leaf", tex: str, side: int | None = None) -> str:
     """Return a part's LaTeX with the symbols and the argument that it has in this law."""
-    text = tex.replace("{0}", leaf.argument)
+    text = tex.replace("{0}", c.argument)
     own = {one.name: one.quantity for one in leaf.part.parameters}
     for name in {*own, *leaf.names}:
         field = leaf.names.get(name, name)
@@ -98,9 +98,9 @@ def _placed(c: "Composition", leaf: "Leaf", tex: str, side: int | None = None) -
         one = c.fields.get(chosen)
         standard = own[name].symbol if name in own else STANDARD.get(name)
         if one is not None and standard is not None and one.quantity.symbol != standard:
-            before, after = _tex(standard.replace("{0}", leaf.argument)), _tex(one.quantity.symbol)
+            before, after = _tex(standard), _tex(one.quantity.symbol)
             there = rf"(\^)?(?<![A-Za-z\\]){re.escape(before)}(?![A-Za-z_])"
-            text = re.sub(there, lambda m, to=after: f"^{{{to}}}" if m[1] else to, text)
+            text = re.sub(there, functools.partial(_raised, after), text)
     return text
 
 
@@ -112,6 +112,10 @@ STANDARD = {
     "fading_exponent": "n",
 }
 """Symbols of parameters that parts take from each other."""
+
+
+def _raised(symbol: str, match: re.Match[str]) -> str:
+    return f"^{{{symbol}}}" if match[1] else symbol
 
 
 def _tex(symbol: str) -> str:

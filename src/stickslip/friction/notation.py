@@ -4,7 +4,7 @@ import re
 from abc import ABC
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import final
 
 from typing_extensions import override
 
@@ -14,9 +14,9 @@ from stickslip.friction.parts.base import Part
 
 __all__ = [
     "BOTH_WAYS",
+    "OPTIONAL",
     "Around",
     "Name",
-    "Product",
     "Sum",
     "Term",
     "canonical",
@@ -25,25 +25,20 @@ __all__ = [
     "terms_of",
 ]
 
+OPTIONAL = ("step", "peak")
+"""Parts that laws of one name may have or not."""
 BOTH_WAYS = "both_ways"
 """What stands around terms that have parameters of their own for each direction."""
-ARGUMENTS = {"input": "a contact input, such as transmitted", "number": "a number of elements"}
-"""What the brackets of parts hold, and an example."""
 
 
 class Term(ABC):  # noqa: B024  # what is asked of all of them is here
-    """A part, or a sum, a product or something around it; `str` writes what `read` reads.
+    """A part, or a sum or something around it; `str` writes what `read` reads.
 
-    Terms are added, multiplied, called and given arguments as their text says:
-    ``lugre(level + stribeck)``, ``viscous * exponential["temperature"]``.
+    Terms are added, called and given arguments as their text says: ``maxwell[4](level) + viscous``.
     """
 
-    def __add__(self, other: "Term") -> "Sum":
+    def __add__(self, other: "Term") -> "Term":
         return summed((*terms_of(self), *terms_of(_term(other))))
-
-    def __mul__(self, other: "Term") -> "Product":
-        head = (self.first, *self.factors) if isinstance(self, Product) else (self,)
-        return Product(head[0], (*head[1:], _term(other)))
 
     def parts(self) -> Iterator["Name"]:
         """Yield the names of all parts in it, from left to right."""
@@ -53,13 +48,11 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
             case Sum(items=items):
                 for item in items:
                     yield from item.parts()
-            case Product(first=first, factors=factors):
-                for item in (first, *factors):
-                    yield from item.parts()
             case Around(head=head, inner=inner):
                 yield head
                 yield from inner.parts()
 
+    @override
     def __repr__(self) -> str:
         return str(self)
 
@@ -90,11 +83,17 @@ class Name(Term):
         return replace(self, argument=str(argument))
 
     def __call__(self, inner: Term) -> "Around":
+        """Return this around a term."""
         return Around(self, _term(inner))
 
     @override
     def __str__(self) -> str:
         return f"{self.name}[{self.argument}]" if self.argument else self.name
+
+    @property
+    def role(self) -> str:
+        """Where it may stand."""
+        return BOTH_WAYS if self.name == BOTH_WAYS else self.part.role
 
     @property
     def part(self) -> Part:
@@ -112,20 +111,6 @@ class Sum(Term):
     @override
     def __str__(self) -> str:
         return " + ".join(map(str, self.items))
-
-
-@final
-@dataclass(frozen=True, repr=False)
-class Product(Term):
-    """A term that factors modulate."""
-
-    first: Term
-    factors: tuple[Term, ...]
-
-    @override
-    def __str__(self) -> str:
-        items = (self.first, *self.factors)
-        return " * ".join(f"({item})" if isinstance(item, Sum) else str(item) for item in items)
 
 
 @final
@@ -152,7 +137,7 @@ def terms_of(term: Term) -> tuple[Term, ...]:
     return term.items if isinstance(term, Sum) else (term,)
 
 
-def summed(items: tuple[Term, ...]) -> Any:
+def summed(items: tuple[Term, ...]) -> Term:
     """Return the sum of terms; a single one is itself."""
     return items[0] if len(items) == 1 else Sum(items)
 
@@ -161,11 +146,7 @@ def canonical(term: Term) -> str:
     """Return a text that is the same for compositions that differ in the order of their sums."""
     match term:
         case Sum(items=items):
-            return " + ".join(
-                sorted(canonical(one) for one in items if str(one) not in ("step", "peak"))
-            )
-        case Product(first=first, factors=factors):
-            return " * ".join((canonical(first), *sorted(map(str, factors))))
+            return " + ".join(sorted(canonical(one) for one in items if str(one) not in OPTIONAL))
         case Around(head=head, inner=inner):
             return f"{head}({canonical(inner)})"
         case _:
@@ -173,7 +154,7 @@ def canonical(term: Term) -> str:
 
 
 TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+*])|(?P<other>\S))"
+    r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+])|(?P<other>\S))"
 )
 
 
@@ -189,14 +170,14 @@ def read(text: str) -> Term:
 
     Examples
     --------
-    >>> read("(level+stribeck)*linear[gravity] + viscous")
-    (level + stribeck) * linear[gravity] + viscous
+    >>> read("lugre(level+stribeck)+power")
+    lugre(level + stribeck) + power
     """
     return _Reader(text).whole()
 
 
 class _Reader:
-    """Reads a text from left to right: sums of products of names with arguments and brackets."""
+    """Reads a text from left to right: sums of names with arguments and brackets."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -210,22 +191,16 @@ class _Reader:
         """Return the term of the whole text."""
         found = self.sum()
         if self.at < len(self.tokens):
-            self.refuse("'+' or '*'")
+            self.refuse("'+'")
         return found
 
     def sum(self) -> Term:
-        items = [*terms_of(self.product())]
+        items = [*terms_of(self.one())]
         while self.took("+"):
-            items += terms_of(self.product())
+            items += terms_of(self.one())
         return summed(tuple(items))
 
-    def product(self) -> Term:
-        found = self.factor()
-        while self.took("*"):
-            found = found * self.factor()
-        return found
-
-    def factor(self) -> Term:
+    def one(self) -> Term:
         if self.took("("):
             return self.closed()
         kind, word, place = self.here()

@@ -16,8 +16,8 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
-from stickslip.friction.base import FrictionLaw
 from stickslip.friction import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
+from stickslip.friction.base import FrictionLaw
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 

@@ -1,4 +1,4 @@
-"""Equations of a composition as Python text for floats: what walking its parts costs is paid once."""
+"""Equations of a composition as Python text for floats: walking its parts is paid for once."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -107,14 +107,15 @@ def for_floats(
 
     def made(law: Any) -> Callable[..., Scalar]:
         """Return the function for laws that are shaped as this one."""
-        values, lines = {}, []
+        values: dict[str, Any] = {}
+        lines = []
         for name, quantity in fields_of(kind).items():
             value = getattr(law, name)
             if quantity.stands_in_equations(value):
                 value = Written(f"p_{name}")
                 lines.append(f"    p_{name} = law.{name}\n")
             values[name] = value
-        twin = unchecked(kind, **values)
+        twin: Any = unchecked(kind, **values)
         given = [
             tuple(Written(f"{name}[{i}]") for i in range(len(law.bristles)))
             if name == "bristles"
@@ -125,8 +126,9 @@ def for_floats(
         used = "".join(line for line in lines if line.split()[0] in result)
         text = f"def made(law, {', '.join(arguments)}):\n{used}    return {result}\n"
         space = dict(NAMES)
-        exec(text, space)  # noqa: S102  # of our own equations
-        return space["made"]
+        exec(text, space)
+        function: Callable[..., Scalar] = space["made"]
+        return function
 
     floats = " and ".join(f"type({name}) is float" for name in arguments if name != "bristles")
     # what shapes the equations: a whole exponent, a level that is not given
@@ -137,9 +139,10 @@ def for_floats(
         for name in shaping
     )
     given = ", ".join(arguments)
-    space = {"made": made, "equation": equation, "known": known}
-    exec(DISPATCH.format(given=given, floats=floats, shape=shape), space)  # noqa: S102
-    return space["evaluated"]
+    space: dict[str, Any] = {"made": made, "equation": equation, "known": known}
+    exec(DISPATCH.format(given=given, floats=floats, shape=shape), space)
+    function: Callable[..., Scalar] = space["evaluated"]
+    return function
 
 
 DISPATCH = """

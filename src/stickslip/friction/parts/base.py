@@ -13,7 +13,6 @@ from stickslip.quantities import Quantity
 
 __all__ = [
     "Becomes",
-    "Factor",
     "Flow",
     "Level",
     "Memory",
@@ -39,17 +38,6 @@ class Slip:
     """Slip speed [m/s], not negative."""
     along: Scalar
     """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
-    direction: Scalar
-    """Sign of the slip velocity."""
-    inputs: Mapping[str, Scalar]
-    """What the contact gives beside speed and load, by name."""
-    argument: str = ""
-    """What stands in brackets after the name of the part."""
-
-    @property
-    def input(self) -> Scalar:
-        """The contact input that the argument of the part names."""
-        return self.inputs[self.argument]
 
 
 @final
@@ -97,8 +85,8 @@ def marks(hint: Any) -> Iterator[Any]:
 class Part(ABC):
     """A part of friction laws.
 
-    Parameters are annotated class attributes, as in a dataclass; a value is their default. Texts
-    that stand for an argument, in names, symbols and LaTeX, have ``{0}`` in its place.
+    Parameters are annotated class attributes, as in a dataclass; a value is their default. In its
+    LaTeX, ``{0}`` is the argument.
     """
 
     name: ClassVar[str]
@@ -108,15 +96,13 @@ class Part(ABC):
     tex_where: ClassVar[str] = ""
     """Equations of what stands in it: states, abbreviations."""
     role: ClassVar[str]
-    """Where it may stand: level, flow, factor, sign, memory or smooth level."""
-    stem: ClassVar[str] = ""
-    """First word of the parameters of a factor that modulates it."""
+    """Where it may stand: level, flow, sign, memory or smooth level."""
     argument: ClassVar[str] = ""
-    """What its brackets hold: an input, or a number; empty if it has none."""
-    inputs: ClassVar[tuple[str, ...]] = ()
-    """Contact inputs that it asks for beside its argument."""
+    """What its brackets hold, a number of elements; empty if it has none."""
     vanishes: ClassVar[Mapping[str, float | str] | None] = None
     """Values of its parameters, or parameters that they equal, for which it is not there."""
+    below: ClassVar[tuple[str, ...]] = ()
+    """Parts that are not there without it, for values that these have where they are not."""
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
 
@@ -135,16 +121,12 @@ class Level(Part, ABC):
     """A part of the level of friction, over the load."""
 
     role: ClassVar[str] = "level"
-    rest: ClassVar[str] = ""
-    """Parameter that is the whole level at rest, as far as levels before it go."""
+    rest: ClassVar[str]
+    """Parameter that is the whole level at rest; of several levels the last one."""
 
     @abstractmethod
     def sliding(self, p: Values, s: Slip) -> Scalar:
         """Return its share of the level while sliding; None if it has none."""
-
-    @abstractmethod
-    def at_rest(self, p: Values, s: Slip) -> Scalar:
-        """Return its share of the level at rest."""
 
 
 class Flow(Part, ABC):
@@ -165,17 +147,6 @@ class SmoothLevel(Part, ABC):
     @abstractmethod
     def sliding(self, p: Values, s: Slip) -> Scalar:
         """Return the level, over the load, at a speed."""
-
-
-class Factor(Part, ABC):
-    """A factor by which a contact input modulates a part."""
-
-    role: ClassVar[str] = "factor"
-    argument: ClassVar[str] = "input"
-
-    @abstractmethod
-    def factor(self, p: Values, s: Slip) -> Scalar:
-        """Return the factor."""
 
 
 class SmoothSign(Part, ABC):

@@ -23,7 +23,6 @@ class Viscous(Flow):
 
     name = "viscous"
     tex = r"\sigma_2 v"
-    stem = "viscous"
     vanishes = {"viscous_coefficient": 0.0}
     viscous_coefficient: ViscousCoefficient
 
@@ -38,7 +37,6 @@ class Power(Flow):
 
     name = "power"
     tex = r"\sigma_2 |v|^p \operatorname{sgn} v"
-    stem = "viscous"
     vanishes = {"viscous_coefficient": 0.0}
     becomes = (Becomes(name="viscous", values={"viscous_exponent": 1.0}),)
     viscous_coefficient: ViscousCoefficient
@@ -60,7 +58,6 @@ class Drag(Flow):
 
     name = "drag"
     tex = r"c v |v|"
-    stem = "drag"
     vanishes = {"quadratic_coefficient": 0.0}
     quadratic_coefficient: Annotated[
         float,
@@ -79,7 +76,6 @@ class Saturating(Flow):
 
     name = "saturating"
     tex = r"\sigma_2 v_m \arctan(v / v_m)"
-    stem = "viscous"
     vanishes = {"viscous_coefficient": 0.0}
     becomes = (Becomes(name="viscous", values={}, limits=("saturation_velocity",)),)
     viscous_coefficient: ViscousCoefficient

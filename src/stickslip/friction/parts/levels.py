@@ -35,34 +35,26 @@ class Kinetic(Level):
 
     name = "level"
     tex = r"\mu_k"
-    stem = "kinetic"
     rest = "kinetic_coefficient"
     vanishes = {"kinetic_coefficient": 0.0}
+    below = ("step",)
     kinetic_coefficient: KineticCoefficient
 
     @override
     def sliding(self, p: Values, s: Slip) -> Scalar:
         return p.kinetic_coefficient + 0.0 * s.speed  # an array of speeds gives an array
 
-    @override
-    def at_rest(self, p: Values, s: Slip) -> Scalar:
-        return p.kinetic_coefficient
-
 
 class Surplus(Level):
     """A static level above the kinetic one, of which less is left the faster the contact slides."""
 
-    stem = "static"
     rest = "static_coefficient"
     vanishes = {"static_coefficient": "kinetic_coefficient"}
+    below = ("peak",)
 
     @override
     def sliding(self, p: Values, s: Slip) -> Scalar:
         return (p.static_coefficient - p.kinetic_coefficient) * self.left(p, s)
-
-    @override
-    def at_rest(self, p: Values, s: Slip) -> Scalar:
-        return p.static_coefficient - p.kinetic_coefficient
 
     def left(self, p: Values, s: Slip) -> Scalar:
         """Return the share of the surplus that is left at a speed."""
@@ -75,7 +67,6 @@ class Step(Level):
 
     name = "step"
     tex = ""
-    stem = "static"
     rest = "static_coefficient"
     vanishes = {"static_coefficient": "kinetic_coefficient"}
     static_coefficient: StaticCoefficient | None = None
@@ -84,10 +75,6 @@ class Step(Level):
     def sliding(self, p: Values, s: Slip) -> None:
         return None
 
-    @override
-    def at_rest(self, p: Values, s: Slip) -> Scalar:
-        return 0.0 if p.static_coefficient is None else p.static_coefficient - p.kinetic_coefficient
-
 
 @final
 class Peak(Level):
@@ -95,7 +82,6 @@ class Peak(Level):
 
     name = "peak"
     tex = ""
-    stem = "break_away"
     rest = "break_away_coefficient"
     vanishes = {"break_away_coefficient": "static_coefficient"}
     break_away_coefficient: (
@@ -117,11 +103,6 @@ class Peak(Level):
     @override
     def sliding(self, p: Values, s: Slip) -> None:
         return None
-
-    @override
-    def at_rest(self, p: Values, s: Slip) -> Scalar:
-        mu_b = p.break_away_coefficient
-        return 0.0 if mu_b is None else mu_b - p.static_coefficient
 
 
 @final

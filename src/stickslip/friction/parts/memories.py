@@ -140,8 +140,8 @@ class BoucWen(Memory):
     name = "bouc_wen"
     tex = r"\sigma_0 z"
     tex_where = (
-        r"\dot z = v \left(1 - |u|^n \left[\beta + (1 - \beta) \operatorname{sgn}(u v)\right]\right)"
-        r", \quad u = \sigma_0 z / g"
+        r"\dot z = v \left(1 - |u|^n \left[\beta + (1 - \beta) \operatorname{sgn}(u v)\right]"
+        r"\right), \quad u = \sigma_0 z / g"
     )
     becomes = (Becomes(name="", values={}, limits=("bristle_stiffness",)),)
     bristle_stiffness: BristleStiffness
