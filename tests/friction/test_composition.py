@@ -136,15 +136,17 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         "kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-2,
         "bristle_stiffness": 1e4, "bristle_damping": 100.0, "viscous_coefficient": 0.4,
     }  # fmt: skip
-    drive = Sine(amplitude=0.4, frequency=1.0)
-    shaken = Axis(inertia=1.0, drive=drive)
+    # a mean force of a third of the static level and a ripple around it
+    shaken = Axis(inertia=1.0, drive=Sine(amplitude=0.4, frequency=1.0), offset=-0.5)
     drifts = []
     for kind in (law("elasto_plastic(level + stribeck) + viscous"), LuGre):
         more = {"elastic_share": 0.8} if kind is not LuGre else {}
         run = simulate(shaken, kind(**values, **more), t_end=8.0)
-        cycles = run.at(np.arange(1.0, 8.5))["z"] - run.at(np.arange(1.0, 8.5))["x"]
-        drifts.append(float(np.ptp(cycles)))
-    assert drifts[0] < 1e-12 < 1e-9 < drifts[1]
+        seen = run.at(np.arange(1.0, 8.5))
+        drifts.append(float(np.ptp(seen["x"] - seen["z"])))
+    # what has not yielded has moved as far as its bristle has bent, to rounding
+    assert drifts[0] < 1e-15
+    assert drifts[1] > 1e-4
 
 
 @pytest.mark.parametrize(
