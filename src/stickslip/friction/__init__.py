@@ -3,16 +3,16 @@
 from stickslip.lazy import attach
 
 LAW_MODULES = {
-    "Coulomb": "named.steady",
-    "Viscous": "named.steady",
-    "CoulombViscous": "named.steady",
-    "CoulombViscousStatic": "named.steady",
-    "DirectionDependent": "named.steady",
-    "PowerViscous": "named.steady",
-    "QuadraticDrag": "named.steady",
-    "Stribeck": "named.steady",
-    "Dahl": "named.bristles",
-    "LuGre": "named.bristles",
+    "Coulomb": "named",
+    "Viscous": "named",
+    "CoulombViscous": "named",
+    "CoulombViscousStatic": "named",
+    "DirectionDependent": "named",
+    "PowerViscous": "named",
+    "QuadraticDrag": "named",
+    "Stribeck": "named",
+    "Dahl": "named",
+    "LuGre": "named",
 }
 """The laws of the package in the order of listings, with their modules: all that registers one."""
 
@@ -40,7 +40,7 @@ HOMES = {
     "contained_laws": "registry",
     "containment_of": "base",
     "law_type": "registry",
-    "law": "composition",
+    "law": "registry",
     "laws": "registry",
     "specification": "registry",
     "towards": "base",

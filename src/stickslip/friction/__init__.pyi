@@ -19,7 +19,6 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
-from stickslip.friction.composition import law as law
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -35,6 +34,7 @@ from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
 from stickslip.friction.registry import contained_laws as contained_laws
 from stickslip.friction.registry import is_composition as is_composition
+from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import specification as specification

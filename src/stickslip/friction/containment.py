@@ -2,9 +2,10 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import Any, TypeAlias, final
 
 from stickslip.friction.base import Containment, FrictionLaw
+from stickslip.friction.composition import SIDES, Composition
 from stickslip.friction.notation import (
     BOTH_WAYS,
     OPTIONAL,
@@ -18,9 +19,6 @@ from stickslip.friction.notation import (
 )
 from stickslip.friction.parts.levels import Surplus
 
-if TYPE_CHECKING:
-    from stickslip.friction.composition import Composition
-
 __all__ = ["Contained"]
 
 Values: TypeAlias = Mapping[str, float | str]
@@ -33,21 +31,20 @@ Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 class Contained:
     """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
 
-    def __init__(self, composition: "Composition") -> None:
-        self._composition = composition
+    def __init__(self, composition: Composition, known: Mapping[str, type[FrictionLaw]]) -> None:
+        self._composition, self._known = composition, known
         self._found: tuple[Containment, ...] | None = None
 
     def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
         if self._found is None:
-            self._found = tuple(_nearest(self._composition, kind))
+            self._found = tuple(_nearest(self._composition, kind, self._known))
         return self._found
 
 
-def _nearest(c: "Composition", kind: type[FrictionLaw]) -> Iterator[Containment]:
+def _nearest(
+    c: Composition, kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]
+) -> Iterator[Containment]:
     """Yield the laws with a name that are reached first; what these contain is theirs."""
-    from stickslip.friction.composition import named_laws
-
-    known = named_laws()
     found: dict[type[FrictionLaw], Containment] = {}
     same = known.get(canonical(c.term), kind)
     if (
@@ -70,16 +67,15 @@ def _nearest(c: "Composition", kind: type[FrictionLaw]) -> Iterator[Containment]
                 elif there not in found:
                     found[there] = _containment(c, there, *state[1:])
         level = below
-    within = {name for one in found for name in _all_within(one)}
+    by_name = {one.name: one for one in known.values()}
+    within = {name for one in found for name in _all_within(one, by_name)}
     yield from (one for law, one in found.items() if law.name not in within)
 
 
-def _all_within(kind: type[FrictionLaw]) -> Iterator[str]:
-    from stickslip.friction.registry import LAWS
-
+def _all_within(kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]) -> Iterator[str]:
     for one in kind.contained:
         yield one.law
-        yield from _all_within(LAWS[one.law])
+        yield from _all_within(known[one.law], known)
 
 
 def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:
@@ -90,7 +86,7 @@ def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:
 
 
 def _containment(
-    c: "Composition", simpler: type[FrictionLaw], values: Values, limits: tuple[str, ...]
+    c: Composition, simpler: type[FrictionLaw], values: Values, limits: tuple[str, ...]
 ) -> Containment:
     mine = {meaning: field for field, meaning in c.meanings.items()}
     theirs = {meaning: field for field, meaning in simpler.made_of.meanings.items()}
@@ -146,8 +142,6 @@ def _reductions(term: Term) -> Iterator[Reduction]:
 
 def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
     """Yield what is left where both directions are equal, or lose the same part."""
-    from stickslip.friction.composition import SIDES, Composition
-
     prefixes = [prefix for prefix, _ in SIDES.values()]
     meanings = Composition(inner, {}).meanings.values()
     yield inner, {side + one: one for one in meanings for side in prefixes}, ()

@@ -3,12 +3,9 @@
 import functools
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
+from stickslip.friction.composition import Composition, Leaf
 from stickslip.friction.parts.base import Flow, Level, SmoothLevel
-
-if TYPE_CHECKING:
-    from stickslip.friction.composition import Composition, Leaf
 
 __all__ = ["formula_of"]
 
@@ -16,7 +13,7 @@ SGN = r"\operatorname{sgn} v"
 GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta")
 
 
-def formula_of(c: "Composition") -> str:
+def formula_of(c: Composition) -> str:
     r"""Return the formula of a composition.
 
     Examples
@@ -46,7 +43,7 @@ def formula_of(c: "Composition") -> str:
     return r", \quad ".join(terms)
 
 
-def _force(c: "Composition", side: int | None = None) -> str:
+def _force(c: Composition, side: int | None = None) -> str:
     held = [] if c.memory is None else [f"{_placed(c, c.memory, c.memory.part.tex)} N"]
     for smooth in dict.fromkeys(leaf.sign and leaf.sign.part.tex for leaf in c.outside):
         own = [leaf for leaf in c.outside if (leaf.sign and leaf.sign.part.tex) == smooth]
@@ -64,7 +61,7 @@ def _force(c: "Composition", side: int | None = None) -> str:
     return " + ".join([*held, *flows])
 
 
-def _levels(c: "Composition", leaves: Iterable["Leaf"], side: int | None = None) -> list[str]:
+def _levels(c: Composition, leaves: Iterable[Leaf], side: int | None = None) -> list[str]:
     return [
         _placed(c, leaf, leaf.part.tex, side)
         for leaf in leaves
@@ -72,7 +69,7 @@ def _levels(c: "Composition", leaves: Iterable["Leaf"], side: int | None = None)
     ]
 
 
-def _rest(c: "Composition") -> Sequence[str]:
+def _rest(c: Composition) -> Sequence[str]:
     """Return what holds at rest, where that is one level."""
     chain = [
         (leaf, leaf.part.rest)
@@ -88,7 +85,7 @@ def _rest(c: "Composition") -> Sequence[str]:
     )
 
 
-def _placed(c: "Composition", leaf: "Leaf", tex: str, side: int | None = None) -> str:
+def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> str:
     """Return a part's LaTeX with the symbols and the argument that it has in this law."""
     text = tex.replace("{0}", c.argument)
     own = {one.name: one.quantity for one in leaf.part.parameters}

@@ -21,7 +21,8 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.composition import law
+from stickslip.friction.classes import HOME, class_of
+from stickslip.friction.notation import Term, read
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import gathered, named, own_classes
 
@@ -30,6 +31,7 @@ __all__ = [
     "CandidateSpec",
     "contained_laws",
     "is_composition",
+    "law",
     "law_type",
     "laws",
     "specification",
@@ -162,6 +164,50 @@ def specification(name: str) -> CandidateSpec:
     known |= {one.name: one for one in usual_specifications()}
     found: CandidateSpec = _law_named(known, name)
     return found
+
+
+def law(composition: str | Term) -> type[FrictionLaw]:
+    """Return the class of laws that a composition stands for; the same one each time.
+
+    Parameters
+    ----------
+    composition : str or term
+        Parts, such as ``"lugre(level + stribeck) + power"``: ``+`` puts parts beside each other,
+        brackets stand around what a memory, a smooth sign or ``both_ways`` is applied to.
+
+    Returns
+    -------
+    type
+        Subclass of `FrictionLaw`; that of the package where the composition has a name.
+
+    Raises
+    ------
+    InputError
+        If the text cannot be read, or its parts cannot stand together.
+    UnknownNameError
+        If it names an unknown part.
+
+    Examples
+    --------
+    >>> law("viscous + level").__name__
+    'CoulombViscous'
+    >>> Thinning = law("dahl(level + stribeck) + power")
+    >>> Thinning.composition
+    dahl(level + stribeck) + power
+    >>> Thinning.title, Thinning.contained[0].law
+    ('dahl(level + stribeck) + power', 'dahl')
+    """
+    term = read(composition) if isinstance(composition, str) else composition
+    if not isinstance(term, Term):
+        raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
+    return class_of(term)
+
+
+def __getattr__(name: str) -> type[FrictionLaw]:
+    try:
+        return law(name)
+    except InputError:
+        raise AttributeError(f"module {HOME!r} has no attribute {name!r}") from None
 
 
 def is_composition(name: str) -> bool:
