@@ -17,6 +17,7 @@ from stickslip.friction import (
     FrictionLaw,
     PrintedForm,
     RightEquation,
+    is_composition,
     law_type,
     laws,
 )
@@ -112,9 +113,9 @@ def _one(name: str, *, as_json: bool) -> None:
         else:
             _show_form(form)
         return
-    if name not in laws():
+    if name not in laws() and not is_composition(name):
         raise UnknownNameError("friction law", name, [*laws(), *PRINTED_FORMS])
-    law = laws()[name]
+    law = law_type(name)
     if as_json:
         print_json(document("models", _law(law)))
         return
