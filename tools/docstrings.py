@@ -54,10 +54,16 @@ SUBPACKAGES = (
     "trajectory",
 )
 """Subpackages that are checked; the others follow one by one."""
-INSIDE = tuple(
-    f"stickslip.friction.{name}"
-    for name in ("classes", "composition", "containment", "equations", "formulas", "named")
-    + ("notation", "parts", "text")
+INSIDE = (
+    "stickslip.friction.classes",
+    "stickslip.friction.composition",
+    "stickslip.friction.containment",
+    "stickslip.friction.equations",
+    "stickslip.friction.formulas",
+    "stickslip.friction.named",
+    "stickslip.friction.notation",
+    "stickslip.friction.parts",
+    "stickslip.friction.text",
 )
 """Modules that users do not call: a summary line is enough there."""
 TITLES = ("Parameters", "Returns", "Yields", "Raises")

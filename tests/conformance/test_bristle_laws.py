@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from tests.support import BRISTLE, decade, examples, laws
 
-
 loads = decade(-2, 3)
 either_way = st.sampled_from([1.0, -1.0])
 speeds = st.builds(lambda size, sense: size * sense, decade(-5, 1), either_way)

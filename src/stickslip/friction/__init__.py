@@ -1,4 +1,4 @@
-"""Friction laws: each one a file, each with its source."""
+"""Friction laws: compositions of parts, each with its source."""
 
 from stickslip.lazy import attach
 
@@ -39,8 +39,8 @@ HOMES = {
     "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",
-    "law_type": "registry",
     "law": "registry",
+    "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
     "towards": "base",
@@ -53,8 +53,8 @@ INSIDE = {
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "force_parameters": "base",
-    "is_composition": "registry",
     "given_to": "by_contact",
+    "is_composition": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -21,7 +21,7 @@ from stickslip.friction import (
     Viscous,
 )
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.classes import HOME, class_of
+from stickslip.friction.classes import class_of
 from stickslip.friction.notation import Term, read
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import gathered, named, own_classes
@@ -207,7 +207,7 @@ def __getattr__(name: str) -> type[FrictionLaw]:
     try:
         return law(name)
     except InputError:
-        raise AttributeError(f"module {HOME!r} has no attribute {name!r}") from None
+        raise AttributeError(name) from None
 
 
 def is_composition(name: str) -> bool:

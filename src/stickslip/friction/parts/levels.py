@@ -15,6 +15,7 @@ from stickslip.friction.parts.base import Level, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, power, tanh, where
 from stickslip.quantities import Quantity
 
+AT_LARGEST = Doc("Speed at which friction is largest.")
 VANISHED = 36.0
 """exp(-36) = 2.3e-16: beyond this the exponential is below the last digit of its factor."""
 
@@ -161,7 +162,7 @@ class BrownMcPhee(SmoothLevel):
     transition_velocity: Annotated[
         float,
         Quantity("v_t", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
-        Doc("Speed at which friction is largest."),
+        AT_LARGEST,
     ]
 
     @override
@@ -184,7 +185,7 @@ class Simscape(SmoothLevel):
     breakaway_velocity: Annotated[
         float,
         Quantity("v_b", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
-        Doc("Speed at which friction is largest."),
+        AT_LARGEST,
     ]
 
     @override

@@ -46,6 +46,8 @@ class Dahl(Memory):
 class Bristle(Memory):
     """A spring that yields, with a damper beside it."""
 
+    tex = r"(\sigma_0 z + \sigma_1 \dot z)"
+
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         (z_dot,) = self.rates(p, s, z, g)
@@ -59,6 +61,8 @@ class Bristle(Memory):
 class LuGreBristle(Bristle):
     """A bristle whose share of yielding grows with its deflection."""
 
+    tex_where = r"\dot z = v - \frac{\sigma_0 |v|}{g} z"
+
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         return (s.along - p.bristle_stiffness * abs(s.along) / g * z[0],)
@@ -69,8 +73,6 @@ class LuGre(LuGreBristle):
     """A bristle with a constant damping."""
 
     name = "lugre"
-    tex = r"(\sigma_0 z + \sigma_1 \dot z)"
-    tex_where = r"\dot z = v - \frac{\sigma_0 |v|}{g} z"
     becomes = (
         Becomes(name="dahl", values={"bristle_damping": 0.0}),
         Becomes(name="", values={"bristle_damping": 0.0}, limits=("bristle_stiffness",)),
@@ -85,7 +87,6 @@ class LuGreFading(LuGreBristle):
 
     name = "lugre_fading"
     tex = r"(\sigma_0 z + \sigma_1 e^{-(v/v_d)^2} \dot z)"
-    tex_where = r"\dot z = v - \frac{\sigma_0 |v|}{g} z"
     becomes = (
         Becomes(name="lugre", values={}, limits=("damping_velocity",)),
         Becomes(name="dahl", values={"bristle_damping": 0.0}),
@@ -109,7 +110,6 @@ class ElastoPlastic(Bristle):
     """A bristle that does not yield below a share of its largest deflection."""
 
     name = "elasto_plastic"
-    tex = r"(\sigma_0 z + \sigma_1 \dot z)"
     tex_where = (
         r"\dot z = v (1 - \alpha u), \quad u = \frac{\sigma_0 z}{g} \operatorname{sgn} v, \quad"
         r" \alpha = \tfrac12 + \tfrac12 \sin \pi \frac{u - (1 + \rho)/2}{1 - \rho}"
