@@ -1,7 +1,7 @@
 """Reference pages made from the package itself: laws, printed forms, command line, rig files."""
 
-import re
 import inspect
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
