@@ -54,6 +54,18 @@ SUBPACKAGES = (
     "trajectory",
 )
 """Subpackages that are checked; the others follow one by one."""
+INSIDE = (
+    "stickslip.friction.classes",
+    "stickslip.friction.composition",
+    "stickslip.friction.containment",
+    "stickslip.friction.equations",
+    "stickslip.friction.formulas",
+    "stickslip.friction.named",
+    "stickslip.friction.notation",
+    "stickslip.friction.parts",
+    "stickslip.friction.text",
+)
+"""Modules that users do not call: a summary line is enough there."""
 TITLES = ("Parameters", "Returns", "Yields", "Raises")
 LEAST = 2
 """From this number of arguments on, sections are needed."""
@@ -212,7 +224,7 @@ def of_subpackages(subpackages: Iterable[str]) -> Iterator[str]:
     """Yield a line for each fault in some subpackages."""
     for module, path in structure.sources().items():
         subpackage = module.partition(".")[2].partition(".")[0]
-        if subpackage in subpackages:
+        if subpackage in subpackages and not module.startswith(INSIDE):
             tree = ast.parse(path.read_text(encoding="utf-8"))
             for line, name, fault in sorted(faults(tree, kernel=subpackage == "kernels")):
                 yield f"{path.relative_to(structure.ROOT)}:{line}: {name}: {fault}"

@@ -18,6 +18,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from types import NoneType
+from typing import Any, get_args
 
 SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
@@ -55,6 +57,13 @@ CONSTRUCTED = (
     "stickslip.solver",
 )
 """Packages of whose classes with quantities the constructors are declared."""
+EQUATIONS = {
+    "bristles": "tuple[_Scalar, ...]",
+    "bristle_rates": "tuple[_Scalar, ...]",
+    "direction": "int",
+    "towards": "_SetValuedLaw",
+}
+"""Types of arguments and results of the equations of laws that are no scalars."""
 GIVEN = "stickslip.quantities", "Given"
 """Module and name of what a constructor takes for a number."""
 
@@ -138,9 +147,21 @@ def imported(module: str) -> Mapping[str, tuple[str, str]]:
     return found
 
 
+def spelt(hint: object) -> str:
+    """Return the type of a parameter without what it is annotated with."""
+    return "float | None" if NoneType in get_args(hint) else "float"
+
+
 @cache
 def annotations(kind: type) -> Mapping[str, ast.expr]:
     """Return the annotations of the fields that a class declares itself."""
+    if kind is object:
+        return {}
+    if composition_of(kind) is not None:
+        return {
+            name: ast.parse(spelt(field.hint), mode="eval").body
+            for name, field in composition_of(kind).fields.items()
+        }
     tree = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
     assert isinstance(tree, ast.ClassDef)
     return {
@@ -148,6 +169,11 @@ def annotations(kind: type) -> Mapping[str, ast.expr]:
         for node in tree.body
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
     }
+
+
+def composition_of(kind: type) -> Any:
+    """Return what a law is composed of: no source has its fields. None of other classes."""
+    return getattr(kind, "made_of", None)
 
 
 def fields_with_owners(kind: type) -> Iterator[tuple[dataclasses.Field[object], type]]:
@@ -187,6 +213,8 @@ class Declaration:
                 self.attributes.append(f"{field.name}: {text}{default_of(field)}")
         self.parameters = list(self._parameters(kind))
         self.methods = list(self._methods(kind))
+        if composition_of(kind) is not None:
+            self._compose(kind)
 
     def _parameters(self, kind: type) -> Iterator[str]:
         from stickslip.quantities import fields_of
@@ -228,6 +256,24 @@ class Declaration:
             yield from (f"        {one}," for one in taken)
             yield f"    ) -> {self.name}: ..."
 
+    def _compose(self, kind: type) -> None:
+        """Declare fields and equations, which a composition makes, on the class that it is of."""
+        (base,) = kind.__bases__
+        self.base = f"_{base.__name__}"
+        self.imports = {"_Given": GIVEN, self.base: (base.__module__, base.__name__)}
+        self.imports |= {"_Scalar": ("stickslip.maths", "Scalar")}
+        self.imports |= {"_override": ("typing_extensions", "override")}
+        for name, field in composition_of(kind).fields.items():
+            has = getattr(kind, name, dataclasses.MISSING) is not dataclasses.MISSING
+            self.attributes.append(f"{name}: {spelt(field.hint)}{' = ...' if has else ''}")
+        for name in sorted(getattr(base, "__abstractmethods__", ())):
+            asked = list(inspect.signature(getattr(base, name)).parameters)[1:]
+            taken = "".join(f", {one}: {EQUATIONS.get(one, '_Scalar')}" for one in asked)
+            gives = EQUATIONS.get(name, "_Scalar")
+            if gives.startswith("_") and gives != "_Scalar":
+                self.imports |= {gives: ("stickslip.friction.base", gives[1:])}
+            self.methods += ["    @_override", f"    def {name}(self{taken}) -> {gives}: ..."]
+
     def _spelt(self, annotation: ast.expr, owner: type) -> str:
         return ast.unparse(
             Renamed(owner.__module__, self.imports, ()).visit(copy.deepcopy(annotation))
@@ -238,7 +284,8 @@ class Declaration:
         if self.is_final:
             yield "@final"
         yield "@dataclass(frozen=True, kw_only=True, init=False)"
-        ignored = "  # type: ignore[misc]  # final but for this" if self.is_final else ""
+        final_base = self.is_final and self.base == f"_{self.name}"
+        ignored = "  # type: ignore[misc]  # final but for this" if final_base else ""
         yield f"class {self.name}({self.base}):{ignored}"
         yield from (f"    {one}" for one in self.attributes)
         yield "    def __init__("

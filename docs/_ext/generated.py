@@ -1,5 +1,6 @@
 """Reference pages made from the package itself: laws, printed forms, command line, rig files."""
 
+import inspect
 import re
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -72,9 +73,9 @@ def laws() -> Iterator[str]:
 
 
 def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
-    prose = (vars(law).get("__doc__") or "").partition("\n\n    Examples")[0]
+    prose = inspect.cleandoc(vars(law).get("__doc__") or "").partition("\n\nExamples\n-")[0]
     yield from (f"(law-{name})=", f"## {law.title}", "")
-    yield from (prose.replace("\n    ", "\n"), "", "$$", law.formula, "$$", "")
+    yield from (prose, "", "$$", law.formula, "$$", "")
     rows = (
         (
             f"`{field}`",
@@ -87,7 +88,8 @@ def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
     )
     yield from table(("parameter", "symbol", "unit", "range", "default"), rows)
     keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in law.sources)
-    yield f"In Python: {{py:obj}}`stickslip.{law.__name__}`. Sources: {{cite}}`{keys}`."
+    yield f"Composition: `{law.composition}`. In Python: {{py:obj}}`stickslip.{law.__name__}`."
+    yield f"Sources: {{cite}}`{keys}`."
     yield ""
 
 

@@ -17,7 +17,7 @@ from abc import ABCMeta
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from typing_extensions import override
+from typing_extensions import Doc, override
 
 __all__ = ["Described", "alternatives", "texts_below"]
 
@@ -36,7 +36,7 @@ class Described(ABCMeta):
     <Signature (*, viscous_coefficient: float) -> None>
     >>> print(*inspect.getdoc(Viscous).splitlines()[3:6], sep="\n")
     viscous_coefficient : float
-        Friction force over slip speed.
+        Growth of the friction force with the slip speed.
         sigma_2: at least 0 N s/m.
     """
 
@@ -90,9 +90,9 @@ def texts_below(kind: type) -> Mapping[str, str]:
 
     Examples
     --------
-    >>> from stickslip import Viscous
-    >>> texts_below(Viscous)["viscous_coefficient"]
-    'Friction force over slip speed.'
+    >>> from stickslip import Axis
+    >>> texts_below(Axis)["inertia"]
+    'Mass of an axis, or moment of inertia of a joint.'
     """
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
@@ -125,9 +125,11 @@ def _entries(kind: type) -> Iterator[str]:
         if field.name.startswith("_") or not field.init:
             continue
         hint = hints.get(field.name, field.type)
-        marks = [str(m) for one in alternatives(hint) for m in getattr(one, "__metadata__", ())]
+        marks = [m for one in alternatives(hint) for m in getattr(one, "__metadata__", ())]
+        meanings = [mark.documentation for mark in marks if isinstance(mark, Doc)]
+        meanings += [f"{mark}." for mark in marks if not isinstance(mark, Doc)]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
-        lines = [*texts.get(field.name, "").splitlines(), *(f"{mark}." for mark in marks)]
+        lines = [*texts.get(field.name, "").splitlines(), *meanings]
         yield from (f"    {line}" for line in lines)
 
 

@@ -13,9 +13,6 @@ ROOT = Path(stickslip.__file__).parent
 LEAST = 24
 """Characters of a sentence at least, and three blanks; shorter strings are keys, units or names."""
 AGREE = {
-    r"F = \mu_k N \operatorname{sgn} v + \sigma_2 v, \quad |F| \le \mu_s N \text{ at rest}": (
-        "the file of a law holds its own equation, and two laws have the same forces"
-    ),
     "drift of the viscous part": (
         "the name of an effect is the key of its sentences, as those of the other effects are"
     ),

@@ -279,7 +279,9 @@ def example_of(value: object) -> str:
         for example in doctest.DocTestParser().get_examples(inspect.getdoc(value) or "")
         for line in example.source.splitlines()
     ]
-    head = [*imports, f"from {module.__name__} import *", "def example() -> None:"]
+    # fields of composed laws stand in the stub of the package alone
+    home = "stickslip.friction" if getattr(value, "made_of", None) else module.__name__
+    head = [*imports, f"from {home} import *", "def example() -> None:"]
     return "\n".join([*head, *lines, ""])
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import Axis, CoulombViscous, EventDriven, PowerViscous, QuadraticDrag, simulate
 from stickslip.drives import PiecewiseLinear, Ramp
-from stickslip.friction.power_viscous import PLATEAU
+from stickslip.friction.parts.flows import PLATEAU
 
 M, SIGMA, V0 = 1.5, 0.8, 0.6
 SMOOTH = 1e-11

@@ -9,7 +9,7 @@ from stickslip import Axis, Dahl, LuGre, simulate
 from stickslip.drives import PiecewiseLinear, Sine
 from stickslip.errors import ParameterError
 from stickslip.formulation import formulate
-from stickslip.friction.power_viscous import PLATEAU
+from stickslip.friction.parts.flows import PLATEAU
 from stickslip.quantities import parameters, structure
 from stickslip.testing import check_friction
 

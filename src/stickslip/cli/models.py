@@ -19,6 +19,7 @@ from stickslip.friction import (
     FrictionLaw,
     PrintedForm,
     RightEquation,
+    is_composition,
     law_type,
     laws,
 )
@@ -116,10 +117,10 @@ def _one(name: str, *, as_json: bool) -> None:
     if name in mechanisms():
         _mechanism(mechanisms()[name], as_json=as_json)
         return
-    if name not in laws():
+    if name not in laws() and not is_composition(name):
         known = [*laws(), *PRINTED_FORMS, *mechanisms()]
         raise UnknownNameError("friction law or mechanism", name, known)
-    law = laws()[name]
+    law = law_type(name)
     if as_json:
         print_json(document("models", _law(law)))
         return

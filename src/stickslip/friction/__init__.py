@@ -1,18 +1,18 @@
-"""Friction laws: each one a file, each with its source."""
+"""Friction laws: compositions of parts, each with its source."""
 
 from stickslip.lazy import attach
 
 LAW_MODULES = {
-    "Coulomb": "coulomb",
-    "Viscous": "viscous",
-    "CoulombViscous": "coulomb_viscous",
-    "CoulombViscousStatic": "coulomb_viscous_static",
-    "DirectionDependent": "direction_dependent",
-    "PowerViscous": "power_viscous",
-    "QuadraticDrag": "quadratic_drag",
-    "Stribeck": "stribeck",
-    "Dahl": "dahl",
-    "LuGre": "lugre",
+    "Coulomb": "named",
+    "Viscous": "named",
+    "CoulombViscous": "named",
+    "CoulombViscousStatic": "named",
+    "DirectionDependent": "named",
+    "PowerViscous": "named",
+    "QuadraticDrag": "named",
+    "Stribeck": "named",
+    "Dahl": "named",
+    "LuGre": "named",
 }
 """The laws of the package in the order of listings, with their modules: all that registers one."""
 
@@ -39,6 +39,7 @@ HOMES = {
     "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",
+    "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
@@ -52,7 +53,9 @@ INSIDE = {
     "PrintedStribeck": "published",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
+    "force_parameters": "base",
     "given_to": "by_contact",
+    "is_composition": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -3,25 +3,22 @@ from dataclasses import dataclass
 from typing import final
 
 from stickslip.friction.base import BristleLaw as BristleLaw
+from stickslip.friction.base import BristleLaw as _BristleLaw
 from stickslip.friction.base import Containment as Containment
 from stickslip.friction.base import DirectionalLaw as DirectionalLaw
+from stickslip.friction.base import DirectionalLaw as _DirectionalLaw
 from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
+from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
 from stickslip.friction.base import bristles_of as bristles_of
 from stickslip.friction.base import containment_of as containment_of
+from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import towards as towards
 from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
-from stickslip.friction.coulomb import Coulomb as _Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous as _CoulombViscous
-from stickslip.friction.coulomb_viscous_static import CoulombViscousStatic as _CoulombViscousStatic
-from stickslip.friction.dahl import Dahl as _Dahl
-from stickslip.friction.direction_dependent import DirectionDependent as _DirectionDependent
-from stickslip.friction.lugre import LuGre as _LuGre
-from stickslip.friction.power_viscous import PowerViscous as _PowerViscous
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -29,7 +26,6 @@ from stickslip.friction.published import PrintedCoulomb as _PrintedCoulomb
 from stickslip.friction.published import PrintedForm as PrintedForm
 from stickslip.friction.published import PrintedStribeck as _PrintedStribeck
 from stickslip.friction.published import RightEquation as RightEquation
-from stickslip.friction.quadratic_drag import QuadraticDrag as _QuadraticDrag
 from stickslip.friction.rate_state import Evolution as Evolution
 from stickslip.friction.rate_state import Evolution as _Evolution
 from stickslip.friction.rate_state import RATE_STATE_FORMS as RATE_STATE_FORMS
@@ -38,13 +34,14 @@ from stickslip.friction.rate_state import RateStateForm as RateStateForm
 from stickslip.friction.registry import CandidateSpec as CandidateSpec
 from stickslip.friction.registry import LAWS as LAWS
 from stickslip.friction.registry import contained_laws as contained_laws
+from stickslip.friction.registry import is_composition as is_composition
+from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
-from stickslip.friction.stribeck import Stribeck as _Stribeck
-from stickslip.friction.viscous import Viscous as _Viscous
+from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
 from typing_extensions import override as _override
 
@@ -52,17 +49,26 @@ LAW_MODULES: dict[str, str]
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Coulomb(_Coulomb):  # type: ignore[misc]  # final but for this
+class Coulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float | None = ...
     def __init__(
         self,
         *,
         kinetic_coefficient: _Given,
         static_coefficient: _Given | None = ...,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class CoulombViscous(_CoulombViscous):  # type: ignore[misc]  # final but for this
+class CoulombViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    static_coefficient: float | None = ...
     def __init__(
         self,
         *,
@@ -70,10 +76,17 @@ class CoulombViscous(_CoulombViscous):  # type: ignore[misc]  # final but for th
         viscous_coefficient: _Given,
         static_coefficient: _Given | None = ...,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class CoulombViscousStatic(_CoulombViscousStatic):  # type: ignore[misc]  # final but for this
+class CoulombViscousStatic(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    viscous_coefficient: float
     def __init__(
         self,
         *,
@@ -81,37 +94,45 @@ class CoulombViscousStatic(_CoulombViscousStatic):  # type: ignore[misc]  # fina
         static_coefficient: _Given,
         viscous_coefficient: _Given,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Dahl(_Dahl):  # type: ignore[misc]  # final but for this
+class Dahl(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    exponent: float = ...
+    viscous_coefficient: float = ...
+    viscous_exponent: float = ...
     def __init__(
         self,
         *,
         static_switch: bool = ...,
         kinetic_coefficient: _Given,
         bristle_stiffness: _Given,
-        exponent: _Given = ...,
         viscous_coefficient: _Given = ...,
+        exponent: _Given = ...,
         viscous_exponent: _Given = ...,
     ) -> None: ...
-    @classmethod
     @_override
-    def from_forces(
-        cls,
-        *,
-        load: float,
-        kinetic_force: float,
-        bristle_stiffness: float,
-        exponent: float = ...,
-        viscous_coefficient: float = ...,
-        viscous_exponent: float = ...,
-        static_switch: bool = ...,
-    ) -> Dahl: ...
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def bristle_rates(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> tuple[_Scalar, ...]: ...
+    @_override
+    def force(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> _Scalar: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class DirectionDependent(_DirectionDependent):  # type: ignore[misc]  # final but for this
+class DirectionDependent(_DirectionalLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_viscous_coefficient: float = ...
+    backward_viscous_coefficient: float = ...
     def __init__(
         self,
         *,
@@ -120,10 +141,20 @@ class DirectionDependent(_DirectionDependent):  # type: ignore[misc]  # final bu
         forward_viscous_coefficient: _Given = ...,
         backward_viscous_coefficient: _Given = ...,
     ) -> None: ...
+    @_override
+    def towards(self, direction: int) -> _SetValuedLaw: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class LuGre(_LuGre):  # type: ignore[misc]  # final but for this
+class LuGre(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    viscous_coefficient: float = ...
+    viscous_exponent: float = ...
     def __init__(
         self,
         *,
@@ -137,26 +168,21 @@ class LuGre(_LuGre):  # type: ignore[misc]  # final but for this
         exponent: _Given = ...,
         viscous_exponent: _Given = ...,
     ) -> None: ...
-    @classmethod
     @_override
-    def from_forces(
-        cls,
-        *,
-        load: float,
-        kinetic_force: float,
-        static_force: float,
-        stribeck_velocity: float,
-        bristle_stiffness: float,
-        bristle_damping: float,
-        viscous_coefficient: float = ...,
-        exponent: float = ...,
-        viscous_exponent: float = ...,
-        static_switch: bool = ...,
-    ) -> LuGre: ...
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def bristle_rates(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> tuple[_Scalar, ...]: ...
+    @_override
+    def force(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> _Scalar: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class PowerViscous(_PowerViscous):  # type: ignore[misc]  # final but for this
+class PowerViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    exponent: float = ...
     def __init__(
         self,
         *,
@@ -164,6 +190,10 @@ class PowerViscous(_PowerViscous):  # type: ignore[misc]  # final but for this
         viscous_coefficient: _Given,
         exponent: _Given = ...,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -200,7 +230,10 @@ class PrintedStribeck(_PrintedStribeck):  # type: ignore[misc]  # final but for 
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class QuadraticDrag(_QuadraticDrag):  # type: ignore[misc]  # final but for this
+class QuadraticDrag(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float = ...
+    quadratic_coefficient: float = ...
     def __init__(
         self,
         *,
@@ -208,6 +241,10 @@ class QuadraticDrag(_QuadraticDrag):  # type: ignore[misc]  # final but for this
         viscous_coefficient: _Given = ...,
         quadratic_coefficient: _Given = ...,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -225,7 +262,13 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Stribeck(_Stribeck):  # type: ignore[misc]  # final but for this
+class Stribeck(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    exponent: float = ...
+    viscous_coefficient: float = ...
+    break_away_coefficient: float | None = ...
     def __init__(
         self,
         *,
@@ -233,18 +276,27 @@ class Stribeck(_Stribeck):  # type: ignore[misc]  # final but for this
         static_coefficient: _Given,
         stribeck_velocity: _Given,
         viscous_coefficient: _Given = ...,
-        exponent: _Given = ...,
         break_away_coefficient: _Given | None = ...,
+        exponent: _Given = ...,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class Viscous(_Viscous):  # type: ignore[misc]  # final but for this
+class Viscous(_SetValuedLaw):
+    viscous_coefficient: float
     def __init__(
         self,
         *,
         viscous_coefficient: _Given,
     ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 __all__ = [
     "BristleLaw",
@@ -278,6 +330,7 @@ __all__ = [
     "bristles_of",
     "contained_laws",
     "containment_of",
+    "law",
     "law_type",
     "laws",
     "specification",

@@ -1,15 +1,18 @@
 """What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
 
+import dataclasses
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, final
+from types import MappingProxyType
+from typing import Any, ClassVar, Self, final
 
 from typing_extensions import override
 
 from stickslip.errors import UndeclaredError
 from stickslip.maths import Scalar, sign, where
-from stickslip.quantities import Parametrised, fields_of
+from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = [
     "BristleLaw",
@@ -19,6 +22,7 @@ __all__ = [
     "SetValuedLaw",
     "bristles_of",
     "containment_of",
+    "force_parameters",
     "towards",
 ]
 
@@ -67,10 +71,11 @@ class Containment:
         """
         if any(getattr(simpler, name) != value for name, value in self.where.items()):
             return None
-        return {
-            name: float(getattr(simpler, source)) if isinstance(source, str) else source
+        values = {
+            name: getattr(simpler, source) if isinstance(source, str) else source
             for name, source in self.values.items()
         }
+        return {name: float(value) for name, value in values.items() if value is not None}
 
 
 @final
@@ -128,10 +133,53 @@ class FrictionLaw(Parametrised, ABC):
     If a class gives none, these are its parameters with a range, in the order of the fields,
     without those that shape the equations (exponents).
     """
+    composition: ClassVar[Any] = None
+    """The parts that it is composed of, whose text `law` reads; None of a law in equations."""
+    made_of: ClassVar[Any] = None
+    """The composition made ready, with its fields and their meanings."""
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()
     """Simpler laws that it is for some values of its parameters, the nearest first."""
+
+    @classmethod
+    def from_forces(cls, *, load: float, **parameters: Any) -> Self:
+        """Make a law of forces [N], stiffness [N/m] and damping [N s/m] measured at a load.
+
+        Parameters
+        ----------
+        load : float
+            Normal force at which the others were measured, above 0 [N].
+        **parameters : float
+            Parameters of the law: levels as ``kinetic_force`` and its like [N], bristle stiffness
+            [N/m] and damping [N s/m]; others as in the law.
+
+        Returns
+        -------
+        type of the law
+            The law with levels, stiffness and damping over the load.
+
+        Raises
+        ------
+        ParameterError
+            If a number is out of its range.
+
+        Examples
+        --------
+        >>> from stickslip import Dahl
+        >>> law = Dahl.from_forces(load=9.81, kinetic_force=2.4525, bristle_stiffness=1e5)
+        >>> round(law.kinetic_coefficient, 9), round(law.bristle_stiffness, 3)
+        (0.25, 10193.68)
+        """
+        load = Quantity("N", "N", above=0).check(cls.__name__, "load", load)
+        values = {}
+        for key, value in parameters.items():
+            name, quantity = force_parameters(cls).get(key, (key, None))
+            if quantity is None or quantity.unit == fields_of(cls)[name].unit:
+                values[name] = value
+            else:
+                values[name] = quantity.check(cls.__name__, key, value) / load
+        return cls(**values)
 
     @abstractmethod
     def break_away(self, load: Scalar) -> Scalar:
@@ -147,6 +195,34 @@ class FrictionLaw(Parametrised, ABC):
         float or array
             Break-away level [N].
         """
+
+
+IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
+"""Units of parameters, and of the same measured at a load."""
+
+
+@functools.cache
+def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity]]:
+    """Return what a law takes in forces: key -> the field it becomes, its quantity.
+
+    What the field has in another unit is divided by the load.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> force_parameters(Dahl)["bristle_stiffness"][1].unit
+    'N/m'
+    """
+    found = {}
+    for name, quantity in fields_of(law).items():
+        is_level = quantity.scale.rstrip("+-") == "level"
+        unit = "N" if is_level else IN_FORCES.get(quantity.unit)
+        if unit is not None:
+            key = name.replace("_coefficient", "_force") if is_level else name
+            symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
+            own = dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)
+            found[key] = name, own
+    return MappingProxyType(found)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,13 +16,8 @@ from typing import Annotated, ClassVar, final
 
 from typing_extensions import override
 
+from stickslip.friction import Coulomb, CoulombViscous, Dahl, LuGre, Stribeck, Viscous
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.coulomb import Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.dahl import Dahl
-from stickslip.friction.lugre import LuGre
-from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.viscous import Viscous
 from stickslip.maths import sign
 from stickslip.quantities import Parametrised, Quantity
 

@@ -1,30 +1,37 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
 import functools
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, final
 
 from stickslip.errors import InputError
-from stickslip.friction import LAW_MODULES
+from stickslip.friction import (
+    LAW_MODULES,
+    Coulomb,
+    CoulombViscous,
+    Dahl,
+    DirectionDependent,
+    LuGre,
+    PowerViscous,
+    QuadraticDrag,
+    Stribeck,
+    Viscous,
+)
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.coulomb import Coulomb
-from stickslip.friction.coulomb_viscous import CoulombViscous
-from stickslip.friction.dahl import Dahl
-from stickslip.friction.direction_dependent import DirectionDependent
-from stickslip.friction.lugre import LuGre
-from stickslip.friction.power_viscous import PowerViscous
-from stickslip.friction.quadratic_drag import QuadraticDrag
+from stickslip.friction.classes import class_of
+from stickslip.friction.notation import Term, read
 from stickslip.friction.rate_state import RATE_STATE_FORMS
-from stickslip.friction.stribeck import Stribeck
-from stickslip.friction.viscous import Viscous
 from stickslip.quantities import gathered, named, own_classes
 
 __all__ = [
     "LAWS",
     "CandidateSpec",
     "contained_laws",
+    "is_composition",
+    "law",
     "law_type",
     "laws",
     "specification",
@@ -33,8 +40,8 @@ __all__ = [
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
     {
-        law.name: law
-        for law in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
+        one.name: one
+        for one in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
     }
 )
 """The laws that come with the package, by kebab-case name."""
@@ -101,8 +108,8 @@ def law_type(name: str) -> type[FrictionLaw]:
                 f"{name} is available only for fits to records: {one.law.name} with its exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
-    law: type[FrictionLaw] = _law_named(laws(), name)
-    return law
+    kind: type[FrictionLaw] = law(name) if is_composition(name) else _law_named(laws(), name)
+    return kind
 
 
 def usual_specifications() -> tuple[CandidateSpec, ...]:
@@ -124,7 +131,7 @@ def usual_specifications() -> tuple[CandidateSpec, ...]:
         LuGre,
     )
     return (
-        *(CandidateSpec.of(law.name, law) for law in usual),
+        *(CandidateSpec.of(one.name, one) for one in usual),
         CandidateSpec(
             name="stribeck-exponent",
             title="Stribeck with exponent",
@@ -151,10 +158,67 @@ def specification(name: str) -> CandidateSpec:
     >>> specification("dahl-exponent").title
     'Dahl with exponent'
     """
-    known = {law: CandidateSpec.of(law, kind) for law, kind in laws().items()}
+    if is_composition(name):
+        return CandidateSpec.of(name, law(name))
+    known = {one: CandidateSpec.of(one, kind) for one, kind in laws().items()}
     known |= {one.name: one for one in usual_specifications()}
     found: CandidateSpec = _law_named(known, name)
     return found
+
+
+def law(composition: str | Term) -> type[FrictionLaw]:
+    """Return the class of laws that a composition stands for; the same one each time.
+
+    Parameters
+    ----------
+    composition : str or term
+        Parts, such as ``"lugre(level + stribeck) + power"``: ``+`` puts parts beside each other,
+        brackets stand around what a memory, a smooth sign or ``both_ways`` is applied to.
+
+    Returns
+    -------
+    type
+        Subclass of `FrictionLaw`; that of the package where the composition has a name.
+
+    Raises
+    ------
+    InputError
+        If the text cannot be read, or its parts cannot stand together.
+    UnknownNameError
+        If it names an unknown part.
+
+    Examples
+    --------
+    >>> law("viscous + level").__name__
+    'CoulombViscous'
+    >>> Thinning = law("dahl(level + stribeck) + power")
+    >>> Thinning.composition
+    dahl(level + stribeck) + power
+    >>> Thinning.title, Thinning.contained[0].law
+    ('dahl(level + stribeck) + power', 'dahl')
+    """
+    term = read(composition) if isinstance(composition, str) else composition
+    if not isinstance(term, Term):
+        raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
+    return class_of(term)
+
+
+def __getattr__(name: str) -> type[FrictionLaw]:
+    try:
+        return law(name)
+    except InputError:
+        raise AttributeError(name) from None
+
+
+def is_composition(name: str) -> bool:
+    """Whether the name of a law is a composition of several parts.
+
+    Examples
+    --------
+    >>> is_composition("level + viscous"), is_composition("coulomb-viscous")
+    (True, False)
+    """
+    return bool(re.search(r"[+*(\[]", name))
 
 
 def _law_named(known: Mapping[str, Any], name: str) -> Any:
@@ -174,7 +238,7 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     --------
     >>> from stickslip import LuGre
     >>> contained_laws(LuGre)
-    ('dahl', 'stribeck', 'coulomb-viscous', 'coulomb', 'viscous')
+    ('dahl', 'stribeck', 'power-viscous', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
 

@@ -18,8 +18,8 @@ from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, Laws, towards
-from stickslip.friction.power_viscous import PLATEAU, PowerViscous
+from stickslip.friction import LAWS, BristleLaw, FrictionLaw, Laws, PowerViscous, towards
+from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
 from stickslip.results import Trajectory

@@ -2,10 +2,8 @@
 
 import dataclasses
 import functools
-import inspect
 import typing
 from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field, create_model
@@ -13,13 +11,10 @@ from pydantic import BeforeValidator, Field, create_model
 from stickslip.errors import InputError
 from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.rigs.rig_models import Number, Table
-from stickslip.friction import LAWS, FrictionLaw, laws
+from stickslip.friction import LAWS, FrictionLaw, force_parameters, laws
 from stickslip.quantities import Quantity, fields_of, turned
 
-__all__ = ["FrictionTable", "force_parameters", "friction_table", "python_name"]
-
-_PER_LOAD = {"1/m": "N/m", "s/m": "N s/m"}
-
+__all__ = ["FrictionTable", "friction_table", "python_name"]
 
 NONE = "none"
 """What stands in place of a contact's table where nothing rubs."""
@@ -48,37 +43,6 @@ def python_name(name: str, kind: str = "law") -> str:
         A name that Python allows.
     """
     return f"{kind}_{name.replace('-', '_')}"
-
-
-@functools.cache
-def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity]]:
-    """Return what a law takes in forces: key -> the field it becomes, its quantity.
-
-    What the field has in another unit is divided by the load.
-
-    Examples
-    --------
-    >>> from stickslip import Dahl
-    >>> force_parameters(Dahl)["bristle_stiffness"][1].unit
-    'N/m'
-    """
-    maker = getattr(law, "from_forces", None)
-    found = {}
-    for key in inspect.signature(maker).parameters if maker else ():
-        field = key.replace("_force", "_coefficient")
-        quantity = fields_of(law).get(field)
-        if quantity is None:
-            continue
-        if key != field:
-            symbol, unit = quantity.symbol.replace("mu_", "F_"), "N"
-        elif quantity.unit in _PER_LOAD:
-            symbol, unit = quantity.symbol, _PER_LOAD[quantity.unit]
-        elif quantity.unit == "N s/m":  # a viscous part does not depend on the load
-            symbol, unit = quantity.symbol, quantity.unit
-        else:
-            continue
-        found[key] = field, dataclasses.replace(quantity, symbol=symbol, unit=unit, at_least=None)
-    return MappingProxyType(found)
 
 
 def _number(quantities: Sequence[Quantity], turning: bool) -> Any:

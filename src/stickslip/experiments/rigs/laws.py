@@ -6,11 +6,11 @@ from typing import Any
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.rig import KnownLaws
-from stickslip.experiments.rigs.law_tables import FrictionTable, force_parameters, python_name
+from stickslip.experiments.rigs.law_tables import FrictionTable, python_name
 from stickslip.experiments.rigs.rig_models import Given, Table
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, force_parameters
 from stickslip.quantities import fields_of
 
 __all__ = ["by_contact", "known_laws", "overridden_fields"]

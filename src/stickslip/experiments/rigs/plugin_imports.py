@@ -11,7 +11,15 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.experiments.rigs.validation_errors import place
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, laws
+from stickslip.friction import (
+    BristleLaw,
+    DirectionalLaw,
+    FrictionLaw,
+    SetValuedLaw,
+    is_composition,
+    law_type,
+    laws,
+)
 from stickslip.mechanisms import Mechanism
 
 __all__ = ["Imported", "imported"]
@@ -81,7 +89,7 @@ def imported(
         for key, path in wanted.items()
     }
     mechanism = found.pop("mechanism.type", None)
-    own = {}
+    own = dict(_composed(raw, file))
     for key, kind in found.items():
         *above, table, _ = key.split(".")
         _check_name(kind, table, f"{place(key, file, overridden)}: {key}")
@@ -91,6 +99,37 @@ def imported(
         del holder[table]["type"]
         own[table] = kind
     return Imported(None if mechanism is None else (wanted["mechanism.type"], mechanism), own)
+
+
+def _composed(raw: dict[str, Any], file: str) -> Iterator[tuple[str, type[FrictionLaw]]]:
+    """Put tables of composed laws under the names of these, and yield those without one."""
+    friction = raw.get("friction")
+    if not isinstance(friction, dict):
+        return
+    inner = [one for one in friction.values() if isinstance(one, dict)]
+    for tables in (friction, *inner):  # one contact, or several with tables of their own
+        for name, table in list(tables.items()):
+            if not isinstance(table, dict):
+                continue
+            text = table.pop("law", name if is_composition(name) else None)
+            if text is None:
+                continue
+            where = f"{file}: friction.{name}"
+            if not isinstance(text, str):
+                raise InputError(
+                    f"{where}.law must be a text such as 'level + viscous', got {text!r}."
+                )
+            try:
+                kind = law_type(text)
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from None
+            if kind.name != name and kind.name in tables:
+                raise InputError(
+                    f"{where} is the law {kind.name}, which has a table already: leave one out."
+                )
+            tables[kind.name] = tables.pop(name)
+            if kind.name not in laws():
+                yield kind.name, kind
 
 
 def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

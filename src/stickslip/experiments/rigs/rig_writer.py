@@ -80,8 +80,12 @@ def rig_toml(
 
 
 def _law(law: FrictionLaw) -> dict[str, object]:
-    """Return the table of a law under its name."""
-    return {law.name: _table(law, "" if law.name in laws() else _type(law, laws()))}
+    """Return the table of a law under its name; of one without a name, with its composition."""
+    if law.name in laws():
+        return {law.name: _table(law, "")}
+    if law.composition is not None:
+        return {"composed": {"law": str(law.composition), **_table(law, "")}}
+    return {law.name: _table(law, _type(law, laws()))}
 
 
 def _by_contact(mechanism: Mechanism, found: Laws) -> dict[str, object]:

@@ -251,11 +251,7 @@ def _made(
     """Return a law with start values; exponents stand in its equations, whole or not."""
     if not isinstance(law, type):
         return law
-    defaults = {
-        name: field.default
-        for name, field in kind.__dataclass_fields__.items()
-        if name not in values
-    }
+    defaults = {one.name: one.default for one in dataclasses.fields(kind) if one.name not in values}
     for name, default in defaults.items():
         if default is dataclasses.MISSING:
             symbol = fields_of(kind)[name].symbol

@@ -1,0 +1,165 @@
+"""The equations of a composition: sums over its parts, for numbers and symbols alike."""
+
+import functools
+from collections.abc import Sequence
+from typing import Any, cast
+
+from stickslip.friction.composition import SIDES, Choose, Composition, Leaf
+from stickslip.friction.notation import Around, Name, Sum, Term, summed, terms_of
+from stickslip.friction.parts.base import Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
+from stickslip.maths import Scalar, sign, where
+from stickslip.quantities import unchecked
+
+__all__ = ["equations_of", "one_way"]
+
+
+def equations_of(c: Composition, one_way: type[Any] | None) -> dict[str, Any]:
+    """Return the methods of the class of a composition, by name.
+
+    Parameters
+    ----------
+    c : Composition
+        The composition.
+    one_way : type or None
+        Class of its law in one direction, where that differs between the directions and has no
+        memory.
+
+    Returns
+    -------
+    dict of str to callable
+        Methods; of laws with memory the names of the states as well.
+    """
+    if c.memory is not None:
+        return _with_memory(c, c.memory)
+    return _set_valued(c) if one_way is None else _directional(c, one_way)
+
+
+def one_way(term: Term) -> Term:
+    """Return the term of one direction."""
+    match term:
+        case Around(head=Name(name="both_ways"), inner=inner):
+            return inner
+        case Sum(items=items):
+            return summed(tuple(one for item in items for one in terms_of(one_way(item))))
+        case Around(head=head, inner=inner):
+            return Around(head, one_way(inner))
+        case _:
+            return term
+
+
+def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the level of sliding, over the load; None where no part has one."""
+    found = []
+    for leaf in leaves:
+        if isinstance(leaf.part, (Level, SmoothLevel)):
+            value = leaf.part.sliding(leaf.values(law, choose), slip)
+            if leaf.sign is not None and value is not None:
+                smooth = cast(SmoothSign, leaf.sign.part)
+                value = value * smooth.shape(leaf.sign.values(law, choose), slip)
+            found.append(value)
+    return _total(found)
+
+
+def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Scalar:
+    """Return the level at rest, over the load: the last whole level that is given."""
+    found = 0.0
+    ranks = ("kinetic_coefficient", "static_coefficient", "break_away_coefficient")
+    held = {
+        leaf.part.rest: leaf for leaf in leaves if isinstance(leaf.part, Level) and not leaf.sign
+    }
+    for rest in ranks:
+        given = getattr(held[rest].values(law, choose), rest) if rest in held else None
+        found = found if given is None else given
+    return found
+
+
+def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
+    """Return the force of the parts without levels; None where there are none."""
+    flows = [leaf for leaf in leaves if isinstance(leaf.part, Flow)]
+    return _total([cast(Flow, leaf.part).flow(leaf.values(law, choose), slip) for leaf in flows])
+
+
+def _total(values: Sequence[Scalar]) -> Scalar | None:
+    """Return the sum; None where nothing is summed."""
+    there = [one for one in values if one is not None]
+    return functools.reduce(lambda one, other: one + other, there) if there else None
+
+
+def _by_velocity(velocity: Scalar) -> Choose:
+    return lambda forward, backward: where(velocity < 0.0, backward, forward)
+
+
+def _least(forward: Scalar, backward: Scalar) -> Scalar:
+    return where(forward < backward, forward, backward)
+
+
+def _set_valued(c: Composition) -> dict[str, Any]:
+    """Return the equations of a law without memory."""
+
+    def sliding(self: Any, speed: Scalar, load: Scalar) -> Scalar:
+        slip = Slip(speed=speed, along=speed)
+        level = _level(c.outside, self, slip)
+        return _total([None if level is None else level * load, _flow(c.outside, self, slip)])
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return _rest(c.outside, self) * load
+
+    return {"sliding": sliding, "break_away": break_away}
+
+
+def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
+    """Return the equations of a law with a memory."""
+    memory = cast(Memory, leaf.part)
+
+    def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
+        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        return slip, choose, _level(c.inside, self, slip, choose)
+
+    def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
+        level = _level(c.outside, self, slip, choose)
+        scaled = None if level is None else sign(slip.along) * level * load
+        return _total([scaled, _flow(c.outside, self, slip, choose)])
+
+    def force(self: Any, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
+        slip, choose, g = at(self, velocity)
+        held = memory.force(leaf.values(self, choose), slip, bristles, g)
+        return _total([held * load, beside(self, slip, choose, load)])
+
+    def bristle_rates(
+        self: Any,
+        velocity: Scalar,
+        bristles: tuple[Scalar, ...],
+        load: Scalar,  # noqa: ARG001
+    ) -> tuple[Scalar, ...]:
+        slip, choose, g = at(self, velocity)
+        return memory.rates(leaf.values(self, choose), slip, bristles, g)
+
+    def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
+        slip, choose, g = at(self, velocity)
+        return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return _rest(c.inside, self, _least) * load
+
+    return {
+        "bristles": memory.states(c.argument),
+        "force": force,
+        "bristle_rates": bristle_rates,
+        "steady": steady,
+        "break_away": break_away,
+    }
+
+
+def _directional(c: Composition, kind: type[Any]) -> dict[str, Any]:
+    """Return the equations of a law without memory that is of another type in one direction."""
+
+    def towards(self: Any, direction: int) -> Any:
+        prefix = SIDES[1 if direction > 0 else -1][0]
+        mine = {meaning: field for field, meaning in c.meanings.items()}
+        values: dict[str, Any] = {}
+        for name, meaning in kind.made_of.meanings.items():
+            own = mine.get(prefix + meaning, mine.get(meaning))
+            values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
+        return unchecked(kind, **values)
+
+    return {"towards": towards}

@@ -1,0 +1,170 @@
+"""What a part of a friction law is: a few parameters, one equation, one fragment of LaTeX."""
+
+import functools
+import typing
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass
+from typing import Any, ClassVar, TypeAlias, final
+
+from stickslip.described import alternatives
+from stickslip.maths import Scalar
+from stickslip.quantities import Quantity
+
+__all__ = [
+    "Becomes",
+    "Flow",
+    "Level",
+    "Memory",
+    "Parameter",
+    "Part",
+    "Slip",
+    "SmoothLevel",
+    "SmoothSign",
+    "marks",
+]
+
+Values: TypeAlias = Any
+"""The parameters of a law as one of its parts names them, read as attributes."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Slip:
+    """What a part is told of the contact."""
+
+    speed: Scalar
+    """Slip speed [m/s], not negative."""
+    along: Scalar
+    """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Becomes:
+    """A simpler part that a part is for some values of its parameters."""
+
+    name: str
+    """Name of the simpler part; empty where what stands in its brackets is left."""
+    values: Mapping[str, float]
+    """Values of parameters for which it is that part."""
+    limits: tuple[str, ...] = ()
+    """Parameters that go to infinity for it."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A parameter as its part declares it."""
+
+    name: str
+    hint: Any
+    """Its annotation."""
+    default: Any
+    """`dataclasses.MISSING` if it has none."""
+
+    @property
+    def quantity(self) -> Quantity:
+        """Its symbol, unit and range."""
+        return next(one for one in marks(self.hint) if isinstance(one, Quantity))
+
+
+def marks(hint: Any) -> Iterator[Any]:
+    """Yield what a hint, or an alternative of it, is annotated with."""
+    for one in alternatives(hint):
+        yield from getattr(one, "__metadata__", ())
+
+
+class Part(ABC):
+    """A part of friction laws.
+
+    Parameters are annotated class attributes, as in a dataclass; a value is their default. In its
+    LaTeX, ``{0}`` is the argument.
+    """
+
+    name: ClassVar[str]
+    """What the notation calls it."""
+    tex: ClassVar[str]
+    """Its term of the formula."""
+    tex_where: ClassVar[str] = ""
+    """Equations of what stands in it: states, abbreviations."""
+    role: ClassVar[str]
+    """Where it may stand: level, flow, sign, memory or smooth level."""
+    argument: ClassVar[str] = ""
+    """What its brackets hold, a number of elements; empty if it has none."""
+    vanishes: ClassVar[Mapping[str, float | str] | None] = None
+    """Values of its parameters, or parameters that they equal, for which it is not there."""
+    below: ClassVar[tuple[str, ...]] = ()
+    """Parts that are not there without it, for values that these have where they are not."""
+    becomes: ClassVar[tuple[Becomes, ...]] = ()
+    """Simpler parts that it includes."""
+
+    @functools.cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What the class declares, in order."""
+        hints = typing.get_type_hints(type(self), include_extras=True)
+        return tuple(
+            Parameter(name=name, hint=hint, default=getattr(type(self), name, MISSING))
+            for name, hint in hints.items()
+            if any(isinstance(one, Quantity) for one in marks(hint))
+        )
+
+
+class Level(Part, ABC):
+    """A part of the level of friction, over the load."""
+
+    role: ClassVar[str] = "level"
+    rest: ClassVar[str]
+    """Parameter that is the whole level at rest; of several levels the last one."""
+
+    @abstractmethod
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        """Return its share of the level while sliding; None if it has none."""
+
+
+class Flow(Part, ABC):
+    """A force that is 0 at rest and does not depend on the load."""
+
+    role: ClassVar[str] = "flow"
+
+    @abstractmethod
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        """Return the force [N], with the sign of `s.along`."""
+
+
+class SmoothLevel(Part, ABC):
+    """A level that grows from 0 at rest by a formula of its own."""
+
+    role: ClassVar[str] = "smooth level"
+
+    @abstractmethod
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        """Return the level, over the load, at a speed."""
+
+
+class SmoothSign(Part, ABC):
+    """A function of the speed that grows from 0 to 1 and takes the place of the sign."""
+
+    role: ClassVar[str] = "sign"
+
+    @abstractmethod
+    def shape(self, p: Values, s: Slip) -> Scalar:
+        """Return the share of the level at a speed."""
+
+
+class Memory(Part, ABC):
+    """States of the contact around a level curve g."""
+
+    role: ClassVar[str] = "memory"
+
+    def states(self, argument: str) -> tuple[str, ...]:
+        """Return the names of its states."""
+        return ("z",)
+
+    @abstractmethod
+    def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        """Return the rates of the states."""
+
+    @abstractmethod
+    def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        """Return the force, over the load."""

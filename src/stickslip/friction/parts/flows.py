@@ -1,0 +1,91 @@
+"""Forces that vanish at rest and do not depend on the load."""
+
+from typing import Annotated, final
+
+from typing_extensions import Doc, override
+
+from stickslip.friction.coefficients import ViscousCoefficient, ViscousExponent
+from stickslip.friction.parts.base import Becomes, Flow, Slip, Values
+from stickslip.maths import Scalar, arctan, power, where
+from stickslip.quantities import Quantity
+
+PLATEAU = 1e-6
+"""Speed [m/s] below which a power of the speed gives way to the straight line that meets it there.
+
+The slope of a power below 1 has no bound towards v = 0: a body that creeps there would ask for ever
+shorter steps, and lubricants do not thin at such speeds either.
+"""
+
+
+@final
+class Viscous(Flow):
+    """In proportion to the speed."""
+
+    name = "viscous"
+    tex = r"\sigma_2 v"
+    vanishes = {"viscous_coefficient": 0.0}
+    viscous_coefficient: ViscousCoefficient
+
+    @override
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        return p.viscous_coefficient * s.along
+
+
+@final
+class Power(Flow):
+    """A power of the speed, as of lubricants that thin; linear below `PLATEAU`."""
+
+    name = "power"
+    tex = r"\sigma_2 |v|^p \operatorname{sgn} v"
+    vanishes = {"viscous_coefficient": 0.0}
+    becomes = (Becomes(name="viscous", values={"viscous_exponent": 1.0}),)
+    viscous_coefficient: ViscousCoefficient
+    viscous_exponent: ViscousExponent
+
+    @override
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        sigma_2, n = p.viscous_coefficient, p.viscous_exponent
+        if isinstance(n, (float, int)) and n == 1.0:
+            return sigma_2 * s.along
+        # named by its switch, the end of the plateau is stepped onto and not over
+        w = where(s.speed < PLATEAU, PLATEAU, s.speed)
+        return sigma_2 * power(w, n - 1.0) * s.along
+
+
+@final
+class Drag(Flow):
+    """In proportion to the square of the speed, as of motion through air or oil."""
+
+    name = "drag"
+    tex = r"c v |v|"
+    vanishes = {"quadratic_coefficient": 0.0}
+    quadratic_coefficient: Annotated[
+        float,
+        Quantity("c", "N s^2/m^2", low=0, scale="drag", bounds=(0.0, 100.0), start=0.1),
+        Doc("Growth of the friction force with the square of the slip speed."),
+    ]
+
+    @override
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        return p.quadratic_coefficient * s.speed * s.along
+
+
+@final
+class Saturating(Flow):
+    """The traction of a lubricant that saturates with the speed."""
+
+    name = "saturating"
+    tex = r"\sigma_2 v_m \arctan(v / v_m)"
+    vanishes = {"viscous_coefficient": 0.0}
+    becomes = (Becomes(name="viscous", values={}, limits=("saturation_velocity",)),)
+    viscous_coefficient: ViscousCoefficient
+    saturation_velocity: Annotated[
+        float,
+        Quantity("v_m", "m/s", above=0, scale="speed", bounds=(1e-2, 1e2), start=0.5),
+        Doc("Speed above which the force grows ever more slowly."),
+    ]
+
+    @override
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        v_m = p.saturation_velocity
+        return p.viscous_coefficient * v_m * arctan(s.along / v_m)

@@ -1,0 +1,196 @@
+"""Levels of friction over the load: what sliding needs at a speed, and what a contact holds."""
+
+import math
+from typing import Annotated, final
+
+from typing_extensions import Doc, override
+
+from stickslip.friction.coefficients import (
+    FadingExponent,
+    KineticCoefficient,
+    StaticCoefficient,
+    StribeckVelocity,
+)
+from stickslip.friction.parts.base import Level, Slip, SmoothLevel, Values
+from stickslip.maths import Scalar, exp, power, tanh, where
+from stickslip.quantities import Quantity
+
+AT_LARGEST = Doc("Speed at which friction is largest.")
+VANISHED = 36.0
+"""exp(-36) = 2.3e-16: beyond this the exponential is below the last digit of its factor."""
+
+
+def fade(speed: Scalar, stribeck_velocity: Scalar, exponent: Scalar) -> Scalar:
+    """Return exp(-(v/v_s)^n), and 0 where that is below rounding.
+
+    The layer in which it is not zero is often crossed in less than a millisecond. Naming its end
+    makes the solver step onto it and not over it.
+    """
+    layer = stribeck_velocity * power(VANISHED, 1.0 / exponent)
+    return where(speed < layer, exp(-power(speed / stribeck_velocity, exponent)), 0.0)
+
+
+@final
+class Kinetic(Level):
+    """One level, whatever the speed."""
+
+    name = "level"
+    tex = r"\mu_k"
+    rest = "kinetic_coefficient"
+    vanishes = {"kinetic_coefficient": 0.0}
+    below = ("step",)
+    kinetic_coefficient: KineticCoefficient
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        return p.kinetic_coefficient + 0.0 * s.speed  # an array of speeds gives an array
+
+
+class Surplus(Level):
+    """A static level above the kinetic one, of which less is left the faster the contact slides."""
+
+    rest = "static_coefficient"
+    vanishes = {"static_coefficient": "kinetic_coefficient"}
+    below = ("peak",)
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        return (p.static_coefficient - p.kinetic_coefficient) * self.left(p, s)
+
+    def left(self, p: Values, s: Slip) -> Scalar:
+        """Return the share of the surplus that is left at a speed."""
+        raise NotImplementedError
+
+
+@final
+class Step(Level):
+    """A static level that ends with rest."""
+
+    name = "step"
+    tex = ""
+    rest = "static_coefficient"
+    vanishes = {"static_coefficient": "kinetic_coefficient"}
+    static_coefficient: StaticCoefficient | None = None
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> None:
+        return None
+
+
+@final
+class Peak(Level):
+    """A break-away level above the one at which sliding begins."""
+
+    name = "peak"
+    tex = ""
+    rest = "break_away_coefficient"
+    vanishes = {"break_away_coefficient": "static_coefficient"}
+    break_away_coefficient: (
+        Annotated[
+            float,
+            Quantity(
+                "mu_b",
+                low=0,
+                at_least="static_coefficient",
+                scale="level",
+                bounds=(0.0, 10.0),
+                start=1.2,
+            ),
+            Doc("Largest friction force at rest, where that is above the one of vanishing speed."),
+        ]
+        | None
+    ) = None
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> None:
+        return None
+
+
+@final
+class Stribeck(Surplus):
+    """A static surplus that fades exponentially."""
+
+    name = "stribeck"
+    tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
+    static_coefficient: StaticCoefficient
+    stribeck_velocity: StribeckVelocity
+    fading_exponent: FadingExponent = 2.0
+
+    @override
+    def left(self, p: Values, s: Slip) -> Scalar:
+        return fade(s.speed, p.stribeck_velocity, p.fading_exponent)
+
+
+@final
+class Lorentz(Surplus):
+    """A static surplus that fades with the square of the speed."""
+
+    name = "lorentz"
+    tex = r"\frac{\mu_s - \mu_k}{1 + (v/v_s)^2}"
+    static_coefficient: StaticCoefficient
+    stribeck_velocity: StribeckVelocity
+
+    @override
+    def left(self, p: Values, s: Slip) -> Scalar:
+        u = s.speed / p.stribeck_velocity
+        return 1.0 / (1.0 + u * u)
+
+
+@final
+class Hyperbolic(Surplus):
+    """A static surplus that fades with the speed itself."""
+
+    name = "hyperbolic"
+    tex = r"\frac{\mu_s - \mu_k}{1 + |v|/v_s}"
+    static_coefficient: StaticCoefficient
+    stribeck_velocity: StribeckVelocity
+
+    @override
+    def left(self, p: Values, s: Slip) -> Scalar:
+        return 1.0 / (1.0 + s.speed / p.stribeck_velocity)
+
+
+@final
+class BrownMcPhee(SmoothLevel):
+    """One smooth curve through its largest value mu_s at the transition velocity."""
+
+    name = "brown_mcphee"
+    tex = r"\left[\mu_k \tanh 4u + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
+    tex_where = r"u = |v|/v_t"
+    kinetic_coefficient: KineticCoefficient
+    static_coefficient: StaticCoefficient
+    transition_velocity: Annotated[
+        float,
+        Quantity("v_t", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
+        AT_LARGEST,
+    ]
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        mu_k, mu_s = p.kinetic_coefficient, p.static_coefficient
+        u = s.speed / p.transition_velocity
+        d = 0.25 * u * u + 0.75
+        return mu_k * tanh(4.0 * u) + (mu_s - mu_k) * u / (d * d)
+
+
+@final
+class Simscape(SmoothLevel):
+    """The curve of the Translational Friction block: a bump on a hyperbolic tangent."""
+
+    name = "simscape"
+    tex = r"\left[\sqrt{2e} (\mu_s - \mu_k) u e^{-u^2} + \mu_k \tanh(10 |v|/v_b)\right]"
+    tex_where = r"u = |v|/(\sqrt 2 v_b)"
+    kinetic_coefficient: KineticCoefficient
+    static_coefficient: StaticCoefficient
+    breakaway_velocity: Annotated[
+        float,
+        Quantity("v_b", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
+        AT_LARGEST,
+    ]
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        mu_k, mu_s = p.kinetic_coefficient, p.static_coefficient
+        u = s.speed / (math.sqrt(2.0) * p.breakaway_velocity)
+        bump = math.sqrt(2.0 * math.e) * (mu_s - mu_k) * exp(-u * u) * u
+        return bump + mu_k * tanh(10.0 * s.speed / p.breakaway_velocity)

@@ -1,0 +1,237 @@
+"""Laws composed of parts: one line gives class, equations, formula, names and what they contain."""
+
+import dataclasses
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, LuGre, Stribeck, load_rig, simulate
+from stickslip.drives import Sine
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.friction import LAWS, law, law_type, laws, specification
+from stickslip.friction.equations import equations_of
+from stickslip.friction.notation import read
+from stickslip.friction.parts import PARTS
+from stickslip.identification.travels.start_values import starting_law
+
+FREE = (
+    "level + stribeck + power",
+    "level + lorentz + saturating",
+    "level + hyperbolic + drag",
+    "both_ways(level + stribeck + viscous)",
+    "both_ways[levels](level + stribeck) + viscous",
+    "tanh(level + stribeck) + viscous",
+    "atan(level)",
+    "root(level) + power",
+    "ramp(level)",
+    "threlfall(level) + viscous",
+    "brown_mcphee + viscous",
+    "simscape + viscous",
+    "dahl(level + stribeck) + power",
+    "dahl(both_ways[levels](level + stribeck)) + both_ways[levels](power)",
+    "lugre_fading(level + stribeck) + viscous",
+    "elasto_plastic(level + stribeck) + viscous",
+    "bouc_wen(level) + viscous",
+    "maxwell[3](level) + viscous",
+)
+
+
+def magnitude(one, v, load=2.0):
+    """Return the force of steady slip."""
+    return one.steady(v, load) if hasattr(one, "steady") else one.force(v, load)
+
+
+@pytest.mark.parametrize("text", FREE)
+def test_a_text_is_read_written_and_pickled_as_one_class(text):
+    kind = law(text)
+    assert str(read(text)) == text
+    assert kind is law(read(text))
+    assert pickle.loads(pickle.dumps(kind)) is kind
+    one = starting_law(kind)
+    assert pickle.loads(pickle.dumps(one)) == one
+    assert repr(one).startswith(text)
+
+
+@pytest.mark.parametrize("text", FREE)
+def test_every_part_is_used_by_some_law_of_these_tests_and_floats_agree_with_arrays(text):
+    one = starting_law(law(text))
+    for v in (-0.3, -1e-3, 2e-3, 0.7):
+        (of_array,) = np.atleast_1d(magnitude(one, np.array([v])))
+        # NumPy's functions and those of the C library differ in the last digit
+        assert magnitude(one, v) == pytest.approx(of_array, rel=1e-14)
+        assert magnitude(one, v) * v >= 0.0
+
+
+def test_the_texts_of_these_tests_contain_every_part():
+    named = [str(kind.composition) for kind in LAWS.values()]
+    used = {name.name for text in (*FREE, *named) for name in read(text).parts()}
+    assert set(PARTS) <= used
+
+
+@pytest.mark.parametrize("text", [text for text in FREE if "both_ways" not in text])
+@pytest.mark.parametrize("v", [1e-3, 0.2])
+def test_a_law_with_one_set_of_parameters_is_odd(text, v):
+    one = starting_law(law(text))
+    assert magnitude(one, -v) == -magnitude(one, v)
+
+
+@pytest.mark.parametrize("text", FREE)
+def test_text_for_floats_gives_the_bits_of_the_equations(text):
+    one = starting_law(law(text))
+    equations = equations_of(law(text).made_of, None)
+    for v in (-0.3, 2e-3, 0.7):
+        if "force" in equations:
+            z = tuple(1e-5 * (i + 1) for i in range(len(one.bristles)))
+            assert one.force(v, z, 2.0) == equations["force"](one, v, z, 2.0)
+            assert one.bristle_rates(v, z, 2.0) == equations["bristle_rates"](one, v, z, 2.0)
+        elif hasattr(one, "sliding"):
+            assert one.sliding(abs(v), 2.0) == equations["sliding"](one, abs(v), 2.0)
+
+
+def test_directions_keep_parameters_that_the_law_of_one_direction_names_otherwise():
+    kind = law("both_ways(level + stribeck + viscous)")
+    ahead = {"kinetic_coefficient": 1.0, "static_coefficient": 2.0, "stribeck_velocity": 0.1}
+    back = {"kinetic_coefficient": 1.5, "static_coefficient": 1.7, "stribeck_velocity": 0.2}
+    values = {f"forward_{name}": value for name, value in ahead.items()}
+    values |= {f"backward_{name}": value for name, value in back.items()}
+    values |= {"forward_fading_exponent": 0.7, "backward_fading_exponent": 1.0}
+    values |= {"forward_viscous_coefficient": 0.3, "backward_viscous_coefficient": 0.0}
+    one = kind(**values)
+    assert one.towards(1) == Stribeck(**ahead, viscous_coefficient=0.3, exponent=0.7)
+    expected = 1.5 + 0.2 * math.exp(-0.5)  # at half the Stribeck velocity, exponent 1
+    assert one.force(-0.1, load=1.0) == pytest.approx(-expected, rel=1e-15)
+    assert one.break_away(1.0) == 1.7  # the smaller one
+
+
+def test_smooth_laws_take_the_values_that_their_formulas_print():
+    brown = law("brown_mcphee")(
+        kinetic_coefficient=1.0, static_coefficient=1.5, transition_velocity=0.01
+    )
+    # tanh 4 = 0.99933 is what the smoothing leaves of the kinetic level at the transition velocity
+    assert brown.force(0.01, 1.0) == pytest.approx(math.tanh(4.0) + 0.5, rel=1e-15)
+    block = law("simscape")(
+        kinetic_coefficient=1.0, static_coefficient=1.5, breakaway_velocity=0.01
+    )
+    assert block.force(0.01, 1.0) == pytest.approx(math.tanh(10.0) + 0.5, rel=1e-15)
+    rise = law("threlfall(level)")(kinetic_coefficient=2.0, smoothing_velocity=0.1)
+    assert rise.force(0.1, 1.0) == 2.0
+    assert rise.force(0.05, 1.0) == pytest.approx(2.0 * math.expm1(-1.5) / math.expm1(-3.0))
+
+
+def test_elements_of_maxwell_slip_yield_one_after_the_other_up_to_the_level():
+    one = law("maxwell[3](level)")(kinetic_coefficient=6.0, bristle_stiffness=900.0)
+    # each element has a third of the stiffness; levels 1 : 2 : 3 with the sum of the law's
+    assert one.bristle_rates(0.5, (0.0, 0.0, 0.0), 1.0) == (0.5, 0.5, 0.5)
+    slack = [2.0 * i / 4.0 * 6.0 / 900.0 for i in (1, 2, 3)]
+    assert one.bristle_rates(0.5, tuple(slack), 1.0) == (0.0, 0.0, 0.0)
+    assert one.force(0.5, tuple(slack), 1.0) == pytest.approx(6.0, rel=1e-15)
+    assert one.bristle_rates(-0.5, tuple(slack), 1.0) == (-0.5, -0.5, -0.5)
+
+
+def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lugre_does():
+    values = {
+        "kinetic_coefficient": 1.0, "static_coefficient": 1.5, "stribeck_velocity": 1e-2,
+        "bristle_stiffness": 1e4, "bristle_damping": 100.0, "viscous_coefficient": 0.4,
+    }  # fmt: skip
+    # a mean force of a third of the static level and a ripple around it
+    shaken = Axis(inertia=1.0, drive=Sine(amplitude=0.4, frequency=1.0), offset=-0.5)
+    drifts = []
+    for kind in (law("elasto_plastic(level + stribeck) + viscous"), LuGre):
+        more = {"elastic_share": 0.8} if kind is not LuGre else {}
+        run = simulate(shaken, kind(**values, **more), t_end=8.0)
+        seen = run.at(np.arange(1.0, 8.5))
+        drifts.append(float(np.ptp(seen["x"] - seen["z"])))
+    # what has not yielded has moved as far as its bristle has bent, to rounding
+    assert drifts[0] < 1e-15
+    assert drifts[1] > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("level + stribek", "part at character 9 of the friction law .*: .stribek."),
+        ("level +", "expected the name of a part at character 8, got the end"),
+        ("dahl(level", r"expected '\)' at character 11"),
+        ("level ? viscous", r"expected '\+' at character 7, got '\?'"),
+        ("level + level", "has level twice"),
+        ("lugre(level) + dahl(level)", "two memories, lugre and dahl"),
+        ("dahl(level + viscous)", "viscous inside a memory, which holds levels only"),
+        ("dahl(tanh(level))", "tanh inside a memory"),
+        ("tanh(dahl(level))", "the memory dahl inside another term"),
+        ("both_ways(both_ways(level))", "both_ways inside both_ways"),
+        ("both_ways[x](level)", "brackets of both_ways"),
+        ("level(viscous)", "brackets behind level, which takes none"),
+        ("level[2]", "level has no argument"),
+        ("dahl", r"dahl without brackets: write dahl\(level\)"),
+        ("stribeck + viscous", "stribeck without level"),
+        ("level + peak", "peak without a static surplus"),
+        ("level + stribeck + step", "two static surpluses, stribeck and step"),
+        ("tanh(level + viscous)", "other parts than levels inside tanh"),
+        ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
+        ("maxwell[0](level)", "the number of elements must be 1 to 99"),
+        ("", "expected the name of a part at character 1"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_with_its_place_or_cure(text, said):
+    with pytest.raises((InputError, UnknownNameError), match=said):
+        law(text)
+
+
+def test_a_composition_with_a_name_is_the_law_of_that_name_in_any_order():
+    assert law("viscous + level") is laws()["coulomb-viscous"]
+    assert law("power + lugre(stribeck + level)") is LuGre
+    assert law_type("level + viscous") is laws()["coulomb-viscous"]
+    assert specification("level + power").law is laws()["power-viscous"]
+
+
+def test_operators_of_parts_write_the_same_text():
+    level, stribeck, power = read("level"), read("stribeck"), read("power")
+    sides = read("both_ways(level)").head["levels"]
+    dahl = read("dahl(level)").head
+    text = "dahl(both_ways[levels](level + stribeck)) + power"
+    assert str(dahl(sides(level + stribeck)) + power) == text
+
+
+@pytest.mark.parametrize("text", FREE)
+def test_what_a_composition_contains_has_its_friction(text):
+    kind = law(text)
+    for one in kind.contained:
+        simpler = starting_law(laws()[one.law])
+        simpler = dataclasses.replace(simpler, **one.where)
+        values = one.embed(simpler)
+        assert values is not None
+        rest = starting_law(kind)
+        # stands for infinity: bristles give way by less than a picometre
+        values |= dict.fromkeys(one.limits, 1e12)
+        names = {f.name: getattr(rest, f.name) for f in dataclasses.fields(kind)} | values
+        for v in (-0.8, -1e-3, 1e-3, 0.3):
+            expected = magnitude(simpler, v, 7.0)
+            assert magnitude(kind(**names), v, 7.0) == pytest.approx(expected, rel=1e-12), one.law
+
+
+def test_a_rig_file_names_a_law_by_its_composition_and_is_written_back(tmp_path):
+    path = tmp_path / "rig.toml"
+    path.write_text(
+        '[mechanism]\ntype = "axis"\ninertia = 2.0\n\n[friction.joint]\n'
+        'law = "dahl(level + stribeck) + power"\nkinetic_coefficient = 2.0\n'
+        'static_coefficient = 3.0\nstribeck_velocity = "10 mm/s"\nbristle_stiffness = 1e4\n'
+        "viscous_coefficient = 3.0\nviscous_exponent = 0.6\n",
+        encoding="utf-8",
+    )
+    rig = load_rig(path)
+    (one,) = rig.laws.values()
+    assert one.stribeck_velocity == 0.01
+    assert type(one) is law("dahl(level + stribeck) + power")
+    path.write_text(rig_toml(rig.mechanism, one), encoding="utf-8")
+    assert load_rig(path).laws == rig.laws
+
+
+def test_a_composition_of_a_rig_file_that_cannot_be_read_names_its_table(tmp_path):
+    path = tmp_path / "rig.toml"
+    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + stribek"\n'
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"friction\.joint.*Did you mean 'stribeck'"):
+        load_rig(path)
