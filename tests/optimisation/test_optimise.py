@@ -83,18 +83,6 @@ def test_a_leaning_swing_exceeds_the_best_three_phases_by_two_fifths(
     assert not found.shortfall
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_search_with_whole_polishes_finds_a_spline_that_exceeds_three_phases(
-    cart, law, cart_limits, seed
-):
-    found = optimise_profile(
-        cart, law, limits=cart_limits, kind="spline", knots=8, evaluations=SMALL, seed=seed
-    )
-    assert found.kind == "spline"
-    assert found.factor > 1.0
-
-
 STARTS = {
     "own": STROKE,
     "weak": ThreePhase(amplitude=0.004, fast=30.0, slow=9.0, first="slow"),
