@@ -16,6 +16,7 @@ __all__ = [
     "TracingError",
     "UndeclaredError",
     "UnknownNameError",
+    "check_even_times",
     "check_size",
     "nearest",
     "not_whole",
@@ -159,6 +160,11 @@ def check_size(
     """
     if not count <= most:
         raise InputError(f"{what}: {count:.4g} {unit} exceed the limit of {most:.4g}: {cure}.")
+
+
+def check_even_times(count: float) -> None:
+    """Refuse to interpolate a record at even times where one of them is far from all others."""
+    check_size("record at even times", count, "cut the record where its times leap")
 
 
 def not_whole(name: str, least: int, value: object) -> str:

@@ -65,18 +65,14 @@ def test_models_shows_a_mechanism_with_its_parameters(run):
     assert "Did you mean 'capsule'" in run("models", "capsul")[2]
 
 
-def test_an_empty_folder_may_be_written_into_and_another_one_is_refused_at_once(
-    run, tmp_path, monkeypatch
-):
+def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("empty", "full"):
-        (tmp_path / name).mkdir()
-    (tmp_path / "full" / "mine.txt").write_text("mine")
+    (tmp_path / "old").mkdir()
     monkeypatch.setattr("stickslip.cli.paper.audit", lambda **_: pytest.fail("work began"))
-    code, _, err = run("paper", "-o", "full")
-    assert (code, "full already exists; give --force" in err) == (2, True)
+    code, _, err = run("paper", "-o", "old")
+    assert (code, "old already exists; give --force" in err) == (2, True)
     with pytest.raises(pytest.fail.Exception, match="work began"):
-        run("paper", "-o", "empty")
+        run("paper", "-o", "new")
 
 
 def test_models_shows_one_law_with_ranges_and_sources(run):

@@ -252,7 +252,7 @@ def test_an_ensemble_draws_from_the_laws_of_all_contacts(called, monkeypatch):
     assert table["x_low"].iloc[-1] - table["x"].iloc[0] == pytest.approx(band["travel"]["low"])
     assert (table["v_low"] <= table["v_high"]).all()
     page = Path("page/index.html").read_text(encoding="utf-8")
-    for words in ("of friction drawn from their estimates", "0.55 to 0.65", "as given"):
+    for words in ("with uncertain parameters drawn", "0.55 to 0.65", "as given"):
         assert words in page
     assert "could not be made" not in page
 
@@ -262,7 +262,7 @@ def test_an_ensemble_needs_estimates_of_the_laws_of_the_run(called, text):
     laws = ("--law", "front=coulomb,rear=dahl") if text != FEET else ()
     code, out, err = called(text, "simulate", "rig.toml", "--ensemble", "5", *laws)
     assert (code, out) == (2, "")
-    assert "--ensemble samples the estimates of a law, and this law has none" in err
+    assert "--ensemble samples uncertain parameters, and neither this law nor the mechanism" in err
 
 
 MISTAKES = {

@@ -34,6 +34,7 @@ from stickslip.drives import (
     Pulse,
     Ramp,
     Sampled,
+    SampledSwing,
     SevenStep,
     Sine,
     SineSwing,
@@ -41,6 +42,7 @@ from stickslip.drives import (
     Square,
     Sum,
     ThreePhase,
+    TimedThreePhase,
 )
 from stickslip.drives.registry import DRIVES, PROFILES
 from stickslip.errors import InputError, ParameterError, UnknownNameError
@@ -206,6 +208,21 @@ limit = 2.5
 PROFILE_TABLES = {
     'type = "three-phase"\namplitude = "45 deg"\nfast = 120\nslow = 30\nfirst = "slow"': (
         ThreePhase(amplitude=math.radians(45.0), fast=120.0, slow=30.0, first="slow")
+    ),
+    'type = "three-phase"\namplitude = 0.8\nfast = 120\nslow = 30\nlast = "60 rad/s^2"': (
+        ThreePhase(amplitude=0.8, fast=120.0, slow=30.0, last=60.0)
+    ),
+    'type = "timed-three-phase"\namplitude = 0.8\nfirst_duration = "80 ms"\n'
+    'middle_duration = 0.4\nlast_duration = "200 ms"': (
+        TimedThreePhase(amplitude=0.8, first_duration=0.08, middle_duration=0.4, last_duration=0.2)
+    ),
+    'type = "sampled-swing"\ntimes = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]\n'
+    'positions = [0.0, 0.1, 0.2, 0.2, 0.1, 0.1, 0.0, 0.0]\nspacing = "250 ms"': (
+        SampledSwing(
+            times=[0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],
+            positions=[0.0, 0.1, 0.2, 0.2, 0.1, 0.1, 0.0, 0.0],
+            spacing=0.25,
+        )
     ),
     'type = "seven-step"\namplitude = 0.8\nfast = 120\nslow = 30\ntop_rate = 6\npause = "20 ms"': (
         SevenStep(amplitude=0.8, fast=120.0, slow=30.0, top_rate=6.0, pause=0.02)

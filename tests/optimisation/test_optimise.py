@@ -83,18 +83,6 @@ def test_a_leaning_swing_exceeds_the_best_three_phases_by_two_fifths(
     assert not found.shortfall
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_search_with_whole_polishes_finds_a_spline_that_exceeds_three_phases(
-    cart, law, cart_limits, seed
-):
-    found = optimise_profile(
-        cart, law, limits=cart_limits, kind="spline", knots=8, evaluations=SMALL, seed=seed
-    )
-    assert found.kind == "spline"
-    assert found.factor > 1.0
-
-
 STARTS = {
     "own": STROKE,
     "weak": ThreePhase(amplitude=0.004, fast=30.0, slow=9.0, first="slow"),
@@ -335,7 +323,8 @@ def test_a_state_that_cannot_be_written_is_refused_before_anything_is_run(
 
 
 def test_kinds_have_the_names_of_rig_files_too():
-    assert {kind_of(kind) for kind in PROFILES} == set(KINDS)
+    given = {"sampled-swing", "timed-three-phase"}  # as recorded, and as another three-phase
+    assert {kind_of(kind) for kind in PROFILES.keys() - given} == set(KINDS)
     assert [kind_of(kind) for kind in KINDS] == list(KINDS)
 
 

@@ -357,3 +357,10 @@ def test_an_interval_without_an_end_is_a_sentence():
 
 def test_the_title_is_plain_text(alone_page):
     assert markup.plain(alone_page.title) == "Friction model selection: Spring and block"
+
+
+def test_the_heading_of_fixed_steps_is_of_the_step_that_the_panels_show(alone):
+    law = alone.best.fit.law
+    rows = compare_fixed_steps(RIG, law, t_end=1.0, steps=(0.01, 0.001))
+    assert max(rows, key=lambda row: row.reversals).dt == 0.001
+    assert steps_heading(rows).startswith("With a fixed step of 10 ms without a stick rule")

@@ -241,11 +241,10 @@ def refuse_overwriting(
     Raises
     ------
     InputError
-        If `path` exists without `force` and is no empty folder, a file in the folder is not as it
-        was written, or `folder` cannot be written into.
+        If `path` exists without `force`, a file in the folder is not as it was written, or `folder`
+        cannot be written into.
     """
-    empty = path.is_dir() and not any(path.iterdir())
-    if path.exists() and not empty and not force:
+    if path.exists() and not force:
         raise InputError(f"{path} already exists; give --force to replace it, or another {option}.")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_even_times
 from stickslip.experiments.measurement import Array, Measurement
 from stickslip.formatting import number
 
@@ -199,7 +199,7 @@ def _low_pass(sections: Array, corner: float, time: Array, values: Array) -> Arr
     if np.ptp(steps) < 0.05 * dt:
         return np.asarray(sosfiltfilt(sections, values, padlen=pad), dtype=float)
     count = max(round((time[-1] - time[0]) / dt) + 1, time.size)
-    check_size("record at even times", count, "cut the record where its times leap")
+    check_even_times(count)
     even = np.linspace(time[0], time[-1], count)
     filtered = sosfiltfilt(sections, np.interp(even, time, values), padlen=pad)
     return np.asarray(np.interp(time, even, filtered), dtype=float)

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from stickslip.errors import MOST_NUMBERS, check_size
 
-__all__ = ["check_structure", "is_level_5"]
+__all__ = ["CURE", "check_structure", "is_level_5"]
 
 CURE: Final = "split the file, or save fewer variables"
 HEADER: Final = 128

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from stickslip.errors import InputError, check_size
-from stickslip.experiments.readers.mat5_validator import check_structure, is_level_5
+from stickslip.experiments.readers.mat5_validator import CURE, check_structure, is_level_5
 
 __all__ = ["read_mat"]
 
@@ -101,7 +101,7 @@ def _is_vector(value: Any) -> bool:
 
 
 def _check(path: Path, numbers: int) -> None:
-    check_size(str(path), numbers, "split the file, or save fewer variables")
+    check_size(str(path), numbers, CURE)
 
 
 def _shape(value: Any) -> str:

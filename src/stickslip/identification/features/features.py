@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.described import Described
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import TRAVELS, Measurement
 from stickslip.formatting import estimate, interval, number, percent, quantity, within
 from stickslip.identification.series.frequencies import frequency_of, refuse_without_cycles
@@ -319,7 +319,7 @@ def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
     force = np.asarray(measurement.values("spring_force")) / towed_load(block)
     step = float(np.median(np.diff(time)))
     count = round(float(time[-1] - time[0]) / step) + 1
-    check_size("record at even times", count, "cut the record where its times leap")
+    check_even_times(count)
     natural = math.sqrt(block.stiffness / block.mass) / (2.0 * math.pi)
     if count < 100 or step * natural > 0.25:
         raise InputError(

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, check_size
+from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import BristleLaw, FrictionLaw
@@ -594,7 +594,7 @@ def _velocity(time: Array, position: Array) -> tuple[Array, float]:
     from scipy.signal import savgol_filter
 
     steps = round((time[-1] - time[0]) / float(np.median(np.diff(time))))
-    check_size("record at even times", steps, "cut the record where its times leap")
+    check_even_times(steps)
     even = np.linspace(time[0], time[-1], steps + 1)
     x, dt = np.interp(even, time, position), float(even[1] - even[0])
     noise, half, most = _noise_beside_motion(x, step_of(position)), 0, max(steps // 2, 1)

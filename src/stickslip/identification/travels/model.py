@@ -350,7 +350,20 @@ class TravelModel:
         return vary(self.law, "friction", {p: v for p, v in changes.items() if not is_rig(p)})
 
     def set_up(self, trial: Trial, values: Sequence[float]) -> Trial:
-        """Return a trial whose mechanism has other values of the free parameters."""
+        """Return a trial whose mechanism has other values of the free parameters.
+
+        Parameters
+        ----------
+        trial : Trial
+            Setting, initial state and end of the run.
+        values : sequence of float (p,)
+            Values of the free parameters [SI].
+
+        Returns
+        -------
+        Trial
+            The trial itself if no parameter of the mechanism is free.
+        """
         own = {p: v for p, v in zip(self.free, values, strict=True) if is_rig(p)}
         return trial.with_mechanism(vary(trial.mechanism, "mechanism", own)) if own else trial
 

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.display import plots
 from stickslip.experiments import LawEstimates, levels_at
-from stickslip.formatting import joined, quantity
+from stickslip.formatting import joined, quantity, ratio
 from stickslip.friction import FrictionLaw
 from stickslip.identification.results import Fit, Law_co, estimates_for
 from stickslip.identification.travels.model import Trial, is_rig
@@ -26,6 +26,8 @@ __all__ = ["TravelFit", "variance_of"]
 
 Array: TypeAlias = NDArray[np.float64]
 
+POOR = 2.0
+"""Residuals over their stated standard errors from which a fit with a mechanism is doubted."""
 SIGNIFICANT = 0.99
 """Quantile of chi-square above which residuals contradict the stated uncertainty."""
 
@@ -174,6 +176,13 @@ class TravelFit(Fit[Law_co]):
             for e in self.estimates
             if e.reason
         ]
+        scatter = math.sqrt(self.variance[0])
+        if self.stated and scatter > POOR:
+            said.append(
+                f"The readings differ from this fit by {ratio(scatter)} their stated uncertainty:"
+                " the law or the mechanism is not that of the trials, or the search ended in a"
+                " local minimum. Try other start values."
+            )
         for values in self.rivals[:1]:
             shown = joined(
                 [

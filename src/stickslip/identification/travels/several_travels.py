@@ -37,6 +37,9 @@ STEP = 1e-4
 and the error of a one-sided difference is then about as small as it can be."""
 POLISHED = 3
 """Starting points that least squares goes on from, at most."""
+POOR = 4.0
+"""Mean square of standardised residuals beyond which, where a mechanism is unknown, searches begin
+from all further starting points."""
 STEPS, REFINED = 15, 4
 """Steps of least squares, at most: of a search, and from a single start that is already near."""
 WEIGHINGS = 2
@@ -98,8 +101,13 @@ def fit_several(
         for index, point in enumerate(points)
     )
     steps = (STEPS if len(points) > 1 else REFINED) * (2 if problem.rig else 1)
-    near = [start for first, _, start in tried[:POLISHED] if first <= NEAR * tried[0][0]]
-    ends = [tried[0][2], *(problem.polished(start, steps) for start in near)]
+    near = [start for first, _, start in tried if first <= NEAR * tried[0][0]]
+    ends = [tried[0][2]]
+    for count, start in enumerate(near):
+        poor = problem.rig and min(map(problem.cost, ends)) > POOR * len(trials)
+        if count >= POLISHED and not poor:
+            break
+        ends.append(problem.polished(start, steps))
     best = min(ends, key=problem.cost)
     cost = problem.cost(best)
     if cost >= FAILED**2:

@@ -67,7 +67,7 @@ SURPLUS = 0.02
 """What a level at rest that is scanned densely has over that of sliding, over this, in decades."""
 MOST = 60
 """Combinations of further parameters that are tried, at most; drawn if there are more."""
-DRAWN, AROUND = 128, 3.0
+DRAWN, AROUND = 256, 3.0
 """Points that are drawn where parameters of the mechanism are unknown, and the factor from the
 values that were given up to which they lie."""
 KEPT = 6
@@ -141,9 +141,15 @@ def _with_rig(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(DRAWN)
     widths = np.where(centre == 0.0, 1.0, centre)
     rows = [[*point, *rig] for point in alone]
-    rows += np.where(
+    drawn = np.where(
         centre == 0.0, 0.1 * (2.0 * shares - 1.0), widths * AROUND ** (2.0 * shares - 1.0)
-    ).tolist()
+    )
+    if law:  # the level that fits with the wrong mechanism may be far off
+        ends = np.log(LEVELS) + math.log(
+            float(getattr(model.law, law[0].rpartition(".")[2]) or 0.1)
+        )
+        drawn[:, 0] = np.exp(ends[0] + (ends[1] - ends[0]) * shares[:, 0])
+    rows += drawn.tolist()
     few = _spread(trials, 4 * len(centre))
     return _best(rows, _costs(np.array([_travels(model, few, row) for row in rows]), few))
 
