@@ -92,7 +92,7 @@ def texts_below(kind: type) -> Mapping[str, str]:
     --------
     >>> from stickslip import Axis
     >>> texts_below(Axis)["inertia"]
-    'Mass of an axis, or moment of inertia of a joint.'
+    'Mass [kg] or moment of inertia [kg m^2].'
     """
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
