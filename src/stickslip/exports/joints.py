@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.exports.base import Export, Target
 from stickslip.exports.programs import commented
-from stickslip.exports.simplification import Simplified, simplified
+from stickslip.exports.simplification import Simplified, about_load, simplified
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity
 from stickslip.friction import Dahl, FrictionLaw, LuGre
@@ -160,11 +160,6 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
         law.static_coefficient * load,
         law.stribeck_velocity,
     )
-    dependence = (
-        (f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}.",)
-        if subject.levels == "per load"
-        else ()
-    )
     return _Joint(
         attributes=f' damping="{law.viscous_coefficient!r}"',
         actuators=(
@@ -182,7 +177,7 @@ def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
             f" {quantity(shortest, 's')} for these bristles on this inertia; the model has"
             f" {quantity(step, 's')}. Use the integrator Euler: at the same step, the error of"
             " implicitfast is 20 to 200 times as large where bristles are damped.",
-            *dependence,
+            about_load(subject, load),
         ),
     )
 

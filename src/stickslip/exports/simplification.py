@@ -22,7 +22,7 @@ from stickslip.quantities import Quantity, turned
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["JointFriction", "Simplified", "simplified", "steady_force"]
+__all__ = ["JointFriction", "Simplified", "about_load", "simplified", "steady_force"]
 
 SPEEDS: Final = 2001
 """Speeds in each direction at which the law is compared with its simplification."""
@@ -212,11 +212,16 @@ def _lost(
     if bristles_of(law):
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
     if float(towards(law, 1).break_away(2.0 * load)) > levels[0]:
-        yield (
-            f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
-            if subject.levels == "per load"
-            else "Dependence on the normal force, which was not known."
-        )
+        yield about_load(subject, load)
+
+
+def about_load(subject: Subject, load: float) -> str:
+    """Return that a joint has its friction at one normal force, in a sentence."""
+    return (
+        f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
+        if subject.levels == "per load"
+        else "Dependence on the normal force, which was not known."
+    )
 
 
 def _runs(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[Trajectory, Trajectory]:

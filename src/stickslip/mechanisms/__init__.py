@@ -60,9 +60,9 @@ INSIDE = {
     "only_contact": "contacts",
     "repeats": "drive_period",
     "slip_among": "contacts",
-    "slips_by_angle": "contacts",
     "slip_of": "contacts",
     "slipping": "contacts",
+    "slips_by_angle": "contacts",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

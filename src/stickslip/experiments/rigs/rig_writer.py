@@ -51,6 +51,7 @@ def rig_toml(
     >>> print(rig_toml(Axis(inertia=2.0), Coulomb(kinetic_coefficient=0.5)))
     [mechanism]
     type = "axis"
+    rotary = false
     inertia = 2.0
     stiffness = 0.0
     damping = 0.0
