@@ -27,7 +27,6 @@ HOMES = {
     "export": "exports",
     "fit": "routes",
     "inverse_dynamics": "identification",
-    "law": "friction",
     "load_measurement": "experiments",
     "load_rig": "experiments",
     "optimise_profile": "optimisation",

@@ -40,7 +40,6 @@ from stickslip.friction import PowerViscous as PowerViscous
 from stickslip.friction import QuadraticDrag as QuadraticDrag
 from stickslip.friction import Stribeck as Stribeck
 from stickslip.friction import Viscous as Viscous
-from stickslip.friction import law as law
 from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
@@ -115,7 +114,6 @@ __all__ = [
     "export",
     "fit",
     "inverse_dynamics",
-    "law",
     "load_measurement",
     "load_rig",
     "optimise_profile",

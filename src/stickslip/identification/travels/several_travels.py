@@ -51,6 +51,8 @@ FAILED = 1e6
 STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 """Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
 it should, which its third derivatives change."""
+INSENSITIVE = "the trials hardly depend on it"
+"""Why an estimate has no interval."""
 TOGETHER = 0.95
 """Correlation beyond which two parameters are told in combination only."""
 AS_WELL = 3.84
@@ -374,7 +376,7 @@ class _Problem:
                 for j, other in enumerate(found)
                 if j != i and abs(table[i, j]) > TOGETHER * spreads[i] * spreads[j]
             ]
-            reason = "the trials hardly depend on it"
+            reason = INSENSITIVE
             if others:
                 reason = f"the trials tell no more than a combination of it with {joined(others)}"
             told.append(replace(one, low=-math.inf, high=math.inf, reason=reason, sources={}))
@@ -457,7 +459,7 @@ class _Problem:
         if freedom == 0:
             spread, reason = math.inf, "too few readings to estimate their uncertainty"
         elif not math.isfinite(error) or error > 1e6 * max(abs(value), scale):
-            spread, reason = math.inf, "the trials hardly depend on it"
+            spread, reason = math.inf, INSENSITIVE
         else:
             scattered = float(stats.t.ppf(0.975, freedom)) * own
             spread = math.hypot(scattered, float(stats.norm.ppf(0.975)) * common)
