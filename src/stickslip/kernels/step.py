@@ -15,6 +15,7 @@ from stickslip.kernels.guard_roots import (
     note_sizes,
     reverses,
     rises,
+    stays,
 )
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
@@ -237,19 +238,37 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
 
 
+def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> int:
+    """Return the guard that has fallen although the step is too short to move it, or NO_GUARD.
+
+    That is one that fell at once in longer steps, `doubted`, or one at whose fall the step was to
+    end, `sought`. Another, which begins below zero by rounding and rose in longer steps, says
+    nothing in so short a one.
+
+    Reads: FRACTION, SAMPLED.
+    """
+    if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
+        return doubted
+    if sought == NO_GUARD or not (guard == NO_GUARD or w[FRACTION] == 0.0):
+        return NO_GUARD
+    return sought if stays(sought, w, whole) else NO_GUARD
+
+
 def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> int:
     """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
 
     On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
     that starts from rest towards a guard that would be violated at once gets shorter steps before
-    that is believed; it is, too, where they are so short that the guard does not change at all. A
+    that is believed; it is, too, where they are so short that the guard does not change at all. One
+    whose fall is found again and again, and not in a step that is made to end there, has fallen:
+    places are rounded more coarsely than what is left of it. A
     step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
     Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, PULLS, REACHED,
-    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
-    FOLLOWERS.
+    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, STEPS, REJECTED, STEPPER, SLOW,
+    MODES, FOLLOWERS.
     Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
@@ -278,7 +297,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         slips = whole[N_CONTACTS] > 0 or abs(whole[MODE]) == 1
         slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
-    doubted = NO_GUARD
+    doubted, sought = NO_GUARD, NO_GUARD
     while True:
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
@@ -295,13 +314,15 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
             if shorter > 0.0:
                 w[slot] = shorter
                 continue
-            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
-                guard = doubted
+            fallen = unmoved(guard, doubted, sought, w, whole)
+            if fallen != NO_GUARD:
+                guard = fallen
                 w[FRACTION] = 0.0
             else:
                 shorter = retry_length(guard, h, stop, w, whole)
             if shorter > 0.0:
                 doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
+                sought = guard if w[FRACTION] > 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
             continue
