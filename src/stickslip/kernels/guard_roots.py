@@ -53,6 +53,7 @@ from stickslip.kernels.state_layout import (
 
 __all__ = [
     "CLOCK",
+    "EARLY",
     "NO_GUARD",
     "UNWATCHED",
     "coarseness",

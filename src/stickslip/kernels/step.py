@@ -7,6 +7,7 @@ from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
+    EARLY,
     NO_GUARD,
     coarseness,
     first_violation,
@@ -23,12 +24,14 @@ from stickslip.kernels.questions import CROSSING, SERIES_STEP, ask_here, ask_of
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
     DENSE,
+    FIRST_LIMIT,
     FIRST_WALL,
     FRACTION,
     HELD_STRIDE,
     LENGTH,
     MODE,
     N_CONTACTS,
+    N_SWITCHES,
     POLYNOMIAL,
     REJECTED,
     RHYTHM,
@@ -37,6 +40,7 @@ from stickslip.kernels.state_layout import (
     STATUS,
     STEP,
     STEPPER,
+    STEPS,
     STRIDE,
     TIME,
     VALUES,
@@ -241,15 +245,16 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
 def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> int:
     """Return the guard that has fallen although the step is too short to move it, or NO_GUARD.
 
-    That is one that fell at once in longer steps, `doubted`, or one at whose fall the step was to
-    end, `sought`. Another, which begins below zero by rounding and rose in longer steps, says
-    nothing in so short a one.
+    That is one that fell at once in longer steps, `doubted`, or, as a run begins on its threshold,
+    a switch at whose fall the step was to end, `sought`. Another, which begins below zero by
+    rounding and rose in longer steps, says nothing in so short a one.
 
-    Reads: FRACTION, SAMPLED.
+    Reads: FRACTION, SAMPLED, STEPS.
     """
     if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
         return doubted
-    if sought == NO_GUARD or not (guard == NO_GUARD or w[FRACTION] == 0.0):
+    own = whole[FIRST_LIMIT] - whole[N_SWITCHES] <= sought < whole[FIRST_LIMIT]
+    if whole[STEPS] >= EARLY or not own or not (guard == NO_GUARD or w[FRACTION] == 0.0):
         return NO_GUARD
     return sought if stays(sought, w, whole) else NO_GUARD
 
@@ -259,9 +264,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
 
     On return FRACTION and LENGTH hold the fraction of the step that holds and its length. A body
     that starts from rest towards a guard that would be violated at once gets shorter steps before
-    that is believed; it is, too, where they are so short that the guard does not change at all. One
-    whose fall is found again and again, and not in a step that is made to end there, has fallen:
-    places are rounded more coarsely than what is left of it. A
+    that is believed; it is, too, where they are so short that the guard does not change at all. A
     step that ends beyond an event is taken again up to just beyond it: the mode's equations, and so
     the error estimate, mean little where the mode does not hold, and the dense output is best where
     the step ends. Neither concerns the series of a linear mode, but for bounces.
