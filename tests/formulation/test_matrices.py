@@ -10,7 +10,7 @@ import pytest
 import symengine as se
 from tests.support import Generated, example_of
 
-from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, simulate
+from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, ensemble, simulate
 from stickslip.drives import Drive, Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation.matrix_form import matrix_supply
@@ -19,6 +19,7 @@ from stickslip.friction import LAWS
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism, Torque
 from stickslip.quantities import Quantity
+from stickslip.results import Status
 
 Mass = Annotated[float, Quantity("M", "kg", above=0)]
 
@@ -189,3 +190,85 @@ def test_a_force_on_a_coordinate_that_is_not_there_is_an_error(base):
     values = {f.name: getattr(rig, f.name) for f in dataclasses.fields(rig)}
     with pytest.raises(UnknownNameError, match=r"coordinate in Mistyped.forces 'thetta'"):
         simulate(kind(**values), Coulomb(kinetic_coefficient=0.1), t_end=0.1)
+
+
+def given(entries, contacts=("x",)):
+    """Return a mechanism with two coordinates and a mass matrix that is given."""
+
+    class Given(MatrixMechanism):
+        name, coordinates, rates, units = "given", ("x", "z"), ("v", "w"), ("m", "m")
+
+        def mass_matrix(self, q):
+            return entries(q)
+
+        def forces(self, t, q, q_dot, drives):
+            return {"x": 3.0, "z": -1.0 * q["z"]}
+
+        def potential_energy(self, t, q):
+            return -3.0 * q["x"] + 0.5 * q["z"] * q["z"]
+
+        def contacts(self):
+            several = len(contacts) > 1
+            return tuple(Contact(name=i if several else "", slip=i, load=1.0) for i in contacts)
+
+        def drives(self):
+            return {}
+
+    return Given()
+
+
+ROUGH = Coulomb(kinetic_coefficient=0.5)
+
+
+@pytest.mark.parametrize("contacts", [("x",), ("x", "z")])
+@pytest.mark.parametrize(
+    ("entries", "match"),
+    [
+        (lambda q: [[1.0, 0.5], [0.2, 1.0]], r"row 'x' and column 'z' \(0\.5\) is not .* \(0\.2\)"),
+        (lambda q: [[1.0, 0.5 * q["x"]], [0.2 * q["x"], 1.0]], "must be symmetric"),
+        (lambda q: [[-1.0, 0.0], [0.0, 1.0]], "row and column 'x' is −1"),
+        (lambda q: [[1.0, 0.0], [0.0, -2.0 + q["x"]]], "row and column 'z' is −2 at x = 0 m"),
+        (lambda q: [[1.0, 2.0], [2.0, 1.0]], "entries of row and column 'z' are too large"),
+        (lambda q: [[1.0, 1.0], [1.0, 1.0]], "must be positive definite"),
+        (lambda q: [[0.0, 0.0], [0.0, 1.0]], "must be positive definite|masses above 0"),
+    ],
+)
+def test_a_matrix_that_is_no_mass_is_refused_by_row_and_column(entries, match, contacts):
+    with pytest.raises(InputError, match=match):
+        simulate(given(entries, contacts), ROUGH, t_end=1.0)
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        lambda q: [[1e6, 0.5], [0.5, 1e-6]],
+        lambda q: [[1.0, 1.0 - 1e-9], [1.0 - 1e-9, 1.0]],
+        lambda q: [
+            [1.0, 0.3 * sin(q["x"] + q["z"])],
+            [0.3 * (sin(q["x"]) * cos(q["z"]) + cos(q["x"]) * sin(q["z"])), 1.0],
+        ],
+    ],
+    ids=["units", "nearly singular", "two forms"],
+)
+def test_a_mass_matrix_of_any_units_conditions_and_forms_is_taken(entries):
+    run = simulate(given(entries), ROUGH, t_end=0.5, y0={"z": 0.1})
+    assert not run.certificate.problems
+
+
+def test_masses_that_vanish_on_the_way_are_the_cause_of_steps_that_do():
+    fading = given(lambda q: [[1.0, q["x"]], [q["x"], 1.0]])
+    run = simulate(fading, ROUGH, t_end=2.0, y0={"z": 0.1}, throw=False)
+    assert run.status is Status.STEP_TOO_SMALL
+    assert "mass_matrix tends to a singular one there, at x = 1 m" in run.cause
+
+
+def test_an_ensemble_with_a_matrix_that_is_no_mass_is_refused():
+    class Weighed(MatrixCart):
+        def mass_matrix(self, q):
+            return [[self.cart_mass - 1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
+
+    with pytest.raises(InputError, match=r"row and column 'x' is −0\.5"):
+        ensemble(
+            Weighed(cart_mass=2.0, ball_mass=1.0, length=1.0), ROUGH, {"cart_mass": [2.0, 0.5]},
+            t_end=1.0,
+        )  # fmt: skip

@@ -25,6 +25,18 @@ def test_a_pendulum_without_friction_swings_with_the_period_of_the_elliptic_inte
     assert run.certificate.energy_error < 1e-11
 
 
+@pytest.mark.parametrize("amplitude", [1e-3, 1e-4, 1e-6, 1e-9])
+def test_the_energy_of_small_swings_is_not_lost_in_the_rounding_of_the_cosine(amplitude):
+    clock = Pendulum(mass=0.2, length=0.5)
+    law = Coulomb(kinetic_coefficient=1e-3 * amplitude)
+    run = simulate(clock, law, t_end=5.0, y0={"theta": amplitude})
+    assert run.certificate.energy_error < 1e-11  # as for larger swings, whatever the size
+    rate = math.sqrt(9.81 / 0.5)
+    assert run.certificate.energy_start == pytest.approx(
+        0.5 * 0.2 * 0.25 * (rate * amplitude) ** 2, rel=amplitude**2 + 1e-15
+    )
+
+
 def test_a_rubbing_pivot_takes_its_torque_times_the_angle_swept():
     clock = Pendulum(mass=0.3, length=0.4)
     run = simulate(clock, Coulomb(kinetic_coefficient=0.05), t_end=30.0, y0={"theta": 1.0})

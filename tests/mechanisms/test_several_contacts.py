@@ -286,3 +286,22 @@ def test_a_run_with_one_contact_knows_the_name_of_its_contact():
     assert run.contact("pad-1") is run
     with pytest.raises(UnknownNameError, match="pad-1"):
         run.contact("pad")
+
+
+@pytest.mark.parametrize(
+    ("height", "speed", "status", "reason"),
+    [
+        (0.3, 1.0, Status.LIFT_OFF, "lift-off"),  # the front foot brakes so hard that it tips over
+        (0.6, 1.0, Status.PAINLEVE, "painleve"),  # no loads balance what they would brake with
+        (1.5, 1.0, Status.PAINLEVE, "painleve"),
+        (1.5, -1.0, Status.LIFT_OFF, "lift-off"),
+    ],
+)
+def test_a_body_that_begins_where_its_loads_have_no_solution_says_so(height, speed, status, reason):
+    # the loads are m g (b + h mu_r) and m g (a - h mu_f) over a + b - h (mu_f - mu_r)
+    body = TwoFeet(mass=2.0, front=0.3, rear=0.2, height=height)
+    laws = {"front": coulomb(1.6, 1.6), "rear": coulomb(0.2, 0.2)}
+    run = simulate(body, laws, t_end=1.0, y0={"v": speed}, solver=PLAIN, throw=False)
+    assert run.status is status
+    assert run.events[-1].reason == reason
+    assert run.span[1] == 0.0

@@ -15,7 +15,7 @@ from stickslip.kernels.enums import (
     STOP,
 )
 from stickslip.kernels.itp import itp_limit, itp_point
-from stickslip.kernels.model_interface import guards
+from stickslip.kernels.model_interface import guard_slopes, guards
 from stickslip.kernels.state_layout import (
     ACCELERATION,
     CAN_LIFT,
@@ -34,6 +34,9 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
     N_GUARDS,
     N_PAIRS,
+    N_STATES,
+    N_SWITCHES,
+    N_VARIABLES,
     POINT,
     REACHED,
     RIGID,
@@ -41,11 +44,16 @@ from stickslip.kernels.state_layout import (
     SAMPLES,
     SCALE,
     SLIP,
+    SLOPES,
+    STEPS,
+    TIME,
     VALUES,
+    Y,
 )
 
 __all__ = [
     "CLOCK",
+    "EARLY",
     "NO_GUARD",
     "UNWATCHED",
     "coarseness",
@@ -59,6 +67,7 @@ __all__ = [
     "reverses",
     "rises",
     "size_of_forces",
+    "stays",
 ]
 
 NO_GUARD = -1
@@ -88,6 +97,12 @@ AT_GOLDEN_4 = -0.037791852909060696
 """Weights at `GOLDEN` of the polynomial through five values at even distances."""
 EPSILON_STEP = 2.220446049250313e-16
 """Unit in the last place of 1; fractions of a step are found to it, or to that of the time."""
+EARLY = 20
+"""Steps in which what begins on a threshold has moved by more than rounding."""
+AWAY = 10.0
+"""Largest value over that rounding with which one has not been away from its threshold yet."""
+PLACED = 8.9e-16
+"""Four units in the last place: rounding of a difference of places, over their size."""
 CLOCK = 4.440892098500626e-16
 """Rounding of the time of an event, over the larger of that and the step: two units of 1."""
 
@@ -285,13 +300,37 @@ def first_sign(guard: int, first: float, t: float, h: float, w: Vector, whole: W
     return -1.0 if not armed and value < 0.0 else first
 
 
+def start_on_thresholds(w: Vector, whole: Wholes) -> None:
+    """Take for 0 what is left of switches by rounding of the places at which a run begins.
+
+    One that begins on its threshold is left to the side to which it goes, and that must not be what
+    a difference of places leaves.
+
+    Reads: TIME, Y, SAMPLED, REACHED, MODE, FLAGS.
+    Writes: SAMPLED, SLOPES, ANSWER, CHANGED.
+    """
+    n, slopes, guards = whole[N_STATES], whole[SLOPES], whole[N_GUARDS]
+    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    if whole[N_SWITCHES] == 0:
+        return
+    guard_slopes(w[TIME], w, whole, whole[Y], slopes)
+    for guard in range(first, whole[FIRST_LIMIT]):
+        size = 0.0
+        for i in range(n):
+            size += abs(w[slopes + guard * (n + 1) + i] * w[whole[Y] + i])
+        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * PLACED * size else 0):
+            at = whole[SAMPLED] + s * guards + guard
+            if abs(w[at]) <= PLACED * size:
+                w[at] = 0.0
+
+
 def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     """Find the first violated guard of a step, with its fraction in FRACTION.
 
     The fraction is 0 where a guard was never armed: it starts at zero and falls.
 
-    Reads: SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, MODES.
-    Writes: FRACTION, POINT, VALUES, SAMPLED, ANSWER, CHANGED.
+    Reads: TIME, Y, SCALE, DENSE, REACHED, LOOPS, MODE, FLAGS, STEPS, MODES.
+    Writes: FRACTION, POINT, VALUES, SAMPLED, SLOPES, ANSWER, CHANGED.
 
     Parameters
     ----------
@@ -315,6 +354,8 @@ def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
     for s in range(SAMPLES + 1):
         interpolate(w, whole, s / SAMPLES, point)
         guard_values(t + s / SAMPLES * h, w, whole, point, sampled + s * n_guards)
+    if whole[STEPS] < EARLY and (whole[N_CONTACTS] == 0 or whole[N_VARIABLES] > 0):
+        start_on_thresholds(w, whole)
     best = NO_GUARD
     w[FRACTION] = 2.0
     for guard in range(n_guards):
@@ -521,6 +562,31 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
         if size > LEAST_SIZE and difference > worst * RESOLVED * size:
             worst = difference / (RESOLVED * size)
     return worst
+
+
+def stays(guard: int, w: Vector, whole: Wholes) -> bool:
+    """Whether a guard has not come nearer to zero in a step at whose end it was to be there.
+
+    Reads: SAMPLED.
+
+    Parameters
+    ----------
+    guard : int
+        Index of the guard.
+    w : array (SIZE,)
+        Vector of the run, with the samples of the step.
+    whole : array (WHOLES,)
+        Whole numbers of the run.
+
+    Returns
+    -------
+    bool
+        Whether it has not.
+    """
+    at, largest = whole[SAMPLED] + guard, 0.0
+    for s in range(SAMPLES + 1):
+        largest = max(largest, w[at + s * whole[N_GUARDS]])
+    return w[at + SAMPLES * whole[N_GUARDS]] > 0.5 * largest
 
 
 def rises(guard: int, w: Vector, whole: Wholes) -> bool:

@@ -205,12 +205,16 @@ def set_mode(w: Vector, whole: Wholes) -> None:
 def turn_switch(switch: int, w: Vector, whole: Wholes) -> None:
     """Turn a switch; if it does as the run begins, decide a body at rest as if it had begun so.
 
+    Forces that just reach the level say nothing, and would hold what has broken away there.
+
     Reads: TIME, Y, FLAGS, STEPS.
     Writes: Y, VALUES, WALLS, MODE, FLAGS.
     """
     whole[FLAGS] ^= 1 << switch
     if w[TIME] == 0.0 and whole[STEPS] == 0 and w[whole[Y] + whole[SLIP]] == 0.0:
-        whole[MODE] = mode_from_rest(whole[FLAGS], w, whole)
+        mode, values = mode_from_rest(whole[FLAGS], w, whole), whole[VALUES]
+        if mode != 0 or abs(w[values + 2]) < w[values + 3]:
+            whole[MODE] = mode
 
 
 def transition(guard: int, w: Vector, whole: Wholes) -> float:

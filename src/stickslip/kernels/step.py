@@ -7,6 +7,7 @@ from stickslip.kernels.dop853 import dop853_dense, dop853_step
 from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
+    EARLY,
     NO_GUARD,
     coarseness,
     first_violation,
@@ -15,6 +16,7 @@ from stickslip.kernels.guard_roots import (
     note_sizes,
     reverses,
     rises,
+    stays,
 )
 from stickslip.kernels.hard_stops import approach
 from stickslip.kernels.linear_events import first_crossing
@@ -22,12 +24,14 @@ from stickslip.kernels.questions import CROSSING, SERIES_STEP, ask_here, ask_of
 from stickslip.kernels.rodas5p import rodas_dense, rodas_step
 from stickslip.kernels.state_layout import (
     DENSE,
+    FIRST_LIMIT,
     FIRST_WALL,
     FRACTION,
     HELD_STRIDE,
     LENGTH,
     MODE,
     N_CONTACTS,
+    N_SWITCHES,
     POLYNOMIAL,
     REJECTED,
     RHYTHM,
@@ -36,6 +40,7 @@ from stickslip.kernels.state_layout import (
     STATUS,
     STEP,
     STEPPER,
+    STEPS,
     STRIDE,
     TIME,
     VALUES,
@@ -237,6 +242,23 @@ def bounce_length(guard: int, h: float, w: Vector, whole: Wholes) -> float:
     return shorter if w[TIME] + shorter / 8.0 > w[TIME] else 0.0
 
 
+def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> int:
+    """Return the guard that has fallen although the step is too short to move it, or NO_GUARD.
+
+    That is one that fell at once in longer steps, `doubted`, or, as a run begins on its threshold,
+    a switch at whose fall the step was to end, `sought`. Another, which begins below zero by
+    rounding and rose in longer steps, says nothing in so short a one.
+
+    Reads: FRACTION, SAMPLED, STEPS.
+    """
+    if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
+        return doubted
+    own = whole[FIRST_LIMIT] - whole[N_SWITCHES] <= sought < whole[FIRST_LIMIT]
+    if whole[STEPS] >= EARLY or not own or not (guard == NO_GUARD or w[FRACTION] == 0.0):
+        return NO_GUARD
+    return sought if stays(sought, w, whole) else NO_GUARD
+
+
 def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> int:
     """Take one step up to the first event; return the guard that ended it, or NO_GUARD.
 
@@ -248,8 +270,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
     Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, PULLS, REACHED,
-    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, REJECTED, STEPPER, SLOW, MODES,
-    FOLLOWERS.
+    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, STEPS, REJECTED, STEPPER, SLOW,
+    MODES, FOLLOWERS.
     Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
@@ -278,7 +300,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         slips = whole[N_CONTACTS] > 0 or abs(whole[MODE]) == 1
         slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
-    doubted = NO_GUARD
+    doubted, sought = NO_GUARD, NO_GUARD
     while True:
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
@@ -295,13 +317,15 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
             if shorter > 0.0:
                 w[slot] = shorter
                 continue
-            if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
-                guard = doubted
+            fallen = unmoved(guard, doubted, sought, w, whole)
+            if fallen != NO_GUARD:
+                guard = fallen
                 w[FRACTION] = 0.0
             else:
                 shorter = retry_length(guard, h, stop, w, whole)
             if shorter > 0.0:
                 doubted = guard if w[FRACTION] == 0.0 else NO_GUARD
+                sought = guard if w[FRACTION] > 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
             continue
