@@ -401,6 +401,12 @@ class Trajectory(InPanels):
     def _count(self, contact: str) -> int:
         return sum(event.contact == contact for event in self.events)
 
+    def _last_values(self) -> Iterator[tuple[str, str]]:
+        """Yield the row of the values at the last time, if there is one; other times are named."""
+        if len(self.t):
+            at = "" if self.t[-1] == self.span[1] else f" at {number(self.t[-1], 6)} s"
+            yield f"last values{at}", ", ".join(self._last(name) for name in self.states)
+
     def _last(self, name: str) -> str:
         return f"{name} = {quantity(float(self[name][-1]), self.units[name], 4)}"
 
@@ -409,7 +415,7 @@ class Trajectory(InPanels):
         rows = (
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
             ("columns", ", ".join(self.names)),
-            ("last values", ", ".join(self._last(name) for name in self.states)),
+            *self._last_values(),
             ("events", len(self.events)),
             ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),
