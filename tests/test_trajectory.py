@@ -39,6 +39,19 @@ def test_times_outside_the_run_are_refused_with_its_span(run, t):
         run.at(t)
 
 
+@pytest.mark.parametrize(
+    ("t", "message"),
+    [
+        ("x", r"'x'; the column is run\['x'\]"),
+        ("soon", "got 'soon'"),
+        ([1j], "must be numbers"),
+    ],
+)
+def test_times_that_are_no_numbers_are_refused(run, t, message):
+    with pytest.raises(InputError, match=message):
+        run.at(t)
+
+
 def test_a_run_can_be_asked_at_any_times_in_any_order(run):
     there = run.at([7.0, 3.0, 7.0])
     np.testing.assert_array_equal(there.t, [7.0, 3.0, 7.0])

@@ -86,7 +86,7 @@ def alternatives(hint: Any) -> tuple[Any, ...]:
 
 
 def texts_below(kind: type) -> Mapping[str, str]:
-    """Return the texts below the fields of a class, those of its bases included.
+    """Return the texts below the fields of a class and its bases; without one, that of its `Doc`.
 
     Examples
     --------
@@ -97,7 +97,17 @@ def texts_below(kind: type) -> Mapping[str, str]:
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
         found |= _written(base) if dataclasses.is_dataclass(base) else {}
+    for name, hint in _hints(kind).items():
+        for mark in _marks(hint):
+            if isinstance(mark, Doc):
+                found.setdefault(name, mark.documentation)
     return found
+
+
+def _marks(hint: Any) -> Iterator[Any]:
+    """Yield what `Annotated` says of a type, or of those of a union."""
+    for one in alternatives(hint):
+        yield from getattr(one, "__metadata__", ())
 
 
 def _written(kind: type) -> Mapping[str, str]:
@@ -125,11 +135,9 @@ def _entries(kind: type) -> Iterator[str]:
         if field.name.startswith("_") or not field.init:
             continue
         hint = hints.get(field.name, field.type)
-        marks = [m for one in alternatives(hint) for m in getattr(one, "__metadata__", ())]
-        meanings = [mark.documentation for mark in marks if isinstance(mark, Doc)]
-        meanings += [f"{mark}." for mark in marks if not isinstance(mark, Doc)]
+        ranges = [f"{mark}." for mark in _marks(hint) if not isinstance(mark, Doc)]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
-        lines = [*texts.get(field.name, "").splitlines(), *meanings]
+        lines = [*texts.get(field.name, "").splitlines(), *ranges]
         yield from (f"    {line}" for line in lines)
 
 

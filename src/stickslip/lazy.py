@@ -1,6 +1,7 @@
 """Public names of a package that are loaded when they are first asked for."""
 
 import importlib
+import sys
 from collections.abc import Callable, Collection, Mapping
 
 __all__ = ["attach"]
@@ -42,7 +43,21 @@ def attach(
         if name in namespaces:
             return importlib.import_module(f"{package}.{name}")
         if name not in homes:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            there = _elsewhere(package, name, namespaces)
+            raise AttributeError(
+                f"module {package!r} has no attribute {name!r}{there}",
+                name=name,
+                obj=sys.modules[package],
+            )
         return getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
 
     return load, lambda: sorted([*homes, *namespaces])
+
+
+def _elsewhere(package: str, name: str, namespaces: Collection[str]) -> str:
+    """Return which public module has a name that the package has not, to end a message."""
+    for namespace in () if name.startswith("_") else namespaces:
+        module = importlib.import_module(f"{package}.{namespace}")
+        if name in getattr(module, "__all__", ()):
+            return f"; it is {package}.{namespace}.{name}"
+    return ""

@@ -477,14 +477,16 @@ class Parametrised(metaclass=Described):
 
     @classmethod
     def instead(cls, given: object) -> str:  # noqa: ARG003  # subclasses look at it
-        """Return how something else that was given is written instead; empty if unknown."""
+        """Return how what was given is written instead; empty if it may stand, or if unknown."""
         return ""
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
         for name, kinds in _members(type(self)).items():
-            if not isinstance(getattr(self, name), kinds):
-                raise ParameterError(_refusal(f"{owner}.{name}", kinds, getattr(self, name)))
+            value = getattr(self, name)
+            cure = kinds[0].instead(value) if issubclass(kinds[0], Parametrised) else ""
+            if not isinstance(value, kinds) or (cure and value is not None):
+                raise ParameterError(_refusal(f"{owner}.{name}", kinds, value))
         for name, quantity in fields_of(type(self)).items():
             value = getattr(self, name)
             if value is None and _optional(type(self), name):

@@ -221,11 +221,15 @@ class Trajectory(InPanels):
         Raises
         ------
         InputError
-            If a time lies outside the run.
+            If a time is no number, or lies outside the run.
         """
         import numpy as np
 
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        try:
+            times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        except (TypeError, ValueError):
+            column = f"; the column is run[{t!r}]" if isinstance(t, str) and t in self.names else ""
+            raise InputError(f"times must be numbers [s], got {t!r}{column}.") from None
         check_size("times of a run", times.size * len(self.names), "ask for fewer")
         first, last = self.span
         if times.size and not (times.min() >= first and times.max() <= last):
@@ -239,7 +243,8 @@ class Trajectory(InPanels):
         """Return how a state changes with a parameter or an initial state, at the times `t`.
 
         Exact derivatives of the solution, the moments of events included; where the state itself
-        jumps in its derivative, at an event, that after it. NaN beyond an impact at a hard stop.
+        jumps in its derivative, at an event, that after it. NaN where there is no
+        derivative, such as after two impacts at the same time.
 
         Parameters
         ----------
@@ -396,6 +401,12 @@ class Trajectory(InPanels):
     def _count(self, contact: str) -> int:
         return sum(event.contact == contact for event in self.events)
 
+    def _last_values(self) -> Iterator[tuple[str, str]]:
+        """Yield the row of the values at the last time, if there is one; other times are named."""
+        if len(self.t):
+            at = "" if self.t[-1] == self.span[1] else f" at {number(self.t[-1], 6)} s"
+            yield f"last values{at}", ", ".join(self._last(name) for name in self.states)
+
     def _last(self, name: str) -> str:
         return f"{name} = {quantity(float(self[name][-1]), self.units[name], 4)}"
 
@@ -404,7 +415,7 @@ class Trajectory(InPanels):
         rows = (
             ("time", f"{number(self.span[0], 6)} to {number(self.span[1], 6)} s"),
             ("columns", ", ".join(self.names)),
-            ("last values", ", ".join(self._last(name) for name in self.states)),
+            *self._last_values(),
             ("events", len(self.events)),
             ("energy error", residue(self.certificate.energy_error)),
             ("certified", "yes" if self.certificate.certified else "no"),

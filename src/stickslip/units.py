@@ -228,7 +228,7 @@ def number_in(value: Any, unit: str) -> float:
     (0.035, 0.1, 0.0003)
     >>> number_in("35", "m")
     Traceback (most recent call last):
-    stickslip.errors.ParameterError: has no unit, got '35': write "35 m", or the number in SI ...
+    stickslip.errors.ParameterError: has no unit, got '35': write "35 m" (without a unit it must ...
     """
     if not isinstance(value, str):
         held = pint_magnitude(value, unit)
@@ -244,8 +244,8 @@ def number_in(value: Any, unit: str) -> float:
     number, own = found["number"], found["unit"]
     if own is None and unit != "1":
         raise ParameterError(
-            f'has no unit, got {shown(value)}: write "{number} {unit}", or the number in SI units'
-            " without quotes"
+            f'has no unit, got {shown(value)}: write "{number} {unit}" (without a unit it must be'
+            " a number in SI units, not a text)"
         )
     if not math.isfinite(float(number)):
         return float(number)

@@ -34,6 +34,12 @@ def test_a_public_module_needs_no_import_of_its_own(name):
     assert public <= set(ast.literal_eval(run.stdout))
 
 
+def test_a_name_of_a_public_module_is_found_by_its_name_alone():
+    with pytest.raises(AttributeError, match=r"'Sine'; it is stickslip\.drives\.Sine$"):
+        _ = stickslip.Sine
+    assert not hasattr(stickslip, "nothing_of_this_name")
+
+
 def test_listing_names_loads_nothing():
     code = (
         "import stickslip, sys; old = {*sys.modules}; dir(stickslip); print({*sys.modules} - old)"

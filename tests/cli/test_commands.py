@@ -68,7 +68,7 @@ def test_models_shows_a_mechanism_with_its_parameters(run):
 def test_an_existing_folder_is_refused_before_work_begins(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old").mkdir()
-    monkeypatch.setattr("stickslip.cli.paper.audit", lambda **_: pytest.fail("work began"))
+    monkeypatch.setattr("stickslip.cli.paper.audit", lambda *_, **__: pytest.fail("work began"))
     code, _, err = run("paper", "-o", "old")
     assert (code, "old already exists; give --force" in err) == (2, True)
     with pytest.raises(pytest.fail.Exception, match="work began"):

@@ -89,12 +89,21 @@ def test_what_cannot_be_done_is_one_message_and_exit_code_2(called, tmp_path, ar
     assert sorted(path.name for path in tmp_path.iterdir()) == ["law.toml"]
 
 
-def test_files_are_not_replaced_without_force(called, tmp_path):
-    assert called("law.toml", "--to", "json", "-o", ".")[0] == 0
-    code, _, err = called("law.toml", "--to", "json", "-o", ".")
+@pytest.mark.parametrize("target", ["json", "mjcf", "fmu"])
+def test_an_existing_folder_is_refused_before_work_begins(called, tmp_path, monkeypatch, target):
+    (tmp_path / "old").mkdir()
+    for reader in ("load_rig", "rig_and_friction"):
+        monkeypatch.setattr(
+            f"stickslip.cli.export.{reader}", lambda *_, **__: pytest.fail("work began")
+        )
+    code, _, err = called("law.toml", "--to", target, "-o", "old")
     assert code == 2
-    assert "stribeck.json already exists; give --force" in err
-    assert called("law.toml", "--to", "json", "-o", ".", "--force")[0] == 0
+    assert "old already exists; give --force to replace files in it, or another -o" in err
+
+
+def test_files_are_replaced_with_force(called):
+    codes = [called("law.toml", "--to", "json", *more)[0] for more in ([], [], ["--force"])]
+    assert codes == [0, 2, 0]
 
 
 def test_a_selection_that_named_no_law_says_so(called, tmp_path):

@@ -312,8 +312,6 @@ def test_a_drive_that_no_rig_file_can_have_is_left_out_and_named(read):
     said, _, rest = rig_toml(arm, NO_FRICTION).partition("\n")
     assert said.startswith("# mechanism.links.1.torque is left out: a rig file cannot have a Piece")
     assert read(rest).mechanism.links[1].torque is None
-    moved = Axis(inertia=1.0, drive=ThreePhase(amplitude=1.0, fast=10.0, slow=5.0))
-    assert read(rig_toml(moved, NO_FRICTION)).mechanism == Axis(inertia=1.0)
 
 
 def test_a_motor_in_a_file_runs_as_it_does_in_python(read):

@@ -86,6 +86,9 @@ def test_a_run_is_printed_as_how_it_ended_and_where():
     assert "last values: x = 0.2039 m, v = 0 m/s" in lines
     assert repr(run).startswith("<Trajectory: Came to rest")
     assert "array" not in repr(run)
+    assert "last values at 0.1 s: x = " in str(run.at([1.0, 0.1]))
+    assert "last values" not in str(run.at([]))
+    assert "certified: yes" in str(run.at([]))
 
 
 def test_a_run_is_a_collection_of_its_columns():

@@ -17,6 +17,7 @@ from stickslip import (
     simulate,
 )
 from stickslip.errors import InputError, ParameterError
+from stickslip.experiments import read_data
 from stickslip.selection.record_wording import error_text
 
 
@@ -146,8 +147,11 @@ def test_an_axis_is_rotary_by_its_record_and_says_so_in_the_file_of_its_law(tmp_
     read("time [s],position [deg],force [N m]", [(0.1 * i, i * i, 1 + i % 2) for i in range(9)])
     data = '[data]\nfile = "record.csv"\n'
     assert rig_of(tmp_path, "inertia = 0.02\n", data).mechanism.rotary
-    with pytest.raises(InputError, match="linear axis, but the data have angles or torques"):
+    with pytest.raises(InputError, match=r"position is in deg.* but the mechanism is linear"):
         rig_of(tmp_path, 'inertia = "2 kg"\n', data)
+    rig = rig_of(tmp_path, 'inertia = "2 kg"\n', "")
+    with pytest.raises(InputError, match=r"position is in deg.* but the mechanism is linear"):
+        read_data([tmp_path / "record.csv"], rig.reading, mechanism=rig.mechanism)
     read("time [s],position [mm],force [N]", ROWS)
     with pytest.raises(InputError, match=r"position is in mm.* but the mechanism is rotary"):
         rig_of(tmp_path, 'inertia = "2 kg m^2"\n', data)

@@ -181,8 +181,15 @@ def test_the_joints_of_an_arm_with_a_slide_leave_each_as_its_own():
 def test_a_load_or_a_range_of_speeds_that_is_not_known_is_asked_for():
     with pytest.raises(InputError, match=r"--load .50 N. \(in Python load=50.0\)"):
         export(LAW, "mjcf", largest_speed=1.0)
-    with pytest.raises(InputError, match="--largest-speed"):
+    with pytest.raises(InputError, match=r"--largest-speed .0\.5 m/s"):
         export(LAW, "mjcf", load=5.0)
+    with pytest.raises(InputError, match=r"--largest-speed .0\.5 rad/s"):
+        export(LAW, "mjcf", rotary=True)
+
+
+def test_a_joint_whose_inertia_is_not_known_says_so_beside_its_creep():
+    found = export(LAW, "mjcf", load=5.0, largest_speed=1.0)
+    assert found.remarks[-1] == "The inertia is not known: 1.0 kg stands for it."
 
 
 BRISTLES = LuGre.from_forces(

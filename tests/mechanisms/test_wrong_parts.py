@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from stickslip import Axis, Capsule, ClutchTrain, SpringBlock
-from stickslip.drives import Sampled, Sine, ThreePhase
+from stickslip.drives import Sampled, Sine, Sum, ThreePhase
 from stickslip.errors import ParameterError
 from stickslip.mechanisms import Prescribed, Rotor, Torque
 
 SINE = Sine(amplitude=1.0, frequency=2.0)
+MOTION = ThreePhase(amplitude=0.1, fast=9.0, slow=3.0)
 SAMPLES = "Give samples of the function f, Sampled"
 
 
@@ -28,7 +29,13 @@ def swing(t: float) -> float:
         (lambda: Axis(inertia=1.0, drive="sine"), r"such as Sine\(...\) or None, got 'sine'"),
         (lambda: Rotor(inertia=1.0, torque=swing), "Rotor.torque must be a drive"),
         (lambda: Torque(drive=swing), "Torque.drive must be a drive .* got a function"),
-        (lambda: Torque(drive=ThreePhase(amplitude=0.1, fast=9.0, slow=3.0)), "write Prescribed"),
+        (lambda: Torque(drive=MOTION), r"an acceleration: a motor takes it, as Prescribed\("),
+        (
+            lambda: Axis(inertia=1.0, drive=MOTION),
+            r"Axis.drive must .* as Prescribed\(",
+        ),
+        (lambda: SINE + MOTION, r"Sum.parts must .* as Prescribed\(profile=...\)"),
+        (lambda: Sum(parts=(3.0,)), r"Sum.parts must .* Sampled\(times=\[0.0\], values=\[3\]\)"),
         (lambda: Prescribed(profile=SINE), "must be a motion profile such as ThreePhase"),
         (lambda: Capsule(capsule_mass=1.0, inner_mass=0.2, drive=SINE), "Write Torque"),
         (lambda: Capsule(capsule_mass=1.0, inner_mass=0.2, drive=swing), SAMPLES),

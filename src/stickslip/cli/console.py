@@ -244,10 +244,13 @@ def refuse_overwriting(
         If `path` exists without `force`, a file in the folder is not as it was written, or `folder`
         cannot be written into.
     """
-    if path.exists() and not force:
-        raise InputError(f"{path} already exists; give --force to replace it, or another {option}.")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but a folder is needed: give another {option}.")
+    if path.exists() and not force:
+        what = "files in it" if path.is_dir() else "it"
+        raise InputError(
+            f"{path} already exists; give --force to replace {what}, or another {option}."
+        )
     check_replaceable(folder, files)
     new = [part for part in (folder, *folder.parents) if not part.exists()]
     try:

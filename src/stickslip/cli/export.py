@@ -82,7 +82,9 @@ def run(
     Raises
     ------
     InputError
-        If the file has no law, or the target needs what is not known.
+        If the file has no law, the target needs what is not known, or the output exists.
+    ParameterError
+        If a value is out of its range.
     """
     known = named({**TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in BESIDE:
@@ -96,7 +98,7 @@ def run(
         _export_fmu(path, wanted, output, allow_import=allow_import, force=force, as_json=as_json)
         return
     target = known
-    refuse_overwriting(output, output, force=True)
+    refuse_overwriting(output, output, force=force)
     source = load_rig(path, allow_import=allow_import)
     rig = None if wanted.rig is None else load_rig(wanted.rig, allow_import=allow_import)
     load, law_load = (
@@ -158,7 +160,7 @@ def _export_fmu(
     """Export a rig with its law as an FMU: into a file, or into a folder."""
     name = wanted.name if wanted.name is not None else path.stem
     file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
-    refuse_overwriting(file, file.parent, force=force)
+    refuse_overwriting(output, file.parent, force=force)
     asked = LawAsked(law=wanted.law, load=wanted.law_load)
     rig, chosen = rig_and_friction(path, (), asked, allow_import=allow_import)
     law = friction_of(chosen)

@@ -57,10 +57,18 @@ class Drive(Parametrised, ABC):
     """
 
     wanted: ClassVar[str] = "a drive such as Sine(...)"
+    moves: ClassVar[bool] = False
+    """Whether the value is the acceleration of a motion, which no force or torque can be."""
 
     @override
     @classmethod
     def instead(cls, given: object) -> str:
+        if isinstance(given, Drive):
+            cure = (
+                "A motion profile is an acceleration: a motor takes it, as Prescribed(profile=...),"
+                " in a mechanism that has one, such as Capsule or PendulumCart."
+            )
+            return cure if given.moves else ""
         sampled = "Sampled(times=t, values=[f(s) for s in t], hold='first')"
         if isinstance(given, (int, float)):
             return f"A constant is Sampled(times=[0.0], values=[{given:g}])."
@@ -155,6 +163,12 @@ class Sum(Drive):
         super().__post_init__()
         if not self.parts:
             raise ParameterError("Sum.parts must contain at least one drive, got none.")
+        for part in self.parts:
+            cure = self.instead(part)
+            if cure or not isinstance(part, Drive):
+                raise ParameterError(
+                    f"Sum.parts must contain drives such as Sine(...), got {part!r}. {cure}".strip()
+                )
 
     @override
     def smooth(self, t: Scalar) -> Scalar:

@@ -46,6 +46,7 @@ class Profile(Drive, ABC):
     """
 
     wanted: ClassVar[str] = "a motion profile such as ThreePhase(...)"
+    moves: ClassVar[bool] = True
 
     @override
     @classmethod

@@ -451,13 +451,13 @@ def _checked_load(rig: Rig, levels: Levels, load: float) -> float:
             " --law-load out."
         )
     if levels == "torques":
-        raise InputError(_torques(rig))
+        raise InputError(f"{_torques(rig)}, or leave --law-load out.")
     return found
 
 
 def _refusal(rig: Rig, name: str, levels: Levels) -> str:
     if levels == "torques":
-        return _torques(rig)
+        return f"{_torques(rig)}."
     return (
         f"{rig.path}: the levels of {name} are forces, because the load of its"
         f" {type(rig.mechanism).__name__} is 1 (normal force unknown). Forces do not apply to a"
@@ -468,9 +468,9 @@ def _refusal(rig: Rig, name: str, levels: Levels) -> str:
 
 def _torques(rig: Rig) -> str:
     return (
-        f"{rig.path}: the levels of its law are torques about a pivot, which do not apply to a"
-        " sliding body. The coefficient is the torque divided by normal force and radius: write it"
-        " into a separate rig file."
+        f"{rig.path}: the levels of its law are torques about an axis, and the radius at which it"
+        " rubs is not known. A coefficient is the torque divided by normal force and radius: write"
+        " it into a separate rig file"
     )
 
 

@@ -325,7 +325,8 @@ class _Files:
             gains=gains,
             load=load_stated(self.mechanism, self.common["overrides"]),
             load_offset=reading.offset.get("load", 0.0),
-            rotary=self.mechanism is not None and set(self.mechanism.units) == {"rad"},
+            rotary=(self.mechanism is not None and set(self.mechanism.units) == {"rad"})
+            or reading.rotary,
         )
         values, turning = scaling.scaled(raw)
         if line is not None and turning:

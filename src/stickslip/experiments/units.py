@@ -52,7 +52,7 @@ def read_number(value: object, quantity: Quantity) -> float:
     try:
         found = quantity.check("", "", number)
     except (ParameterError, OverflowError):
-        wanted = _as_written(quantity, value).wanted(_size(number))
+        wanted = _wanted(quantity, value, _size(number))
         raise ParameterError(f"({quantity.symbol}) must be {wanted}, got {shown(value)}.") from None
     wanted = size_wanted(found, quantity)
     if wanted:
@@ -97,17 +97,18 @@ def _size(value: Any) -> float:
         return math.inf
 
 
-def _as_written(quantity: Quantity, value: object) -> Quantity:
-    """Return a quantity with its range in the unit that a text has."""
-    match = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
+def _wanted(quantity: Quantity, given: object, value: float) -> str:
+    """Return the allowed values beside one [SI] that is not, in the unit in which it was given."""
+    match = NUMBER_WITH_UNIT.fullmatch(given) if isinstance(given, str) else None
     unit = match["unit"] if match else None
     if unit is None or unit == quantity.unit:
-        return quantity
+        return quantity.wanted(value)
     size = factor(unit, quantity.unit)
     above = None if quantity.above is None else quantity.above / size
-    return replace(
+    written = replace(
         quantity, unit=unit, low=quantity.low / size, high=quantity.high / size, above=above
     )
+    return written.wanted(value / size)
 
 
 MOST_UNCERTAIN = 0.5

@@ -196,7 +196,8 @@ class Mjcf(Target):
         joint = (
             _by_constraint(subject, inertia) if law is None else _by_bristles(subject, law, inertia)
         )
-        notes = [*joint.notes, _about_inertia(subject, known)]
+        about = _about_inertia(subject, known)
+        notes = [*joint.notes, about]
         kind = "hinge" if subject.rotary else "slide"
         principal = " ".join([repr(inertia)] * 3)
         lines = [
@@ -216,7 +217,8 @@ class Mjcf(Target):
             "  </actuator>",
             "</mujoco>",
         ]
-        return _export(self, joint.said, f"{name}.xml", lines)
+        said = joint.said if known is not None else (*joint.said, about)
+        return _export(self, said, f"{name}.xml", lines)
 
 
 def _export(target: Target, said: Sequence[str], name: str, lines: Sequence[str]) -> Export:

@@ -115,8 +115,9 @@ def steady_force(
         force = np.full(velocity.shape, np.inf)
     if not np.all(np.isfinite(force)):
         raise InputError(
-            f"{law.title} friction is not finite up to {np.abs(velocity).max():g} m/s at a load of"
-            f" {load:g} N: give a smaller load or largest speed."
+            f"{law.title} friction is not finite up to {np.abs(velocity).max():g}"
+            f" {turned('m/s', subject.rotary)} at a load of {load:g}: give a smaller load or"
+            " largest speed."
         )
     return force
 
@@ -216,7 +217,20 @@ def _lost(
 
 
 def about_load(subject: Subject, load: float) -> str:
-    """Return that a joint has its friction at one normal force, in a sentence."""
+    """Return that a joint has its friction at one normal force, in a sentence.
+
+    Parameters
+    ----------
+    subject : Subject
+        The law.
+    load : float
+        The normal force [N].
+
+    Returns
+    -------
+    str
+        The sentence.
+    """
     return (
         f"Dependence on the normal force: the joint has the friction at {quantity(load, 'N')}."
         if subject.levels == "per load"

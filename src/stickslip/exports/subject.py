@@ -127,7 +127,7 @@ class Subject:
         )
 
     def needed_speed(self) -> float:
-        """Return the end of the range of use [m/s].
+        """Return the end of the range of use [m/s] or [rad/s].
 
         Raises
         ------
@@ -136,8 +136,9 @@ class Subject:
         """
         if self.largest_speed is not None:
             return self.largest_speed
+        unit = turned("m/s", self.rotary)
         raise InputError(
             "this target has friction over a range of speeds, and neither the law's file nor a rig"
-            ' says which: give its end, as --largest-speed "0.5 m/s" (in Python'
+            f' says which: give its end, as --largest-speed "0.5 {unit}" (in Python'
             " largest_speed=0.5)."
         )

@@ -262,9 +262,11 @@ def _of_contact(
 def _load(subject: Subject, given: float | None) -> float | None:
     if given is not None:
         if subject.levels != "per load":
+            forces = subject.levels == "forces"
+            cure = ", or divide them by --law-load (in Python law_load)" if forces else ""
             raise InputError(
-                f"load: the levels of {subject.law.name} are {subject.levels}, which have no normal"
-                " force: leave it out, or divide them by law_load."
+                f"--load (in Python load): the levels of {subject.law.name} are {subject.levels},"
+                f" which have no normal force: leave it out{cure}."
             )
         return LOAD.check("export", "load", given)
     if subject.levels != "per load":

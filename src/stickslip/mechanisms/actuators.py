@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.drives import Drive, Profile
-from stickslip.errors import ParameterError
 from stickslip.maths import Scalar, where
 from stickslip.mechanisms.base import Guide
 from stickslip.quantities import Parametrised, Quantity
@@ -145,16 +144,6 @@ class Torque(Motor):
     """Torque [N m] or force [N]; none if not given."""
     limit: Annotated[float, Quantity("tau_m", "N m", above=0, or_unit="N")] | None = None
     """Largest torque: beyond it the motor saturates. None if not given."""
-
-    @override
-    def __post_init__(self) -> None:
-        """Check that the drive is no motion."""
-        super().__post_init__()
-        if isinstance(self.drive, Profile):
-            raise ParameterError(
-                f"Torque.drive must be {Drive.wanted} or None, got {self.drive!r}. For a motion"
-                " write Prescribed(profile=...)."
-            )
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -140,6 +140,8 @@ class Reading:
     """How a text file holds its table; found out if not given."""
     conditions: tuple[str, ...] = ()
     """Columns that hold a condition of the trial, one value in each."""
+    rotary: bool | None = None
+    """Whether the rig is stated to be rotary (True) or linear (False), as units then have to be."""
     by: Speaker = field(default="python", compare=False)
     """Who said so, and is to be told in the same spelling what else to say."""
 
@@ -162,6 +164,7 @@ class Reading:
             motor_constant={**self.motor_constant, **other.motor_constant},
             layout=other.layout or self.layout,
             conditions=self.conditions + other.conditions,
+            rotary=self.rotary if other.rotary is None else other.rotary,
             by=self.by if other.by == "python" else other.by,
         )
 

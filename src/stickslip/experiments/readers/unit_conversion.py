@@ -183,8 +183,8 @@ class Scaling:
     """Normal force [N] by which coefficients are multiplied where the file has none."""
     load_offset: float = 0.0
     """Offset of a load in the file [N]."""
-    rotary: bool = False
-    """Whether the mechanism turns, as columns without units then do."""
+    rotary: bool | None = None
+    """Whether the mechanism turns, as columns without units then do; None if they decide."""
 
     def scaled(self, raw: Mapping[str, Array]) -> tuple[dict[str, Array], bool]:
         """Return columns (n,) in SI, and whether they are of an axis that turns."""
@@ -274,12 +274,14 @@ class Scaling:
                 " for a linear one: combine angles with torques, such as N m, and lengths with"
                 " forces."
             )
-        if self.rotary and False in kinds:
+        words = {True: "rotary", False: "linear"}
+        if self.rotary is not None and (not self.rotary) in kinds:
             raise InputError(
-                f"{self.frame.file}: {kinds[False]}, as for a linear axis, but the mechanism is"
-                " rotary: correct the unit of the column or the mechanism."
+                f"{self.frame.file}: {kinds[not self.rotary]}, as for a {words[not self.rotary]}"
+                f" axis, but the mechanism is {words[self.rotary]}: correct the unit of the column"
+                " or those of the mechanism."
             )
-        turning = True in kinds or self.rotary
+        turning = True in kinds or bool(self.rotary)
         targets = {"time": "s"}
         for name in moving:
             quantity = quantity_called(name)

@@ -104,15 +104,10 @@ def read_rig(
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
-    reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
+    conditions = tuple(table.data.conditions)
+    reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
     measurement = _measured(table, mechanism, reading, file)
     if measurement is not None and measurement.turning:
-        if stated is False:
-            raise InputError(
-                f"{file}: [mechanism] is a linear axis, but the data have angles or torques: give"
-                ' its values as of a rotary one, such as inertia = "0.02 kg m^2", or correct the'
-                " units of the data."
-            )
         mechanism = as_rotary(mechanism)
     kinds = {**laws(), **own.laws}
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
