@@ -14,7 +14,13 @@ from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement, quantity_called
+from stickslip.experiments.measurement import (
+    QUANTITIES,
+    TRAVELS,
+    Measurement,
+    as_turning,
+    quantity_called,
+)
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
@@ -106,6 +112,7 @@ def read_rig(
     mechanism = _mechanism(table, file, overrides)
     reading = replace(_reading(table.data, file), conditions=tuple(table.data.conditions))
     measurement = _measured(table, mechanism, reading, file)
+    measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         if stated is False:
             raise InputError(
