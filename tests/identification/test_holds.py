@@ -100,3 +100,12 @@ def test_where_samples_are_too_coarse_for_accelerations_residuals_of_both_fits_t
         left[hold] = float(np.std(one.residual))
     assert min(left, key=left.__getitem__) == truth
     assert max(left.values()) > 10.0 * min(left.values())
+
+
+def test_a_selection_that_varies_the_mass_fits_the_laws_too():
+    verdict = select(
+        Axis(inertia=3.0), ["coulomb-viscous"], record("first", seed=3),
+        vary="mechanism.inertia", route="inverse-dynamics",
+    )  # fmt: skip
+    assert verdict.closest.fit.estimate("inertia").value == pytest.approx(2.0, rel=0.02)
+    assert verdict.closest.fit.law.kinetic_coefficient == pytest.approx(2.0, rel=0.05)
