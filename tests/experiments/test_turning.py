@@ -9,6 +9,7 @@ from stickslip import (
     Axis,
     CoulombViscous,
     Measurement,
+    Pendulum,
     TwoMassAxis,
     check,
     fit,
@@ -185,3 +186,16 @@ def test_a_fit_to_angles_saves_a_rotary_axis_with_torques(tmp_path):
     assert law.estimates.levels == "torques"
     with pytest.raises(ParameterError, match=r"Axis\.rotary must be True or False, got 'yes'"):
         Axis(inertia=1.0, rotary="yes")
+
+
+def test_what_can_only_turn_has_angles_and_torques_whatever_its_numbers_say():
+    clock, t = Pendulum(mass=0.2, length=0.5), np.arange(0.0, 10.0, 0.02)
+    law = CoulombViscous(kinetic_coefficient=0.004, viscous_coefficient=0.002)
+    swing = simulate(clock, law, t_end=float(t[-1]), y0={"theta": 0.6}).at(t)["theta"]
+    plain = Measurement(time=t, position=swing)
+    for record in (plain, Measurement(trials=(plain, plain))):
+        found = fit(clock, CoulombViscous, record)
+        assert found.estimates[0].quantity.unit == "N m"
+        assert found.measurement.unit("position") == "rad"
+    assert "rad/s" in str(check(plain, mechanism=clock))
+    assert "rad/s" not in str(check(plain))

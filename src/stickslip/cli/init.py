@@ -47,6 +47,8 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
     except InputError as error:
         text = str(error).replace('columns={"', "--columns ").replace('": "..."}', "=...")
         raise type(error)(text) from None
+    if not as_json:  # all of the file is read once more below
+        stdout().print(str(guess), markup=False)
     inertia = inertia_of(read_data([file], guess.reading))
     text = guessed_rig(guess, _relative(file, target), inertia=inertia or 1.0)
     write_file(target, text)
@@ -57,9 +59,7 @@ def run(file: Path, reading: Reading, output: Path | None, *, force: bool, as_js
         found |= {"reasons": dict(guess.reasons), "doubts": list(guess.doubts)}
         print_json(document("init", found))
         return
-    console = stdout()
-    console.print(str(guess), markup=False)
-    console.print(
+    stdout().print(
         f"\nThe rig file is {target}. Next: stickslip check {target}; stickslip select {target}",
         markup=False,
     )

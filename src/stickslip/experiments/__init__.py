@@ -41,6 +41,7 @@ INSIDE = {
     "Reading": "readers.reader_options",
     "TRAVELS": "measurement",
     "all_paths": "parameter_paths",
+    "as_turning": "measurement",
     "between_gaps": "slicing",
     "canonical": "parameter_paths",
     "check_uncertainty": "units",

@@ -3,8 +3,8 @@
 import math
 import numbers
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast, final
 
@@ -35,6 +35,7 @@ __all__ = [
     "Kind",
     "Measurement",
     "Uncertainty",
+    "as_turning",
     "quantity_called",
 ]
 
@@ -532,6 +533,33 @@ def _shared_times(record: Measurement) -> Mapping[str, Measurement]:
         if not np.array_equal(np.asarray(one.time), np.asarray(record.time)):
             raise InputError(f"joint {joint!r} must have the times of its record.")
     return dict(record.joints)
+
+
+def as_turning(measurement: Measurement, units: Collection[str]) -> Measurement:
+    """Return a record of a mechanism all of whose coordinates are angles as one of angles.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        What was measured; each joint of a robot has units of its own.
+    units : collection of str
+        SI units of the coordinates.
+
+    Returns
+    -------
+    Measurement
+        The same numbers, which read in rad and N m where all of these units are rad.
+
+    Examples
+    --------
+    >>> swing = Measurement(time=[0.0, 1.0], position=[0.0, 0.1])
+    >>> as_turning(swing, ("rad",)).unit("position"), as_turning(swing, ("m",)).unit("position")
+    ('rad', 'm')
+    """
+    if measurement.turning or {*units} != {"rad"} or measurement.joint_names():
+        return measurement
+    trials = tuple(replace(one, turning=True) for one in measurement.trials)
+    return replace(measurement, trials=trials, turning=True)
 
 
 def _numbers(name: str, quantity: Quantity, value: Any, turning: bool) -> Array | float:

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias, overload
 
 from typing_extensions import TypeVar
 
-from stickslip.experiments import Measurement
+from stickslip.experiments import Measurement, as_turning
 from stickslip.friction import FrictionLaw, Laws, RateState
 from stickslip.identification import (
     Fit,
@@ -137,6 +137,7 @@ def fit(
     5.73
     """
     check_given("fit", mechanism, measurement)
+    measurement = as_turning(measurement, mechanism.units)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     way = route_of(measurement, route)
@@ -248,6 +249,7 @@ def select(
     ('coulomb', ['coulomb', 'viscous'])
     """
     check_given("select", mechanism, measurement)
+    measurement = as_turning(measurement, mechanism.units)
     if measurement.turning:
         mechanism = as_rotary(mechanism)
     way = route_of(measurement, route)
@@ -256,7 +258,7 @@ def select(
         settings=settings,
         purpose=purpose,
         horizon=horizon,
-        validate=validate,
+        validate=validate and as_turning(validate, mechanism.units),
         assumed=assumed or None,
         t_end=t_end,
         executor=executor,

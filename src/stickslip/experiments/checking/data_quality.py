@@ -21,7 +21,7 @@ from stickslip.experiments.checking import (
     stationarity,
 )
 from stickslip.experiments.checking.finding import SEVERITIES, Finding, Severity
-from stickslip.experiments.measurement import Measurement
+from stickslip.experiments.measurement import Measurement, as_turning
 from stickslip.experiments.rig import check_record
 from stickslip.formatting import quantity, unbroken
 from stickslip.mechanisms import Mechanism
@@ -156,6 +156,8 @@ def check(measurement: Measurement, *, mechanism: Mechanism | None = None) -> Ch
             f"check takes a Measurement, got {type(measurement).__name__}: read a file with"
             " load_measurement."
         )
+    if mechanism is not None:
+        measurement = as_turning(measurement, mechanism.units)
     return Checks(findings=tuple(_findings(measurement, mechanism)), name=measurement.name)
 
 

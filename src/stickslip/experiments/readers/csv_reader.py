@@ -121,16 +121,16 @@ def _read_as(path: Path, data: bytes, layout: Layout) -> tuple[pd.DataFrame, int
             f"{path}: is not in the code page {layout.encoding} of its layout (byte"
             f" 0x{data[error.start]:02x} at {error.start})."
         ) from None
-    upper = itertools.islice(io.StringIO(text), layout.preface, layout.preface + LOOKED_AT)
-    lines = [line.rstrip("\r\n") for line in upper]
+    many = layout.preface + LOOKED_AT
+    upper = [line.rstrip("\r") for line in text.split("\n", many)[:many]]
+    lines = upper[layout.preface :] if upper[-1] else upper[layout.preface : -1]
     if len(lines) < 2 + layout.units_row:
         raise InputError(f"{path}: has no rows below the {layout.preface} lines of its preface.")
     names = cells_of(lines[0].lstrip("\ufeff"), layout.separator)
     if layout.units_row:
         units = [unit_in(cell) for cell in cells_of(lines[1], layout.separator)]
     else:
-        above = [*itertools.islice(io.StringIO(text), layout.preface)]
-        units = [*labview_units(names, above, layout.separator)]
+        units = [*labview_units(names, upper[: layout.preface], layout.separator)]
     if units:
         pairs = itertools.zip_longest(names, units, fillvalue="")
         names = [f"{name} [{unit}]" if unit and name else name for name, unit in pairs]

@@ -10,6 +10,7 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError, check_size
 from stickslip.experiments.readers.mat5_validator import CURE, check_structure, is_level_5
@@ -21,6 +22,11 @@ MOST_LISTED: Final = 12
 LEAST_SPLIT, MOST_SPLIT = 100, 64
 """Rows from which, and columns up to which, a matrix is one of signals."""
 DEEPEST: Final = 5
+MOST_ELEMENTS: Final = 1_000
+"""Elements of an array of structs that are looked at."""
+LONGEST_TEXT: Final = 1_000
+MOST_IN_MATRIX: Final = 20_000_000
+"""Numbers up to which a matrix is read."""
 _HDF5: Final = b"\x89HDF\r\n\x1a\n"
 
 
@@ -89,10 +95,16 @@ def read_mat(path: Path, names: Collection[str] = ()) -> pd.DataFrame:
 def _split(found: Mapping[str, Any]) -> Iterator[Found]:
     """Yield the rows or columns of matrices, whichever are longer, as ``name(1)``."""
     for name, value in found.items():
-        if isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "iuf":
+        if isinstance(value, np.ndarray) and _is_signals(value):
             longer = value if value.shape[0] > value.shape[1] else value.T
-            if longer.shape[0] >= LEAST_SPLIT and longer.shape[1] <= MOST_SPLIT:
-                yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
+            yield from ((f"{name}({i + 1})", row) for i, row in enumerate(longer.T))
+
+
+def _is_signals(value: Any) -> bool:
+    """Whether an array, or a dataset that is not read yet, may hold one signal in each column."""
+    if value.ndim != 2 or value.dtype.kind not in "iuf":
+        return False
+    return bool(max(value.shape) >= LEAST_SPLIT and min(value.shape) <= MOST_SPLIT)
 
 
 def _is_vector(value: Any) -> bool:
@@ -147,12 +159,17 @@ def _older(path: Path) -> Iterator[tuple[str, Any]]:
 
 def _unfolded(name: str, value: Any, depth: int) -> Iterator[tuple[str, Any]]:
     """Yield a value, or the fields of a struct."""
-    cells = value.ravel() if isinstance(value, np.ndarray) and value.dtype == object else [value]
-    structs = [{f: getattr(one, f) for f in getattr(one, "_fieldnames", ())} for one in cells]
+    structs = value if isinstance(value, list) else _structs(value)
     if not depth or not all(structs):
         yield name, value
         return
     yield from _fields(name, structs, depth)
+
+
+def _structs(value: Any) -> list[dict[str, Any]]:
+    """Return the elements of a struct of an older file; empty ones of whatever else."""
+    cells = value.ravel() if isinstance(value, np.ndarray) and value.dtype == object else [value]
+    return [{f: getattr(one, f) for f in getattr(one, "_fieldnames", ())} for one in cells]
 
 
 def _fields(name: str, structs: Sequence[Mapping[str, Any]], depth: int) -> Iterator[Found]:
@@ -184,9 +201,8 @@ def _channel(own: str, one: Mapping[str, Any], kind: "_Channel") -> Iterator[Fou
 
 def _text(value: Any) -> str:
     """Return text of MATLAB; empty for whatever else."""
-    if isinstance(value, np.ndarray):
-        value = value.item() if value.size == 1 else ""
-    return str(value).strip() if isinstance(value, str) else ""
+    text = value.item() if isinstance(value, np.ndarray) and value.size == 1 else ""
+    return text.strip() if isinstance(text, str) else ""
 
 
 def _apart(found: Iterable[Found]) -> Iterator[Found]:
@@ -211,46 +227,100 @@ def _last_part(name: str) -> str:
 def _newer(path: Path) -> Iterator[tuple[str, Any]]:
     import h5py
 
+    sizes: list[int] = []
+
+    def add(_: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and _is_vector(item):
+            sizes.append(item.size)
+
     with h5py.File(path, "r") as file:
-        found = dict(_group(file, "", DEEPEST, set()))
-        vectors = {name: item for name, item in found.items() if _is_vector(item)}
-        _check(path, sum(item.size for item in vectors.values()))
-        for name, item in vectors.items():
-            if item.is_virtual or item.external:
-                raise InputError(
-                    f"{path}: the values of {name} are in another file: copy them here."
-                )
-        yield from (found | {name: item[()].T for name, item in vectors.items()}).items()
+        file.visititems(add)
+        _check(path, sum(sizes))  # before any is read
+        found = dict(_Hdf5(path).members(file, "", DEEPEST))
+    for name, value in found.items():
+        yield from _unfolded(name, value, DEEPEST)
 
 
-def _group(group: Any, prefix: str, depth: int, seen: set[int]) -> Iterator[tuple[str, Any]]:
-    """Yield the variables of a file, or the fields of a struct, of a version that is HDF5.
+class _Hdf5:
+    """Variables of a version that is HDF5, as those of older ones; structs as lists of fields.
 
     A group may be a member of itself, by a hard or a soft link: each is entered once. Links to
     other files are not followed.
     """
-    import h5py
 
-    for key in group:
-        name, link = f"{prefix}{key}", group.get(key, getlink=True)
-        if key.startswith("#"):  # MATLAB keeps cells and tables there
-            continue
-        if isinstance(link, h5py.ExternalLink):
-            yield name, f"link to {link.filename}"
-            continue
-        item = group.get(key)
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.entered: set[int] = set()
+        self.numbers = 0
+
+    def members(self, group: Any, prefix: str, depth: int) -> Iterator[Found]:
+        """Yield the variables of a file, or the fields of a struct."""
+        import h5py
+
+        for key in group:
+            if key.startswith("#"):  # MATLAB keeps cells, tables and structs of arrays there
+                continue
+            link = group.get(key, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                yield key, f"link to {link.filename}"
+                continue
+            value = self.value(group.get(key), f"{prefix}{key}", depth)
+            if value is not None:
+                yield key, value
+
+    def value(self, item: Any, name: str, depth: int) -> Any:
+        """Return a value: None of what is none, is empty, or has been entered."""
+        import h5py
+
         if isinstance(item, h5py.Group):
             place = h5py.h5o.get_info(item.id).addr
-            if depth and place not in seen:
-                seen.add(place)
-                yield from _group(item, f"{name}.", depth - 1, seen)
-            continue
+            if not depth or place in self.entered:
+                return None
+            self.entered.add(place)
+            return self.structs(item, name, depth - 1)
         if not isinstance(item, h5py.Dataset):  # a type, or a link that leads nowhere
-            continue
+            return None
+        if "MATLAB_class" not in item.attrs and h5py.check_ref_dtype(item.dtype) is h5py.Reference:
+            return _Elements(item) if item.size <= MOST_ELEMENTS else f"{item.size} struct"
         kind = item.attrs.get("MATLAB_class", b"double")
         kind = kind.decode() if isinstance(kind, bytes) else str(kind)
-        numeric = kind in {"double", "single"} or kind.startswith(("int", "uint"))
-        if "MATLAB_empty" in item.attrs or not numeric or item.dtype.kind not in "iuf":
-            yield name, f"{' × '.join(map(str, item.shape[::-1]))} {kind}"
-        else:
-            yield name, item if _is_vector(item) else np.broadcast_to(0.0, item.shape[::-1])
+        shape = item.shape[::-1]
+        filled = "MATLAB_empty" not in item.attrs and item.dtype.kind in "iuf"
+        if kind == "char" and filled and item.size <= LONGEST_TEXT:
+            return np.array(["".join(map(chr, np.ravel(item[()])))])
+        if not filled or not (kind in {"double", "single"} or kind.startswith(("int", "uint"))):
+            return f"{' × '.join(map(str, shape))} {kind}"
+        if _is_vector(item) or (_is_signals(item) and item.size <= MOST_IN_MATRIX):
+            return self.read(item, name)
+        return f"{' × '.join(map(str, shape)) or '1'} {kind}"
+
+    def structs(self, group: Any, name: str, depth: int) -> Any:
+        """Return the elements of a struct; of several, each field refers to its values."""
+        fields = dict(self.members(group, f"{name}.", depth))
+        sizes = {getattr(value, "size", 0) for value in fields.values()}
+        if not all(isinstance(value, _Elements) for value in fields.values()) or len(sizes) != 1:
+            return [fields] if fields else None
+        columns = {
+            field: [self.value(one, f"{name}.{field}", depth) for one in value.items]
+            for field, value in fields.items()
+        }
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+    def read(self, item: Any, name: str) -> NDArray[Any]:
+        """Return an array as MATLAB shows it, unless it is too large or elsewhere."""
+        self.numbers += item.size
+        _check(self.path, self.numbers)
+        if item.is_virtual or item.external:
+            raise InputError(
+                f"{self.path}: the values of {name} are in another file: copy them here."
+            )
+        found: NDArray[Any] = item[()].T
+        return found
+
+
+class _Elements:
+    """A field of an array of structs: a reference to the value of each."""
+
+    def __init__(self, item: Any) -> None:
+        self.size = item.size
+        self.items = [item.file[one] for one in np.ravel(item[()])]

@@ -14,7 +14,13 @@ from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.experiments.hashing import with_files
-from stickslip.experiments.measurement import QUANTITIES, TRAVELS, Measurement, quantity_called
+from stickslip.experiments.measurement import (
+    QUANTITIES,
+    TRAVELS,
+    Measurement,
+    as_turning,
+    quantity_called,
+)
 from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import Reading, column_of, motor_constants
@@ -107,6 +113,7 @@ def read_rig(
     conditions = tuple(table.data.conditions)
     reading = replace(_reading(table.data, file), conditions=conditions, rotary=stated)
     measurement = _measured(table, mechanism, reading, file)
+    measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
     kinds = {**laws(), **own.laws}

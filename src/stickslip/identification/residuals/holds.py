@@ -91,11 +91,15 @@ class HoldFinding:
             return ""
         what = f'{MEANING[self.hold]} (hold = "{self.hold}")'
         if self.shown:
-            return f"Between samples, the force {what}, as estimated from the record: {late}."
+            return (
+                f"Between samples, the force {what}, as estimated from the record: {late}. A delay"
+                " of half a sample would look the same."
+            )
         told = f"; as estimated, {late}" if math.isfinite(self.half_width) else ""
         return (
-            "The record does not tell whether the force is held between samples or goes straight to"
-            f" the next value. Assumed: it {what}{told}. Give the hold if it is known."
+            "The balance of forces does not tell whether the force is held between samples or goes"
+            f" straight to the next value. Assumed: it {what}{told}. Give the hold if it is known,"
+            " or fit with both and compare the residuals."
         )
 
     def applied(self, settings: RecordSettings) -> RecordSettings:

@@ -190,7 +190,10 @@ class TravelFit(Fit[Law_co]):
                     for e, v in zip(self.estimates, values, strict=True)
                 ]
             )
-            said.append(f"Other values fit as well: {shown}. Measure more settings.")
+            said.append(
+                f"Other values fit as well: {shown}. Intervals reach over both. Measure more"
+                " settings."
+            )
         return tuple(said)
 
     @property

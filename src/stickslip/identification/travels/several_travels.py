@@ -1,7 +1,7 @@
 """Several travels: weighted least squares, with intervals from the readings' standard errors."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -51,6 +51,9 @@ FAILED = 1e6
 STRIDES, ENOUGH = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), 0.7
 """Lengths of an interval at which it is seen whether chi-square has risen by such a share of what
 it should, which its third derivatives change."""
+BESIDE = 6.0
+"""Standard errors from the best values at which searches begin again: mean speeds and travels rise
+and fall with a mechanism's parameters, and minima that fit as well lie side by side."""
 INSENSITIVE = "the trials hardly depend on it"
 """Why an estimate has no interval."""
 TOGETHER = 0.95
@@ -111,6 +114,9 @@ def fit_several(
             break
         ends.append(problem.polished(start, steps))
     best = min(ends, key=problem.cost)
+    if problem.rig:
+        ends += [problem.polished(start, STEPS) for start in problem.beside(best)]
+        best = min(ends, key=problem.cost)
     cost = problem.cost(best)
     if cost >= FAILED**2:
         raise ConvergenceError(
@@ -121,7 +127,7 @@ def fit_several(
         if not problem.weighed(best):
             break
         best = min(best, problem.polished(best, REFINED), key=problem.cost)
-    return problem.fit(best, ends[1:])
+    return problem.fit(best, ends)
 
 
 def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
@@ -308,6 +314,20 @@ class _Problem:
         bound = np.where(ends - self.low < 1e-3 * self.scale, self.least, ends)
         return bound if self.cost(bound) <= (1.0 + 1e-3) * self.cost(ends) + 1e-6 else ends
 
+    def beside(self, best: Array) -> Iterator[Array]:
+        """Yield unknowns on both sides of the best ones, along what each value is told with."""
+        gain, _ = self._gain(best)
+        known = np.where(np.isfinite(gain), gain, 0.0)
+        table = known @ self._covariance() @ known.T
+        values = self.matrix @ best
+        sizes = np.maximum(np.abs(values), self.scale)
+        for along, variance in zip(table.T, np.diag(table), strict=True):
+            if variance > 0.0:
+                step = BESIDE * along / math.sqrt(variance)
+                step *= min(1.0, 0.5 / float(np.max(np.abs(step) / sizes)))
+                for side in (-1.0, 1.0):
+                    yield self.free_parameters((values + side * step).tolist())
+
     def fit(self, best: Array, ends: Sequence[Array] = ()) -> TravelFit:
         """Return what the best unknowns are, with intervals; `ends` are those of all searches."""
         residuals = self.residuals(best)
@@ -327,10 +347,13 @@ class _Problem:
         ]
         if self.rig:
             found = self._told_apart(found, values, gain, variance[0])
+        rivals = self._rivals(found, best, ends, variance)
         return TravelFit(
             law=self.model.with_values(values),
             mechanism=self.model.set_up(self.trials[0], values).mechanism,
-            estimates=tuple(found),
+            estimates=tuple(
+                self._reaching(one, [rival[i] for rival in rivals]) for i, one in enumerate(found)
+            ),
             measured=tuple(self.measured.tolist()),
             predicted=tuple(self.predicted(best).tolist()),
             standard_errors=tuple(scatter.tolist()),
@@ -340,7 +363,7 @@ class _Problem:
             stated=self.stated,
             condition=condition,
             correlation=correlation,
-            rivals=self._rivals(found, best, ends, variance),
+            rivals=rivals,
             trials=tuple(self.model.set_up(trial, values) for trial in self.trials),
             runs=self.model.runs,
         )
@@ -409,6 +432,15 @@ class _Problem:
             if any(outside) and self.cost(end) <= room:
                 rivals.append(values)
         return tuple(rivals)
+
+    def _reaching(self, one: Estimate, others: Sequence[float]) -> Estimate:
+        """Return an estimate whose interval reaches over other values that fit as well."""
+        if not others or not one.bounded:
+            return one
+        half = one.high - one.value + max(abs(other - one.value) for other in others)
+        least = self.known[one.path][0]
+        low = max(one.value - half, least.low, least.above or -math.inf)
+        return replace(one, low=low, high=one.value + half)
 
     def _slopes(self, best: Array) -> tuple[tuple[float, ...], ...]:
         """Return derivatives of the travels (n, p) by what no bound holds; 0 by the others."""
