@@ -268,8 +268,10 @@ def reduces_to(fit: RecordFit, simpler: str) -> bool:
         return False
     alike: dict[str, list[float]] = defaultdict(list)
     for name, source in one.values.items():
-        value = float(getattr(fit.law, name))
-        alike[source if isinstance(source, str) else name].append(value)
+        value = getattr(fit.law, name)
+        if value is None:  # a level that follows others, which are compared
+            continue
+        alike[source if isinstance(source, str) else name].append(float(value))
         if not isinstance(source, str):
             alike[name].append(float(source))
     sizes = [max(abs(x) for x in values) for values in alike.values()]
