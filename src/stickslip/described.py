@@ -19,7 +19,7 @@ from typing import Any
 
 from typing_extensions import Doc, override
 
-__all__ = ["Described", "alternatives", "texts_below"]
+__all__ = ["Described", "alternatives", "marks", "texts_below"]
 
 SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
 """Where a section of a docstring begins that follows the one on parameters."""
@@ -85,8 +85,21 @@ def alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) if is_union else (hint,)
 
 
+def marks(hint: Any) -> Iterator[Any]:
+    """Yield what a type, or an alternative of it, is annotated with.
+
+    Examples
+    --------
+    >>> from typing import Annotated
+    >>> [*marks(Annotated[float, "N"] | None)]
+    ['N']
+    """
+    for one in alternatives(hint):
+        yield from getattr(one, "__metadata__", ())
+
+
 def texts_below(kind: type) -> Mapping[str, str]:
-    """Return the texts below the fields of a class, those of its bases included.
+    """Return what is written of the fields of a class: below them, in its bases too, or in `Doc`.
 
     Examples
     --------
@@ -97,6 +110,10 @@ def texts_below(kind: type) -> Mapping[str, str]:
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
         found |= _written(base) if dataclasses.is_dataclass(base) else {}
+    for name, hint in _hints(kind).items():
+        for mark in marks(hint):
+            if isinstance(mark, Doc):
+                found.setdefault(name, mark.documentation)
     return found
 
 
@@ -125,11 +142,9 @@ def _entries(kind: type) -> Iterator[str]:
         if field.name.startswith("_") or not field.init:
             continue
         hint = hints.get(field.name, field.type)
-        marks = [m for one in alternatives(hint) for m in getattr(one, "__metadata__", ())]
-        meanings = [mark.documentation for mark in marks if isinstance(mark, Doc)]
-        meanings += [f"{mark}." for mark in marks if not isinstance(mark, Doc)]
+        ranges = [f"{mark}." for mark in marks(hint) if not isinstance(mark, Doc)]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
-        lines = [*texts.get(field.name, "").splitlines(), *meanings]
+        lines = [*texts.get(field.name, "").splitlines(), *ranges]
         yield from (f"    {line}" for line in lines)
 
 

@@ -168,7 +168,16 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("dahl", r"dahl without brackets: write dahl\(level\)"),
         ("stribeck + viscous", "stribeck without level"),
         ("level + peak", "peak without a static surplus"),
-        ("level + stribeck + step", "two static surpluses, stribeck and step"),
+        ("level + stribeck + step", "stribeck and step, which both have static_coefficient"),
+        ("viscous + power", "viscous and power, which both have viscous_coefficient"),
+        ("dahl(level) + both_ways(viscous) + saturating", "viscous and saturating, which both"),
+        ("brown_mcphee + level", "brown_mcphee and level, which both have kinetic_coefficient"),
+        ("dahl(brown_mcphee)", "brown_mcphee inside a memory, which holds levels only[.]$"),
+        ("tanh(level + step)", "step inside tanh, which is 0 at rest"),
+        ("tanh(level) + stribeck", "only some of level and stribeck inside a smooth sign"),
+        ("maxwell[1\u0663](level)", "the number of elements must be 1 to 99"),
+        ("(" * 5000 + "level" + ")" * 5000, "at most 500 characters and 20 brackets, got 10005"),
+        ("x" * 10000, "at most 500 characters and 20 brackets, got 10000 and 0"),
         ("tanh(level + viscous)", "other parts than levels inside tanh"),
         ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
         ("maxwell[0](level)", "the number of elements must be 1 to 99"),
@@ -195,7 +204,15 @@ def test_operators_of_parts_write_the_same_text():
     assert str(dahl(sides(level + stribeck)) + power) == text
 
 
-@pytest.mark.parametrize("text", FREE)
+LIMITS_BY_SIDE = (
+    "level + both_ways(saturating)",
+    "level + both_ways[levels](saturating + drag)",
+    "dahl(both_ways[levels](level + hyperbolic)) + both_ways(saturating + drag)",
+    "maxwell[3](level) + both_ways(power)",
+)
+
+
+@pytest.mark.parametrize("text", [*FREE, *LIMITS_BY_SIDE])
 def test_what_a_composition_contains_has_its_friction(text):
     kind = law(text)
     for one in kind.contained:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.described import Described
 from stickslip.display import InPanels, Summary
 from stickslip.drives import SampledSwing
 from stickslip.errors import InputError
@@ -77,7 +78,7 @@ Z95 = 1.959963984540054
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ValidatedRecord:
+class ValidatedRecord(metaclass=Described):
     """A record in time beside the motion that was predicted without it."""
 
     name: str
@@ -203,7 +204,7 @@ class ValidatedRecord:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ValidatedTravel:
+class ValidatedTravel(metaclass=Described):
     """A travel, mean velocity or travel per cycle beside the prediction."""
 
     name: str
@@ -795,7 +796,7 @@ def _share(values: Array, band: Array | None) -> float | None:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ParameterAgreement:
+class ParameterAgreement(metaclass=Described):
     """A parameter as it was carried here, and as a fit to the measurement finds it."""
 
     path: str
@@ -871,7 +872,7 @@ class ParameterAgreement:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Refit:
+class Refit(metaclass=Described):
     """A law from elsewhere that was fitted to a measurement, too."""
 
     fit: Fit
