@@ -84,7 +84,7 @@ def _law(law: FrictionLaw) -> dict[str, object]:
     """Return the table of a law under its name; of one without a name, with its composition."""
     if law.name in laws():
         return {law.name: _table(law, "")}
-    if law.composition is not None:
+    if law.name == str(law.composition):  # not a class of somebody that is derived from one
         return {"composed": {"law": str(law.composition), **_table(law, "")}}
     return {law.name: _table(law, _type(law, laws()))}
 
