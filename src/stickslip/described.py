@@ -19,7 +19,7 @@ from typing import Any
 
 from typing_extensions import Doc, override
 
-__all__ = ["Described", "alternatives", "texts_below"]
+__all__ = ["Described", "alternatives", "marks", "texts_below"]
 
 SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
 """Where a section of a docstring begins that follows the one on parameters."""
@@ -85,8 +85,21 @@ def alternatives(hint: Any) -> tuple[Any, ...]:
     return typing.get_args(hint) if is_union else (hint,)
 
 
+def marks(hint: Any) -> Iterator[Any]:
+    """Yield what a type, or an alternative of it, is annotated with.
+
+    Examples
+    --------
+    >>> from typing import Annotated
+    >>> [*marks(Annotated[float, "N"] | None)]
+    ['N']
+    """
+    for one in alternatives(hint):
+        yield from getattr(one, "__metadata__", ())
+
+
 def texts_below(kind: type) -> Mapping[str, str]:
-    """Return the texts below the fields of a class and its bases; without one, that of its `Doc`.
+    """Return what is written of the fields of a class: below them, in its bases too, or in `Doc`.
 
     Examples
     --------
@@ -98,16 +111,10 @@ def texts_below(kind: type) -> Mapping[str, str]:
     for base in reversed(kind.__mro__):
         found |= _written(base) if dataclasses.is_dataclass(base) else {}
     for name, hint in _hints(kind).items():
-        for mark in _marks(hint):
+        for mark in marks(hint):
             if isinstance(mark, Doc):
                 found.setdefault(name, mark.documentation)
     return found
-
-
-def _marks(hint: Any) -> Iterator[Any]:
-    """Yield what `Annotated` says of a type, or of those of a union."""
-    for one in alternatives(hint):
-        yield from getattr(one, "__metadata__", ())
 
 
 def _written(kind: type) -> Mapping[str, str]:
@@ -135,7 +142,7 @@ def _entries(kind: type) -> Iterator[str]:
         if field.name.startswith("_") or not field.init:
             continue
         hint = hints.get(field.name, field.type)
-        ranges = [f"{mark}." for mark in _marks(hint) if not isinstance(mark, Doc)]
+        ranges = [f"{mark}." for mark in marks(hint) if not isinstance(mark, Doc)]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
         lines = [*texts.get(field.name, "").splitlines(), *ranges]
         yield from (f"    {line}" for line in lines)

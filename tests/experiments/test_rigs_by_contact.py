@@ -346,7 +346,9 @@ def test_a_contact_that_slips_along_a_line_does_not(read):
 
 
 def test_more_contacts_than_can_be_simulated_are_refused(read):
-    with pytest.raises(InputError, match=r"rig\.toml: BlockChain has 10000 contacts.* 1000 can be"):
+    with pytest.raises(
+        InputError, match=r"rig\.toml: mechanism\.blocks .* at most 1000, got 10000"
+    ):
         read('[mechanism]\ntype = "block-chain"\nblocks = 10000\nmass = 1.0\ncoupling = 1.0\n')
 
 

@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import Axis, LuGre, Stribeck, load_rig, simulate
+from stickslip import Axis, LuGre, Measurement, Stribeck, fit, load_rig, simulate
 from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.rigs.rig_writer import rig_toml
@@ -168,7 +168,16 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("dahl", r"dahl without brackets: write dahl\(level\)"),
         ("stribeck + viscous", "stribeck without level"),
         ("level + peak", "peak without a static surplus"),
-        ("level + stribeck + step", "two static surpluses, stribeck and step"),
+        ("level + stribeck + step", "stribeck and step, which both have static_coefficient"),
+        ("viscous + power", "viscous and power, which both have viscous_coefficient"),
+        ("dahl(level) + both_ways(viscous) + saturating", "viscous and saturating, which both"),
+        ("brown_mcphee + level", "brown_mcphee and level, which both have kinetic_coefficient"),
+        ("dahl(brown_mcphee)", "brown_mcphee inside a memory, which holds levels only[.]$"),
+        ("tanh(level + step)", "step inside tanh, which is 0 at rest"),
+        ("tanh(level) + stribeck", "only some of level and stribeck inside a smooth sign"),
+        ("maxwell[1\u0663](level)", "the number of elements must be 1 to 99"),
+        ("(" * 5000 + "level" + ")" * 5000, "at most 500 characters and 20 brackets, got 10005"),
+        ("x" * 10000, "at most 500 characters and 20 brackets, got 10000 and 0"),
         ("tanh(level + viscous)", "other parts than levels inside tanh"),
         ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
         ("maxwell[0](level)", "the number of elements must be 1 to 99"),
@@ -195,7 +204,15 @@ def test_operators_of_parts_write_the_same_text():
     assert str(dahl(sides(level + stribeck)) + power) == text
 
 
-@pytest.mark.parametrize("text", FREE)
+LIMITS_BY_SIDE = (
+    "level + both_ways(saturating)",
+    "level + both_ways[levels](saturating + drag)",
+    "dahl(both_ways[levels](level + hyperbolic)) + both_ways(saturating + drag)",
+    "maxwell[3](level) + both_ways(power)",
+)
+
+
+@pytest.mark.parametrize("text", [*FREE, *LIMITS_BY_SIDE])
 def test_what_a_composition_contains_has_its_friction(text):
     kind = law(text)
     for one in kind.contained:
@@ -235,3 +252,54 @@ def test_a_composition_of_a_rig_file_that_cannot_be_read_names_its_table(tmp_pat
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=r"friction\.joint.*Did you mean 'stribeck'"):
         load_rig(path)
+
+
+ARM = """
+[mechanism]
+type = "two-link-arm"
+upper_mass = 1.0
+upper_length = 0.4
+upper_centre = 0.2
+upper_inertia = 0.06
+lower_mass = 0.5
+lower_centre = 0.2
+lower_inertia = 0.03
+"""
+
+
+def test_a_composition_of_one_contact_is_never_taken_for_that_of_all(tmp_path):
+    path = tmp_path / "arm.toml"
+    own = 'law = "level + lorentz"\nkinetic_coefficient = 0.3\nstatic_coefficient = 0.4\n'
+    own += "stribeck_velocity = 0.1\n"
+    path.write_text(f"{ARM}[friction.shoulder]\n{own}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"shoulder is a contact.*\[friction\.shoulder\.own\]"):
+        load_rig(path)
+    path.write_text(f'{ARM}[friction]\nelbow = "none"\n[friction.shoulder.own]\n{own}', "utf-8")
+    found = load_rig(path).law_by_contact()
+    assert type(found["shoulder"]) is law("level + lorentz")
+    assert found["elbow"] is None
+
+
+def test_a_missing_parameter_is_asked_for_under_the_table_that_is_there(tmp_path):
+    path = tmp_path / "rig.toml"
+    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "simscape"\n'
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"Add kinetic_coefficient under \[friction\.NAME\] or \[friction\]"
+    ):
+        load_rig(path)
+
+
+def test_a_part_without_the_name_of_a_law_is_a_composition_by_itself():
+    assert specification("brown_mcphee").law is law("brown_mcphee")
+    assert law_type("level") is laws()["coulomb"]
+    assert law_type("dahl") is laws()["dahl"]
+
+
+def test_an_exponent_that_must_be_given_is_fitted_and_one_with_a_default_is_kept():
+    assert "viscous_exponent" in law("dahl(level + lorentz) + power").fit_order
+    assert "yield_exponent" not in law("dahl(level + lorentz) + power").fit_order
+    v = np.linspace(0.01, 1.0, 60)
+    table = Measurement(velocity=v, friction=2.0 + 1.0 / (1.0 + (v / 0.1) ** 2) + 3.0 * v**0.6)
+    found = fit(Axis(inertia=1.0), law("level + lorentz + power"), table)
+    assert found.law.viscous_exponent == pytest.approx(0.6, rel=1e-6)

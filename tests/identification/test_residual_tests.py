@@ -142,6 +142,7 @@ def test_a_verdict_whose_residuals_show_an_error_does_not_say_use(late):
 def test_a_fit_shows_its_error_of_the_model(late):
     found = late.best.fit
     assert "lags the recorded force" in str(found)
+    assert ".." not in str(found)
     assert "lags the recorded force" in found._repr_html_()
     assert found.to_dict()["model_errors"][0]["sentence"] == str(found.model_errors[0])
 

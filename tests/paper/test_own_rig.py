@@ -9,6 +9,7 @@ from tests.support import sketched
 from stickslip import load_rig
 from stickslip.errors import InputError
 from stickslip.paper import audit, paper_report
+from stickslip.paper.sections.assumptions import assumption_section
 
 TEXT = """
 title = "Own block"
@@ -74,6 +75,16 @@ def test_levels_of_the_file_stay_and_a_fastened_block_may_turn_back(tmp_path):
     assert found.ranking("C") == {}
     with sketched():
         assert "reject every model" in paper_report(found)
+
+
+def test_assumed_bristles_are_not_said_to_stand_in_the_file(tmp_path):
+    more = "[friction]\nkinetic_coefficient = 0.3\nstatic_coefficient = 0.35"
+    section = assumption_section(audit(rig_of(tmp_path, 0.19, more)))
+    origins = {row.cells[0]: row.cells[2] for row in section.blocks[1].rows}
+    assert origins["models, Coulomb"] == "rig file"
+    assert origins["models, Dahl"] == (
+        "kinetic coefficient of the rig file, the rest as for the rig of the paper"
+    )
 
 
 @pytest.mark.parametrize(

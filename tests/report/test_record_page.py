@@ -598,10 +598,10 @@ def test_a_level_without_a_load_is_in_newtons_on_the_page(table_verdict, table_h
 
 
 def test_a_long_equation_may_go_on_in_a_new_line_but_not_within_its_groups():
-    latex = DirectionDependent.formula
-    parts = equation_parts(latex)
-    assert len(parts) == 2
-    assert parts[0].startswith("F = ")
+    whole, directions = equation_parts(Coulomb.formula), DirectionDependent.formula
+    assert len(whole) == 2
+    assert whole[0].startswith("F = ")
+    assert equation_parts(directions) == (directions,)
     grouped = equation_parts(r"\text{a \quad b}, \quad c")
     assert grouped == (r"\text{a \quad b},", "c")
 

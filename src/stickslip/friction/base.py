@@ -98,15 +98,21 @@ class _Undeclared:
 
 @final
 class _RangedParameters:
-    """The order of a law that gives none: its parameters with a range, in that of its fields."""
+    """The order of a law that gives none: parameters with a range, exponents if they must be given.
+
+    An exponent with a default keeps it.
+    """
 
     def __get__(self, law: object, kind: type) -> Any:
         # @dataclass asks for the attribute as well, before a class has fields of its own
         made = next(one for one in kind.__mro__ if "__dataclass_fields__" in vars(one))
+        given = {
+            one.name for one in dataclasses.fields(made) if one.default is not dataclasses.MISSING
+        }
         return tuple(
             name
             for name, quantity in fields_of(made).items()
-            if quantity.scale and not quantity.structural
+            if quantity.scale and not (quantity.structural and name in given)
         )
 
 

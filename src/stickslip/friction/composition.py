@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NoReturn, TypeAlias, final
 
-from stickslip.described import alternatives
+from stickslip.described import alternatives, marks
 from stickslip.errors import InputError
 from stickslip.friction.notation import BOTH_WAYS, Around, Name, Sum, Term, terms_of
-from stickslip.friction.parts.base import Level, Parameter, Part, marks
+from stickslip.friction.parts.base import Level, Parameter, Part
 from stickslip.quantities import Quantity
 
 __all__ = ["SIDES", "Choose", "Composition", "Leaf"]
@@ -116,8 +116,8 @@ class Composition:
                     self._refuse(f"has {name} without brackets: write {name}(level).")
                 if inside and role != "level":
                     self._refuse(
-                        f"has {name} inside a memory, which holds levels only: write it beside the"
-                        f" memory, as in dahl(level) + {name}."
+                        f"has {name} inside a memory, which holds levels only"
+                        + (f": write dahl(level) + {name}." if role == "flow" else ".")
                     )
                 return [Leaf(part=term.part, names=self._enter(term, sides, inside=inside))]
         raise AssertionError(term)
@@ -144,6 +144,8 @@ class Composition:
                 f"has other parts than levels inside {head.name}: write them beside it, as in"
                 f" {head.name}(level) + viscous."
             )
+        for name in (leaf.part.name for leaf in leaves if not leaf.part.tex):
+            self._refuse(f"has {name} inside {head}, which is 0 at rest: leave {name} out.")
         smooth = Leaf(part=head.part, names=self._enter(head, ""))
         return [dataclasses.replace(leaf, sign=smooth) for leaf in _scoped(leaves)]
 
@@ -156,18 +158,32 @@ class Composition:
         for name in dict.fromkeys(named):
             if named.count(name) > 1:
                 self._refuse(f"has {name} twice: leave one of them out.")
+        owners: dict[str, str] = {}
+        for one in parts:
+            for parameter in one.part.parameters:
+                other = owners.setdefault(parameter.name, one.name)
+                if other != one.name:
+                    self._refuse(
+                        f"has {other} and {one.name}, which both have {parameter.name}: keep one"
+                        " of them."
+                    )
 
     def _check(self) -> None:
         """Refuse levels that have nothing to stand on."""
         for leaves in (self.inside, self.outside):
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
             names = [part.name for part in levels]
-            surplus = [part.name for part in levels if part.rest == "static_coefficient"]
             if levels and "level" not in names:
                 self._refuse(f"has {names[0]} without level: write level + {names[0]}.")
-            if len(surplus) > 1:
-                self._refuse(f"has two static surpluses, {' and '.join(surplus)}: keep one.")
-            if "peak" in names and not surplus:
+            if (
+                len({leaf.sign and leaf.sign.part.name for leaf in leaves if leaf.part in levels})
+                > 1
+            ):
+                self._refuse(
+                    f"has only some of {' and '.join(names)} inside a smooth sign: write all"
+                    " inside, or none."
+                )
+            if "peak" in names and all(part.rest != "static_coefficient" for part in levels):
                 self._refuse("has peak without a static surplus: write level + stribeck + peak.")
 
     def _enter(self, name: Name, sides: str, *, inside: bool = False) -> Names:
@@ -181,11 +197,10 @@ class Composition:
                 field, meaning = prefix + given, prefix + one.name
                 if self.meanings.setdefault(field, meaning) != meaning:
                     self._refuse(f"has two parameters called {field}, of different meaning.")
-                if field not in self.fields:
-                    change = functools.partial(self._placed, name.name, prefix, mark, inside)
-                    self.fields[field] = dataclasses.replace(
-                        one, name=field, hint=_changed(one.hint, change)
-                    )
+                change = functools.partial(self._placed, name.name, prefix, mark, inside)
+                self.fields[field] = dataclasses.replace(
+                    one, name=field, hint=_changed(one.hint, change)
+                )
                 made.append(field)
             if doubled:
                 names[one.name] = (made[0], made[1])

@@ -95,11 +95,16 @@ def _containment(
         for meaning, field in mine.items()
         if meaning in theirs and meaning not in (*values, *limits)
     }
+    gone = [mine[one] for one in limits if one in mine]
     for meaning in values:
         value = values[meaning]
         while isinstance(value, str) and value in values:
             value = values[value]
-        if meaning in mine and not (isinstance(value, str) and value not in theirs):
+        if meaning not in mine:
+            continue
+        if value in limits:  # of both directions, which became one before
+            gone.append(mine[meaning])
+        elif not (isinstance(value, str) and value not in theirs):
             found[mine[meaning]] = theirs[value] if isinstance(value, str) else value
     defaults = {one.name: one.default for one in dataclasses.fields(simpler)}
     reached = {value for value in found.values() if isinstance(value, str)}
@@ -111,7 +116,7 @@ def _containment(
     return Containment(
         law=simpler.name,
         values=found,
-        limits=tuple(mine[one] for one in limits if one in mine),
+        limits=tuple(gone),
         where=where,
     )
 
@@ -142,16 +147,17 @@ def _reductions(term: Term) -> Iterator[Reduction]:
 
 def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
     """Yield what is left where both directions are equal, or lose the same part."""
-    prefixes = [prefix for prefix, _ in SIDES.values()]
+    # without a prefix as well: [levels] leaves some parameters to both directions
+    prefixes = [*(prefix for prefix, _ in SIDES.values()), ""]
     meanings = Composition(inner, {}).meanings.values()
-    yield inner, {side + one: one for one in meanings for side in prefixes}, ()
+    yield inner, {side + one: one for one in meanings for side in prefixes if side}, ()
     for simpler, values, limits in _reductions(inner):
         both = {
             side + one: side + value if isinstance(value, str) else value
             for one, value in values.items()
             for side in prefixes
         }
-        yield Around(head, simpler), both, limits
+        yield Around(head, simpler), both, tuple(side + one for one in limits for side in prefixes)
 
 
 def _without(items: tuple[Term, ...]) -> Iterator[Reduction]:

@@ -76,7 +76,7 @@ class Name(Term):
         holds = "levels" if self.name == BOTH_WAYS else self.part.argument
         if self.argument and not holds:
             raise InputError(f"{self}: {self.name} has no argument: write {self.name}.")
-        if holds == "number" and self.argument and not re.fullmatch(r"[1-9]\d?", self.argument):
+        if holds == "number" and self.argument and not re.fullmatch(r"[1-9][0-9]?", self.argument):
             raise InputError(f"{self}: the number of elements must be 1 to 99.")
 
     def __getitem__(self, argument: object) -> "Name":
@@ -157,6 +157,9 @@ TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+])|(?P<other>\S))"
 )
 
+LONGEST, DEEPEST = 500, 20
+"""Characters and brackets of a law: one with all parts in it has fewer."""
+
 
 def read(text: str) -> Term:
     """Return the term that a text stands for.
@@ -173,6 +176,11 @@ def read(text: str) -> Term:
     >>> read("lugre(level+stribeck)+power")
     lugre(level + stribeck) + power
     """
+    if len(text) > LONGEST or text.count("(") > DEEPEST:
+        raise InputError(
+            f"the friction law {text[:40]!r}... cannot be read: a law has at most {LONGEST}"
+            f" characters and {DEEPEST} brackets, got {len(text)} and {text.count('(')}."
+        )
     return _Reader(text).whole()
 
 

@@ -23,6 +23,7 @@ from stickslip.friction import (
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.classes import class_of
 from stickslip.friction.notation import Term, read
+from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import gathered, named, own_classes
 
@@ -211,14 +212,14 @@ def __getattr__(name: str) -> type[FrictionLaw]:
 
 
 def is_composition(name: str) -> bool:
-    """Whether the name of a law is a composition of several parts.
+    """Whether the name of a law is a composition: of several parts, or of one without a law's name.
 
     Examples
     --------
-    >>> is_composition("level + viscous"), is_composition("coulomb-viscous")
-    (True, False)
+    >>> [is_composition(name) for name in ("level + viscous", "simscape", "coulomb-viscous")]
+    [True, True, False]
     """
-    return bool(re.search(r"[+*(\[]", name))
+    return bool(re.search(r"[+*(\[]", name)) or (name in PARTS and name not in laws())
 
 
 def _law_named(known: Mapping[str, Any], name: str) -> Any:

@@ -117,7 +117,7 @@ def quantities_declared(one: Parametrised) -> Iterator[str]:
 
 
 def explained(one: Parametrised) -> Iterator[str]:
-    """Yield what no docstring explains: of the class, or below the field."""
+    """Yield what nothing explains: docstring of the class, text below the field, `Doc`."""
     kind = type(one)
     text = vars(kind).get("__doc__") or ""
     if not text.strip() or text.startswith(f"{kind.__name__}("):  # written by dataclass itself

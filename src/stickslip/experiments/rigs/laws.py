@@ -252,10 +252,12 @@ def _own(
 def _missing(law: type[FrictionLaw], key: str, file: str, at: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
     forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
-    other = f", or {forces[0]} under [{at}.{law.name}.forces]" if forces else ""
+    # the file calls the table of a composition what it likes
+    table = f"{at}.{law.name if law.title != law.name else 'NAME'}"
+    other = f", or {forces[0]} under [{table}.forces]" if forces else ""
     return (
-        f"{file}: {at}.{law.name}.{key}{symbol} is missing. Add {key} under"
-        f" [{at}.{law.name}] or [{at}]{other}."
+        f"{file}: {at}.{law.name}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]"
+        f"{other}."
     )
 
 

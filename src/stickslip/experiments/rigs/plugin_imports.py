@@ -111,7 +111,8 @@ def _composed(raw: dict[str, Any], file: str) -> Iterator[tuple[str, type[Fricti
         for name, table in list(tables.items()):
             if not isinstance(table, dict):
                 continue
-            text = table.pop("law", name if is_composition(name) else None)
+            named_by = is_composition(name) and not name.isidentifier()  # not a contact "ramp"
+            text = table.pop("law", name if named_by else None)
             if text is None:
                 continue
             where = f"{file}: friction.{name}"

@@ -100,8 +100,17 @@ def read_rig(
     apply(raw, overrides)
     stated = _kind_of_motion(raw, file)
     beside = None if path is None else Path(path).parent
+    friction = raw.get("friction")
+    tables = friction.items() if isinstance(friction, dict) else ()
+    of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
     contacts = _contacts(raw, own, file, overrides)
+    for name, _ in contacts:
+        if len(contacts) > 1 and name in of_one_law:
+            raise InputError(
+                f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
+                f" [friction.{name}.own]."
+            )
     try:
         kind = rig_table(own.mechanism, tuple(own.laws.values()), contacts)
         table = kind.model_validate(raw)

@@ -84,9 +84,8 @@ def _law(law: FrictionLaw) -> dict[str, object]:
     """Return the table of a law under its name; of one without a name, with its composition."""
     if law.name in laws():
         return {law.name: _table(law, "")}
-    own = vars(type(law)).get("composition")  # one that is inherited is not the class's equation
-    if own is not None:
-        return {"composed": {"law": str(own), **_table(law, "")}}
+    if law.name == str(law.composition):  # not a class of somebody that is derived from one
+        return {"composed": {"law": str(law.composition), **_table(law, "")}}
     return {law.name: _table(law, _type(law, laws()))}
 
 

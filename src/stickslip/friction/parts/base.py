@@ -3,11 +3,11 @@
 import functools
 import typing
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any, ClassVar, TypeAlias, final
 
-from stickslip.described import alternatives
+from stickslip.described import marks
 from stickslip.maths import Scalar
 from stickslip.quantities import Quantity
 
@@ -21,7 +21,6 @@ __all__ = [
     "Slip",
     "SmoothLevel",
     "SmoothSign",
-    "marks",
 ]
 
 Values: TypeAlias = Any
@@ -67,12 +66,6 @@ class Parameter:
     def quantity(self) -> Quantity:
         """Its symbol, unit and range."""
         return next(one for one in marks(self.hint) if isinstance(one, Quantity))
-
-
-def marks(hint: Any) -> Iterator[Any]:
-    """Yield what a hint, or an alternative of it, is annotated with."""
-    for one in alternatives(hint):
-        yield from getattr(one, "__metadata__", ())
 
 
 class Part(ABC):

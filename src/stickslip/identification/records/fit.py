@@ -345,11 +345,12 @@ class RecordFit(Fit[AnyLaw_co]):
         joints = self.problem.joints is not None
         unit = "" if joints else self.measurement.unit(self.problem.quantity)
         error = str(self.score()).partition(" (")[0] if joints else quantity(self.rms, unit)
-        return (
+        findings = (one.finding.removesuffix(".") for one in self.model_errors)
+        fitted = (
             f"{self.law.title} fitted to {self.problem.quantity}:"
             f" {', '.join(map(str, self.estimates))}; residual {error}"
-            f"{''.join(f'. {one.finding}' for one in self.model_errors).removesuffix('.')}"
         )
+        return ". ".join((fitted, *findings))
 
     @override
     def _notes(self) -> Sequence[str]:

@@ -71,7 +71,10 @@ def peaks_of(fit: Fitted, least: float) -> Iterator[ModelError]:
     length = 2 ** int(math.log2(2.0 * len(longest.path.time) / (SPECTRA + 1.0)))
     if length < 4 * NEAR:
         return
-    at, *powers = _spectra(rate, length, _unfiltered(fit, longest))
+    signals = _unfiltered(fit, longest)
+    if not np.isfinite(signals[0]).all():  # bristles were not found along the measured motion
+        return
+    at, *powers = _spectra(rate, length, signals)
     floors = [scipy.ndimage.median_filter(one, size=2 * NEAR + 1, mode="nearest") for one in powers]
     ratio = powers[0] / np.maximum(floors[0], 1e-300)
     peak = NEAR // 2 + int(np.argmax(ratio[NEAR // 2 : len(at) - NEAR // 2]))

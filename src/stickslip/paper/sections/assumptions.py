@@ -13,6 +13,7 @@ from stickslip.paper.sections.common import values_of
 from stickslip.paper.springback import STIFFNESS
 from stickslip.paper.stick_slip import SPEED
 from stickslip.paper.unpublished import CREEPING, STEP, lugre_row
+from stickslip.quantities import fields_of
 from stickslip.report import Column, Paragraph, Row, Section, Table
 
 __all__ = ["assumption_section"]
@@ -49,7 +50,7 @@ def _rig_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
         (
             "block, gravity",
             quantity(rig.gravity, "m/s^2"),
-            "rig file" if found.own else "not printed",
+            "rig file; 9.81 m/s² where it gives none" if found.own else "not printed",
         )
     ]
     if found.own:
@@ -75,12 +76,19 @@ def _law_rows(found: PaperAudit) -> list[tuple[str, str, str]]:
     load = found.values.load
     rows = []
     for row in found.table:
-        own = [*found.rig.given.get(row.law.name, ())] if found.own else []
+        own = found.rig.given.get(row.law.name, ()) if found.own else ()
         held = " held at its first stop" if getattr(row.law, "static_switch", False) else ""
         assumed = found.rig.assumed.get(row.law.name, ())
         origin = "Table I"
         if found.own:
-            origin = "rig file" if own else "levels as above, the rest as for the rig of the paper"
+            used = [name for name in fields_of(type(row.law)) if getattr(row.law, name) is not None]
+            given = [name.replace("_", " ") for name in used if name in own]
+            if len(given) == len(used):
+                origin = "rig file"
+            else:
+                origin = (
+                    f"{joined(given)} of the rig file" if given else "levels as above"
+                ) + ", the rest as for the rig of the paper"
         elif assumed:
             origin = (
                 f"levels of Table I; {joined([name.replace('_', ' ') for name in assumed])} assumed"
