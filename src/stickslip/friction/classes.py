@@ -62,7 +62,7 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
         made = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
         for name, arguments in FLOATS.items():
             if name in equations:
-                setattr(made, name, for_floats(made, equations[name], arguments))
+                setattr(made, name, for_floats(made, name, equations[name], arguments))
         if made.__module__ != HOME:
             KNOWN.setdefault(canonical(composition.term), made)
         return made

@@ -62,7 +62,8 @@ def _nearest(
                 seen.add(canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
                 there = known.get(canonical(simpler))
-                if there is None:
+                # a law that is tried only on request stands between no others
+                if there is None or (there.on_request and not kind.on_request):
                     below.append(state)
                 elif there not in found:
                     found[there] = _containment(c, there, *state[1:])

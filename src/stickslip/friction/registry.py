@@ -239,7 +239,7 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     --------
     >>> from stickslip import LuGre
     >>> contained_laws(LuGre)
-    ('dahl', 'stribeck', 'power-viscous', 'coulomb-viscous', 'viscous', 'coulomb')
+    ('dahl', 'stribeck', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
 

@@ -1,5 +1,6 @@
 """Equations of a composition as Python text for floats: walking its parts is paid for once."""
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
@@ -88,19 +89,25 @@ NAMES: Mapping[str, Any] = {
 
 
 def for_floats(
-    kind: type, equation: Callable[..., Scalar], arguments: Sequence[str]
+    kind: type, name: str, equation: Callable[..., Scalar], arguments: Sequence[str]
 ) -> Callable[..., Scalar]:
     """Return a method that evaluates floats by text of its own, and all else by the equation.
 
-    Parameters
-    ----------
-    kind : type
-        Class of laws.
-    equation : callable
-        Takes a law and the arguments.
-    arguments : sequence of str
-        Names of the arguments; ``bristles`` is a tuple.
+    The text is written at the first call, which puts it in the place of this method.
     """
+
+    @functools.wraps(equation)
+    def first(law: Any, *given: Scalar, **named: Scalar) -> Scalar:
+        setattr(kind, name, _dispatching(kind, equation, arguments))
+        return getattr(law, name)(*given, **named)
+
+    return first
+
+
+def _dispatching(
+    kind: type, equation: Callable[..., Scalar], arguments: Sequence[str]
+) -> Callable[..., Scalar]:
+    """Return the method by text: a function for each shape of laws, written when it is met."""
     shaping = [name for name, one in fields_of(kind).items() if one.structural]
     shaping += [name for name in fields_of(kind) if getattr(kind, name, 0.0) is None]
     known: dict[tuple[float | None, ...], Callable[..., Scalar]] = {}
@@ -141,8 +148,7 @@ def for_floats(
     given = ", ".join(arguments)
     space: dict[str, Any] = {"made": made, "equation": equation, "known": known}
     exec(DISPATCH.format(given=given, floats=floats, shape=shape), space)
-    function: Callable[..., Scalar] = space["evaluated"]
-    return function
+    return functools.wraps(equation)(space["evaluated"])
 
 
 DISPATCH = """
