@@ -2,13 +2,14 @@
 
 from stickslip.formulation.infix import Block, Syntax
 from stickslip.formulation.joint_torques import JointTorques
-from stickslip.formulation.matrix_form import mass_fault, mass_vanishes
+from stickslip.formulation.matrix_form import LINKS, mass_fault, mass_vanishes
 from stickslip.formulation.model import Model, formulate
 from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.slip_directions import refuse_singular
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
 
 __all__ = [
+    "LINKS",
     "PAINLEVE",
     "Block",
     "JointTorques",

@@ -21,6 +21,11 @@ SAME = 1e-9
 """Difference of two entries, over their size, that is the rounding of two ways to write them."""
 VANISHED = 1e-6
 """Share of the mass of a motion that is next to nothing: it is a thousand times as fast then."""
+LINKS = (
+    "For a link, the moment of inertia about its joint is at least its mass times the square of the"
+    " distance of its centre."
+)
+"""What is often wrong with a mass matrix that is not positive definite."""
 SINGULAR = 1e-13
 """What is left of a mass, over the mass itself, where rounding cannot tell it from 0."""
 
@@ -154,7 +159,7 @@ def mass_fault(mechanism: MatrixMechanism, places: Sequence[float]) -> str:
             return (
                 f"{owner}.mass_matrix must be positive definite, but at {at} some motion of"
                 f" {', '.join(repr(names[j]) for j in moving[: k + 1])} has no mass or a negative"
-                f" one: the entries of row and column {names[i]!r} are too large for it."
+                f" one: the entries of row and column {names[i]!r} are too large for it. {LINKS}"
             )
         left[k + 1 :, k + 1 :] -= np.outer(left[k + 1 :, k], left[k, k + 1 :]) / left[k, k]
     return ""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formatting import number, quantity
-from stickslip.formulation import Model
+from stickslip.formulation import LINKS, Model
 from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.enums import FORWARD, HELD_FAST
 from stickslip.kernels.equations import put_constants
@@ -285,9 +285,7 @@ def cause_of_small_steps(
         if _has_negative_mass(model, record):
             return (
                 f"{where} The mass matrix is not positive definite there: some motion would have a"
-                " negative kinetic energy. Check masses and moments of inertia; for a link, the"
-                " moment about its joint is at least its mass times the square of the distance of"
-                " its centre."
+                f" negative kinetic energy. Check masses and moments of inertia. {LINKS}"
             )
         return f"{where} Rates of states there are no finite numbers: check large and small values."
     scale = quantity(fastest.time_scale, "s", 2)

@@ -157,5 +157,5 @@ def nearly_zero(time: Array) -> float:
     1e-06
     """
     steps = np.diff(time)
-    usual = steps[steps > NEAR * np.quantile(steps, LONG)] if steps.size else steps
+    usual = steps[steps > NEAR * np.quantile(steps, LONG, method="lower")] if steps.size else steps
     return NEAR * float(np.median(usual)) if usual.size else 0.0

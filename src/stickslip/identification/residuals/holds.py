@@ -91,10 +91,9 @@ class HoldFinding:
             return ""
         what = f'{MEANING[self.hold]} (hold = "{self.hold}")'
         if self.shown:
-            return (
-                f"Between samples, the force {what}, as estimated from the record: {late}. A delay"
-                " of half a sample would look the same."
-            )
+            short = f"{fixed(self.lateness, 2)} ± {fixed(self.half_width, 2)} samples late"
+            also = "" if self.shown == "first" else "; a delay of half a sample would look the same"
+            return f"Estimated from the record: between samples, the force {what}; {short}{also}."
         told = f"; as estimated, {late}" if math.isfinite(self.half_width) else ""
         return (
             "The balance of forces does not tell whether the force is held between samples or goes"
