@@ -1,5 +1,6 @@
 """A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, final
@@ -227,7 +228,7 @@ def logarithms(
     if law.evolution == "none":
         w = _without_state(law, stiffness, knots, speeds, times)
         return np.column_stack([w, np.zeros(len(times))])
-    from scipy.integrate import odeint
+    from scipy.integrate import ODEintWarning, odeint
 
     V_0 = law.reference_velocity
     first = float(np.log(speeds[0] / V_0))
@@ -242,16 +243,18 @@ def logarithms(
             logs[here] = state
             continue
         moving = True
-        path, told = odeint(
-            rates,
-            state,
-            np.concatenate([[start], times[here], [end]]),
-            args=(float(speed),),
-            rtol=tolerance,
-            atol=tolerance,
-            mxstep=STEPS,
-            full_output=True,
-        )
+        with warnings.catch_warnings():  # what it says is in `told`, too
+            warnings.simplefilter("ignore", ODEintWarning)
+            path, told = odeint(
+                rates,
+                state,
+                np.concatenate([[start], times[here], [end]]),
+                args=(float(speed),),
+                rtol=tolerance,
+                atol=tolerance,
+                mxstep=STEPS,
+                full_output=True,
+            )
         failed = not told["message"].startswith("Integration successful")
         if failed or not np.all(np.abs(path) < STEEPEST):
             return None
