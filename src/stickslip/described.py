@@ -143,6 +143,8 @@ def _entries(kind: type) -> Iterator[str]:
             continue
         hint = hints.get(field.name, field.type)
         ranges = [f"{mark}." for mark in marks(hint) if not isinstance(mark, Doc)]
+        # reStructuredText takes mu_+ for a link
+        ranges = [re.sub(r"^(\w+_[+-]):", r"``\1``:", one) for one in ranges]
         yield f"{field.name} : {_kind_in_words(field, hint)}"
         lines = [*texts.get(field.name, "").splitlines(), *ranges]
         yield from (f"    {line}" for line in lines)
@@ -159,7 +161,7 @@ def _hints(kind: type) -> Mapping[str, Any]:
 def _kind_in_words(field: "dataclasses.Field[Any]", hint: Any) -> str:
     plain = _plain(hint)
     named = plain if isinstance(plain, str) else inspect.formatannotation(plain)
-    named = re.sub(r"\b(?:\w+\.)+(\w+)", r"\1", named).replace("'", "")
+    named = re.sub(r"\b(?:\w+\.)+(\w+?)_?\b", r"\1", named).replace("'", "")  # np.object_: object
     if field.default not in (dataclasses.MISSING, None, "", ()):
         return f"{named}, default {field.default!r}"
     required = field.default is field.default_factory is dataclasses.MISSING
