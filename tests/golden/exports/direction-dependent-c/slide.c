@@ -1,8 +1,8 @@
 /*
  * Direction-dependent friction (direction-dependent), exported by stickslip <version>.
  * Source: slide.toml, SHA-256 <hash>
- * Law (LaTeX): F = \begin{cases} \mu_{+} N + \sigma_{+} v & v > 0 \\ -\mu_{-} N + \sigma_{-} v
- *   & v < 0 \end{cases}, \quad -\mu_{-} N \le F \le \mu_{+} N \text{ at rest}
+ * Law (LaTeX): F = \begin{cases} \mu_+ N + \sigma_+ v & v > 0 \\ -\mu_- N + \sigma_- v & v < 0
+ *   \end{cases}
  * Parameters in SI units:
  *   mu_plus = 15.0 [N] (forward kinetic coefficient)
  *   mu_minus = 18.0 [N] (backward kinetic coefficient)

@@ -2,7 +2,7 @@
  * LuGre friction (lugre), exported by stickslip <version>.
  * Source: slide.toml, SHA-256 <hash>
  * Law (LaTeX): F = (\sigma_0 z + \sigma_1 \dot z) N + \sigma_2 |v|^p \operatorname{sgn} v,
- *   \quad \dot z = v - \frac{\sigma_0 |v|}{g(v)} z, \quad g = \mu_k + (\mu_s - \mu_k)
+ *   \quad \dot z = v - \frac{\sigma_0 |v|}{g} z, \quad g = \mu_k + (\mu_s - \mu_k)
  *   e^{-|v/v_s|^n}
  * Parameters in SI units:
  *   mu_k = 20.0 [N] (kinetic coefficient)

@@ -3,7 +3,7 @@ package Slide "Friction law of the package stickslip"
   // Source: slide.toml, SHA-256
   //   <hash>
   // Law (LaTeX): F = (\sigma_0 z + \sigma_1 \dot z) N + \sigma_2 |v|^p \operatorname{sgn} v,
-  //   \quad \dot z = v - \frac{\sigma_0 |v|}{g(v)} z, \quad g = \mu_k + (\mu_s - \mu_k)
+  //   \quad \dot z = v - \frac{\sigma_0 |v|}{g} z, \quad g = \mu_k + (\mu_s - \mu_k)
   //   e^{-|v/v_s|^n}
   // Parameters in SI units:
   //   mu_k = 20.0 [N] (kinetic coefficient)
@@ -169,7 +169,7 @@ package Slide "Friction law of the package stickslip"
     end compensation;
 
     model Body "Body under an applied force and friction, which sticks and slips"
-        parameter Real mass(unit="kg") = 1.0 "mass or moment of inertia";
+        parameter Real mass(unit="kg") = 1.0 "mass of the body";
         parameter Real v_start(unit="m/s") = 0.0 "velocity at the start";
         input Real applied(unit="N") "force on the body but friction";
         input Real load(unit="N") "normal force";

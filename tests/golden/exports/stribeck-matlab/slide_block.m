@@ -28,6 +28,11 @@ function force = slide_friction(velocity, load)
 %  load: normal force; taken as 0 where it is negative [N]
 %  returns force: friction force, with the sign of the velocity [N]
 %#codegen
+    if ~(isscalar(velocity) && isscalar(load))
+        each = zeros(size(velocity + load));
+        force = arrayfun(@slide_friction, velocity + each, load + each);
+        return
+    end
     mu_k = 20.0; % [N] kinetic coefficient
     mu_s = 28.0; % [N] static coefficient
     v_s = 0.03; % [m/s] Stribeck velocity
@@ -65,6 +70,11 @@ function level = slide_break_away(direction, load)
 %  load: normal force; taken as 0 where it is negative [N]
 %  returns level: break-away friction force [N]
 %#codegen
+    if ~(isscalar(direction) && isscalar(load))
+        each = zeros(size(direction + load));
+        level = arrayfun(@slide_break_away, direction + each, load + each);
+        return
+    end
     mu_s = 28.0; % [N] static coefficient
     if isnan(direction) || isnan(load)
         level = NaN;
@@ -176,6 +186,11 @@ function [velocity_end, displacement, friction, sticks] = slide_step(applied, ve
 %  returns friction: mean friction force in the period [N]
 %  returns sticks: 1 if the body rests at the end, else 0 [1]
 %#codegen
+    if ~(isscalar(applied) && isscalar(velocity) && isscalar(load) && isscalar(mass) && isscalar(period))
+        each = zeros(size(applied + velocity + load + mass + period));
+        [velocity_end, displacement, friction, sticks] = arrayfun(@slide_step, applied + each, velocity + each, load + each, mass + each, period + each);
+        return
+    end
     if isnan(applied) || isnan(velocity) || isnan(load) || ~(mass > 0) || ~(period > 0)
         velocity_end = NaN;
         displacement = NaN;
@@ -234,6 +249,11 @@ function force = slide_compensation(velocity, load, width, factor)
 %  factor: share of friction that is compensated, 1 for all of it [1]
 %  returns force: force to add to that of the controller [N]
 %#codegen
+    if ~(isscalar(velocity) && isscalar(load) && isscalar(width) && isscalar(factor))
+        each = zeros(size(velocity + load + width + factor));
+        force = arrayfun(@slide_compensation, velocity + each, load + each, width + each, factor + each);
+        return
+    end
     if isnan(velocity) || isnan(load) || isnan(factor) || ~(width > 0)
         force = NaN;
         return

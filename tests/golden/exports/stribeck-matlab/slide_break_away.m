@@ -14,6 +14,11 @@ function level = slide_break_away(direction, load)
 %  load: normal force; taken as 0 where it is negative [N]
 %  returns level: break-away friction force [N]
 %#codegen
+    if ~(isscalar(direction) && isscalar(load))
+        each = zeros(size(direction + load));
+        level = arrayfun(@slide_break_away, direction + each, load + each);
+        return
+    end
     mu_s = 28.0; % [N] static coefficient
     if isnan(direction) || isnan(load)
         level = NaN;

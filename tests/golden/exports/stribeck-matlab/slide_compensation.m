@@ -16,6 +16,11 @@ function force = slide_compensation(velocity, load, width, factor)
 %  factor: share of friction that is compensated, 1 for all of it [1]
 %  returns force: force to add to that of the controller [N]
 %#codegen
+    if ~(isscalar(velocity) && isscalar(load) && isscalar(width) && isscalar(factor))
+        each = zeros(size(velocity + load + width + factor));
+        force = arrayfun(@slide_compensation, velocity + each, load + each, width + each, factor + each);
+        return
+    end
     if isnan(velocity) || isnan(load) || isnan(factor) || ~(width > 0)
         force = NaN;
         return

@@ -15,6 +15,11 @@ function force = slide_friction(velocity, load)
 %  load: normal force; taken as 0 where it is negative [N]
 %  returns force: friction force, with the sign of the velocity [N]
 %#codegen
+    if ~(isscalar(velocity) && isscalar(load))
+        each = zeros(size(velocity + load));
+        force = arrayfun(@slide_friction, velocity + each, load + each);
+        return
+    end
     mu_k = 20.0; % [N] kinetic coefficient
     mu_s = 28.0; % [N] static coefficient
     v_s = 0.03; % [m/s] Stribeck velocity

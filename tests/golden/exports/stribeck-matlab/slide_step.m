@@ -20,6 +20,11 @@ function [velocity_end, displacement, friction, sticks] = slide_step(applied, ve
 %  returns friction: mean friction force in the period [N]
 %  returns sticks: 1 if the body rests at the end, else 0 [1]
 %#codegen
+    if ~(isscalar(applied) && isscalar(velocity) && isscalar(load) && isscalar(mass) && isscalar(period))
+        each = zeros(size(applied + velocity + load + mass + period));
+        [velocity_end, displacement, friction, sticks] = arrayfun(@slide_step, applied + each, velocity + each, load + each, mass + each, period + each);
+        return
+    end
     if isnan(applied) || isnan(velocity) || isnan(load) || ~(mass > 0) || ~(period > 0)
         velocity_end = NaN;
         displacement = NaN;

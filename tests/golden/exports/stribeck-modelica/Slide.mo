@@ -254,7 +254,7 @@ package Slide "Friction law of the package stickslip"
     end compensation;
 
     model Body "Body under an applied force and friction, which sticks and slips"
-        parameter Real mass(unit="kg") = 1.0 "mass or moment of inertia";
+        parameter Real mass(unit="kg") = 1.0 "mass of the body";
         parameter Real v_start(unit="m/s") = 0.0 "velocity at the start";
         input Real applied(unit="N") "force on the body but friction";
         input Real load(unit="N") "normal force";
