@@ -3,6 +3,7 @@
 import importlib
 import sys
 from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
 
 __all__ = ["attach"]
 
@@ -55,9 +56,21 @@ def attach(
 
 
 def _elsewhere(package: str, name: str, namespaces: Collection[str]) -> str:
-    """Return which public module has a name that the package has not, to end a message."""
-    for namespace in () if name.startswith("_") else namespaces:
-        module = importlib.import_module(f"{package}.{namespace}")
-        if name in getattr(module, "__all__", ()):
-            return f"; it is {package}.{namespace}.{name}"
+    """Return which public module has a name that the package has not, to end a message.
+
+    The modules are read and not imported: the import system asks here for every module of the
+    package that is imported by name, and swallows the error.
+    """
+    root = Path(str(sys.modules[package].__file__)).parent
+    if name.startswith("_") or (root / name).exists() or (root / f"{name}.py").exists():
+        return ""
+    for namespace in namespaces:
+        for file in (*(root / namespace).glob("__init__.py*"), root / f"{namespace}.py"):
+            names = (
+                file.read_text(encoding="utf-8").partition("__all__ = [")[2]
+                if file.exists()
+                else ""
+            )
+            if f'"{name}"' in names.partition("]")[0]:
+                return f"; it is {package}.{namespace}.{name}"
     return ""
