@@ -61,3 +61,11 @@ def test_few_names_stand_at_the_top():
 
 def test_public_names_are_listed_once():
     assert len(stickslip.__all__) == len(set(stickslip.__all__))
+
+
+def test_a_module_that_is_imported_by_name_loads_no_others():
+    code = "import sys; from stickslip import documents; print('matplotlib' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.strip() == "False"
