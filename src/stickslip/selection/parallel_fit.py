@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from stickslip.friction import BristleLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import FittedLaw
 from stickslip.selection.candidates import CandidateSpec, Watch, contains
 
@@ -164,7 +164,7 @@ def _contained(
 
 def takes_long(law: object) -> bool:
     """Whether fits of a law, or of a type of law, take several times as long as those of most."""
-    return issubclass(law if isinstance(law, type) else type(law), BristleLaw)
+    return issubclass(law if isinstance(law, type) else type(law), FrictionLaw)
 
 
 def _residual(candidate: Tried) -> float:
