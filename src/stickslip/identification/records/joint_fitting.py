@@ -807,7 +807,7 @@ def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
-    return law is not None and issubclass(law if isinstance(law, type) else type(law), FrictionLaw)
+    return law is not None and bool(law.states)
 
 
 def _start(
