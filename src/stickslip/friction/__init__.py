@@ -36,6 +36,7 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
+    "bound": "base",
     "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",

@@ -10,6 +10,7 @@ from stickslip.friction.base import DirectionalLaw as _DirectionalLaw
 from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
+from stickslip.friction.base import bound as bound
 from stickslip.friction.base import bristles_of as bristles_of
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
@@ -327,6 +328,7 @@ __all__ = [
     "SetValuedLaw",
     "Stribeck",
     "Viscous",
+    "bound",
     "bristles_of",
     "contained_laws",
     "containment_of",

@@ -1,5 +1,6 @@
 """What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
 
+import copy
 import dataclasses
 import functools
 from abc import ABC, abstractmethod
@@ -10,7 +11,7 @@ from typing import Any, ClassVar, Self, final
 
 from typing_extensions import override
 
-from stickslip.errors import UndeclaredError
+from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
@@ -20,6 +21,7 @@ __all__ = [
     "DirectionalLaw",
     "FrictionLaw",
     "SetValuedLaw",
+    "bound",
     "bristles_of",
     "containment_of",
     "force_parameters",
@@ -143,6 +145,8 @@ class FrictionLaw(Parametrised, ABC):
     """The parts that it is composed of, whose text `law` reads; None of a law in equations."""
     made_of: ClassVar[Any] = None
     """The composition made ready, with its fields and their meanings."""
+    inputs: ClassVar[tuple[str, ...]] = ()
+    """What it asks of the contact beside speed and load, by name; see `bound`."""
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()
@@ -187,6 +191,16 @@ class FrictionLaw(Parametrised, ABC):
                 values[name] = quantity.check(cls.__name__, key, value) / load
         return cls(**values)
 
+    def contact(self, name: str) -> Scalar:
+        """Return a contact input that this law was bound to."""
+        told = vars(self).get("_told", {})
+        if name not in told:
+            raise InputError(
+                f"{self.name} asks the contact for {name!r}: give its value, as"
+                f" bound(law, {{{name!r}: ...}})."
+            )
+        return told[name]
+
     @abstractmethod
     def break_away(self, load: Scalar) -> Scalar:
         """Return the largest force the contact holds at rest.
@@ -201,6 +215,13 @@ class FrictionLaw(Parametrised, ABC):
         float or array
             Break-away level [N].
         """
+
+
+def bound(law: Any, inputs: Mapping[str, Any]) -> Any:
+    """Return a copy of a law whose equations see contact inputs."""
+    made = copy.copy(law)
+    object.__setattr__(made, "_told", dict(inputs))
+    return made
 
 
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}

@@ -248,6 +248,16 @@ class Mechanism(Parametrised, ABC):
         """
         return {}
 
+    def contact_inputs(
+        self,
+        t: Scalar,  # noqa: ARG002  # for those that know some
+        q: Mapping[str, Scalar],  # noqa: ARG002
+        q_dot: Mapping[str, Scalar],  # noqa: ARG002
+        drives: Mapping[str, Scalar],  # noqa: ARG002
+    ) -> Mapping[str, Scalar]:
+        """Return what laws may ask of the contact beside speed and load, by name."""
+        return {}
+
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:
         """Return the drives that are fitted, by name."""

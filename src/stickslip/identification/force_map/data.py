@@ -142,6 +142,7 @@ class MotionSegment:
             velocity=self.path.velocity[:count],
             load=self.path.load[:count],
             travel=self.path.travel[: count - 1],
+            inputs={name: x[:count] for name, x in self.path.inputs.items()},
         )
         return replace(
             self,
