@@ -21,7 +21,6 @@ HOMES = {
     "BristleLaw": "base",
     "CandidateSpec": "registry",
     "Containment": "base",
-    "DirectionalLaw": "base",
     "Evolution": "rate_state",
     "Friction": "by_contact",
     "FrictionLaw": "base",
@@ -37,14 +36,12 @@ HOMES = {
     "SOURCES": "sources",
     "SetValuedLaw": "base",
     "bound": "base",
-    "bristles_of": "base",
     "contained_laws": "registry",
     "containment_of": "base",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "towards": "base",
     "usual_specifications": "registry",
 }
 

@@ -7,13 +7,13 @@ found by Newton's method, so that what bristles remember passes through the whol
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import BristleLaw, bound
+from stickslip.friction import FrictionLaw, bound
 
 __all__ = ["Path", "displaced", "follow"]
 
@@ -77,9 +77,7 @@ class Path:
         FrictionLaw
             The law itself if it asks for none.
         """
-        if not law.inputs:
-            return law
-        return bound(law, {name: x[rows, None] for name, x in self.inputs.items()})
+        return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
 
     def chunks(self) -> tuple[Array, ...]:
         """Return durations, velocities, loads and inputs of the steps (steps, chunks, 1).
@@ -100,7 +98,7 @@ class Path:
 
 
 def follow(
-    law: BristleLaw,
+    law: FrictionLaw,
     path: Path,
     start: Array,
     guess: Array | None = None,
@@ -114,7 +112,7 @@ def follow(
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
     path : Path
         The motion.
@@ -140,7 +138,8 @@ def follow(
     >>> round(float(z[0, -1, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
     1.0
     """
-    motion = path.chunks()
+    inputs = {name: path.inputs[name] for name in law.inputs}
+    motion = replace(path, inputs=inputs).chunks()
     bristles, copies = start.shape
     steps, chunks = motion[0].shape[:2]
     starts = np.repeat(start[:, None, :], chunks, axis=1)
@@ -148,7 +147,7 @@ def follow(
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
     # each sweep settles one more joint, whatever the slopes
     for _ in range(min(chunks, SWEEPS)):
-        states, slopes = _swept(law, motion, starts, tuple(path.inputs))
+        states, slopes = _swept(law, motion, starts, tuple(inputs))
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         apart = ~(gap <= mismatch * size)
@@ -160,12 +159,12 @@ def follow(
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
 
 
-def displaced(law: BristleLaw, states: Array, load: Array, way: float) -> Array:
+def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array:
     """Return bristle states after a small displacement, made so slowly that only its way counts.
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
     states : array (bristles, n, copies)
         States before.
@@ -202,7 +201,7 @@ def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
 
 
 def _swept(
-    law: BristleLaw, motion: tuple[Array, ...], starts: Array, inputs: tuple[str, ...]
+    law: FrictionLaw, motion: tuple[Array, ...], starts: Array, inputs: tuple[str, ...]
 ) -> tuple[Array, Array]:
     """Integrate all chunks from their starts (bristles, chunks, copies).
 
@@ -214,8 +213,7 @@ def _swept(
     slopes = np.ones_like(starts)
     size, parts = float(np.max(np.abs(starts), initial=0.0)), 1
     for i, (h, v, n, *beside) in enumerate(zip(*motion, strict=True)):
-        told = bound(law, dict(zip(inputs, beside, strict=True))) if inputs else law
-        rates = _rates(told, v, n)
+        rates = _rates(bound(law, dict(zip(inputs, beside, strict=True))), v, n)
         parts = max(1, parts - 1)
         while True:
             z, slope, error = _stepped(rates, h, states[i], parts, size)
@@ -229,9 +227,9 @@ def _swept(
     return states, slopes
 
 
-def _rates(law: BristleLaw, v: Array, n: Array) -> Rates:
+def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:
     def rates(z: Array) -> Array:
-        found = law.bristle_rates(v, tuple(z), n)
+        found = law.rates(v, n, tuple(z))
         if len(found) == 1 and np.shape(found[0]) == z.shape[1:]:
             return np.asarray(found[0])[np.newaxis]
         return np.stack([np.broadcast_to(part, z.shape[1:]) for part in found])
