@@ -66,7 +66,7 @@ _JOINED: Final = re.compile(
 )
 """Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
 CELSIUS: Final = "degC"
-"""Unit of temperatures: a law's coefficients are those at 0 of it, and none is measured near 0 K."""
+"""Unit of temperatures: coefficients of a law are those at 0 of it, and no contact is near 0 K."""
 _PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
 """What means revolutions per minute where a speed of rotation is wanted."""
 _ROTATION: Final = ("rad/s", "radian/second")

@@ -55,6 +55,7 @@ INSIDE = {
     "cycle_of": "drive_period",
     "cycle_or_none": "drive_period",
     "given_inputs": "told_inputs",
+    "given_names": "told_inputs",
     "has_one_slip": "contacts",
     "input_names": "told_inputs",
     "joint_places": "rigid_bodies",
