@@ -117,7 +117,7 @@ def checked_inputs(names: Iterable[str]) -> tuple[str, ...]:
     --------
     >>> checked_inputs(["temprature"])
     Traceback (most recent call last):
-    stickslip.errors.UnknownNameError: unknown contact input 'temprature'. Did you mean 'temperature'?
+    stickslip.errors.UnknownNameError: unknown contact input 'temprature'. Did you mean ...
     """
     found = tuple(names)
     for name in found:

@@ -53,7 +53,7 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
             if name not in vars(kind):
                 setattr(kind, name, equation)
         kind.composition, kind.made_of = composition.term, composition
-        kind.directional = composition.directional
+        kind.directional, kind.inputs = composition.directional, composition.inputs
         kind.contained = Contained(composition, KNOWN)  # type: ignore[assignment]  # a descriptor
         if "formula" not in vars(kind):
             kind.formula = formula_of(composition)
