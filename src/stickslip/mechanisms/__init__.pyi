@@ -53,6 +53,9 @@ from stickslip.mechanisms.robot import RobotJoint as _RobotJoint
 from stickslip.mechanisms.serial_arm import Link as _Link
 from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
+from stickslip.mechanisms.told_inputs import given_inputs as given_inputs
+from stickslip.mechanisms.told_inputs import given_names as given_names
+from stickslip.mechanisms.told_inputs import input_names as input_names
 from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
