@@ -53,6 +53,7 @@ INSIDE = {
     "bristle_names": "by_contact",
     "force_parameters": "base",
     "given_to": "by_contact",
+    "is_bound": "base",
     "is_composition": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

@@ -12,6 +12,7 @@ from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
 from stickslip.friction.base import bound as bound
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
+from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned

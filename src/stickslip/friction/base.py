@@ -23,6 +23,7 @@ __all__ = [
     "bound",
     "containment_of",
     "force_parameters",
+    "is_bound",
 ]
 
 
@@ -343,6 +344,11 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     twin = copy.copy(law)
     vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
     return twin
+
+
+def is_bound(law: FrictionLaw) -> bool:
+    """Whether a law sees inputs of the contact already."""
+    return BOUND in vars(law)
 
 
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
