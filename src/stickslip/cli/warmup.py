@@ -11,7 +11,7 @@ from stickslip.cli.progress import Compiling
 from stickslip.drives import Drive, Pulse, ThreePhase
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, law_type, listed
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
@@ -85,7 +85,7 @@ def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
             " their equations are compiled when they are first needed."
         )
     if laws is None:
-        usual = [law for law in known_laws().values() if not law.on_request]
+        usual = [known_laws()[name] for name, one in listed().items() if not one.on_request]
         own = list(rig.laws.values()) or [starting_law(law) for law in usual]
         return [(rig.mechanism, law) for law in own]
     return [
