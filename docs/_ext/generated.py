@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
-from stickslip.friction import LAWS, PRINTED_EQUATIONS, BristleLaw, FrictionLaw
+from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw
 from stickslip.quantities import fields_of
 from stickslip.routes import routes
 
@@ -48,7 +48,7 @@ def law_table() -> Iterator[str]:
         (
             f"[{law.title}](#law-{name})",
             f"`{name}`",
-            "bristles" if issubclass(law, BristleLaw) else "set-valued",
+            "bristles" if law.states else "set-valued",
             ", ".join(symbol(quantity.symbol) for quantity in fields_of(law).values()),
         )
         for name, law in LAWS.items()

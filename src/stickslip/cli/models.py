@@ -15,7 +15,6 @@ from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
     SOURCES,
-    BristleLaw,
     FrictionLaw,
     PrintedForm,
     RightEquation,
@@ -190,7 +189,7 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
     return {
         "name": law.name,
         "title": law.title,
-        "kind": "bristle" if issubclass(law, BristleLaw) else "set-valued",
+        "kind": "bristle" if law.states else "set-valued",
         "formula": law.formula,
         "parameters": _parameters(law),
         "sources": [SOURCES[key] for key in law.sources],

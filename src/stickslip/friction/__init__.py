@@ -25,7 +25,6 @@ HOMES = {
     "BristleLaw": "base",
     "CandidateSpec": "registry",
     "Containment": "base",
-    "DirectionalLaw": "base",
     "Evolution": "rate_state",
     "Friction": "by_contact",
     "FrictionLaw": "base",
@@ -40,14 +39,13 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
-    "bristles_of": "base",
+    "bound": "base",
     "contained_laws": "registry",
     "containment_of": "base",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "towards": "base",
     "usual_specifications": "registry",
 }
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, final
 
-from stickslip.friction.base import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
 from stickslip.friction.containment import Contained
 from stickslip.friction.equations import equations_of, one_way
@@ -91,7 +91,7 @@ def _by_parts() -> Mapping[str, Entry]:
 
 def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionLaw]:
     """Return the class of a composition, with what is said of it."""
-    without: Any = DirectionalLaw if c.directional else SetValuedLaw
+    without: Any = FrictionLaw if c.directional else SetValuedLaw
     base: Any = BristleLaw if c.memory is not None else without
     kind: Any = type(base)(name, (base,), dict(space))
     for field, hint in inspect.get_annotations(kind).items():
@@ -101,27 +101,26 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
         if one.default is not dataclasses.MISSING and one.name not in space:
             setattr(kind, one.name, one.default)
     kind.__annotations__ = {one.name: one.hint for one in fields}
-    directional = c.directional and c.memory is None
-    equations = equations_of(c, class_of(one_way(c.term)) if directional else None)
+    equations = equations_of(c, lambda: class_of(one_way(c.term)))
     for key, equation in equations.items():
         if key not in space:
             setattr(kind, key, equation)
-    kind.composition, kind.made_of = c.term, c
+    kind.composition, kind.made_of, kind.directional = c.term, c, c.directional
     kind.contained = Contained(c, _by_parts)
     if "formula" not in space:
         kind.formula = formula_of(c)
     abc.update_abstractmethods(kind)
     made: Any = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
     for key, arguments in FLOATS.items():
-        if key in equations:
+        if key in equations and (c.memory is not None or not made.directional):
             setattr(made, key, for_floats(made, key, equations[key], arguments))
     return made  # type: ignore[no-any-return]  # a class made by a call
 
 
 FLOATS = {
     "sliding": ("speed", "load"),
-    "force": ("velocity", "bristles", "load"),
-    "bristle_rates": ("velocity", "bristles", "load"),
+    "force": ("velocity", "load", "states"),
+    "rates": ("velocity", "load", "states"),
     "steady": ("velocity", "load"),
 }
 """Equations that have a text of their own for floats, with their arguments."""
@@ -129,12 +128,15 @@ FLOATS = {
 
 def class_of(term: Term) -> type[FrictionLaw]:
     """Return the class of a term: that with a name, or one that has its text as name."""
-    entry = _by_parts().get(canonical(term))
-    return _without_name(str(term)) if entry is None else entry.law
+    return _by_text(str(term))
 
 
 @functools.cache
-def _without_name(text: str) -> type[FrictionLaw]:
+def _by_text(text: str) -> type[FrictionLaw]:
+    c = Composition(read(text), {})  # refuses what cannot stand together, optional parts included
+    entry = _by_parts().get(canonical(c.term))
+    if entry is not None:
+        return entry.law
     said = {
         "__module__": HOME,
         "__qualname__": text,
@@ -144,4 +146,4 @@ def _without_name(text: str) -> type[FrictionLaw]:
         "sources": (),
         "on_request": True,
     }
-    return _made(Composition(read(text), {}), text, said)
+    return _made(c, text, said)
