@@ -6,7 +6,7 @@ import functools
 import inspect
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, final
+from typing import Any, cast, final
 
 from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
@@ -14,7 +14,7 @@ from stickslip.friction.containment import Contained
 from stickslip.friction.equations import equations_of, one_way
 from stickslip.friction.formulas import formula_of
 from stickslip.friction.notation import Term, canonical, read
-from stickslip.friction.parts.base import Parameter
+from stickslip.friction.parts.base import Memory, Parameter
 from stickslip.friction.text import for_floats
 
 __all__ = ["CATALOGUE", "HOME", "Entry", "class_of", "composed"]
@@ -42,6 +42,14 @@ class Entry:
         if name.startswith("_") or name == "statement":
             raise AttributeError(name)
         return getattr(self.statement if hasattr(self.statement, name) else FrictionLaw, name)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states of the contact."""
+        heads = (one for one in read(self.composition).parts() if one.role == "memory")
+        return tuple(
+            state for one in heads for state in cast(Memory, one.part).states(one.argument)
+        )
 
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
