@@ -37,6 +37,7 @@ from stickslip.friction.registry import is_composition as is_composition
 from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
+from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES

@@ -35,7 +35,7 @@ from stickslip.experiments.rig import (
     estimated_law,
     state_units,
 )
-from stickslip.experiments.rigs.laws import by_contact, known_laws, overridden_fields
+from stickslip.experiments.rigs.laws import by_contact, known_laws, laws_of, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
 from stickslip.experiments.rigs.robots import UrdfTable, fill_friction, robot_of
@@ -51,7 +51,7 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.formatting import joined
-from stickslip.friction import FrictionLaw, Laws, laws
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
     LinearOrRotary,
     Mechanism,
@@ -113,8 +113,9 @@ def read_rig(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
+    kinds = laws_of(friction, [name for name, _ in contacts], own.laws)
     try:
-        kind = rig_table(own.mechanism, tuple(own.laws.values()), contacts)
+        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
         table = kind.model_validate(raw)
     except ValidationError as error:
         raise complaint(error, raw, file, overrides) from None
@@ -128,7 +129,6 @@ def read_rig(
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
     mechanism = given_inputs(mechanism, _values(table.contact, "contact", file, overrides))
-    kinds = {**laws(), **own.laws}
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()

@@ -386,16 +386,16 @@ def rig_table(
     laws: tuple[type[FrictionLaw], ...] = (),
     contacts: tuple[tuple[str, bool], ...] = (),
 ) -> type[RigTable]:
-    """Return the model of a rig file with all mechanisms, drives and laws that are installed.
+    """Return the model of a rig file with all mechanisms and drives that are installed.
 
-    A mechanism of the user's, with its ``type``, and more laws may come to them.
+    A mechanism of the user's, with its ``type``, may come to them.
 
     Parameters
     ----------
     mechanism : tuple of str and type of Mechanism, optional
         Import path and class of a mechanism that is in no registry.
     laws : tuple of type of FrictionLaw
-        Types of laws that are in no registry.
+        Types of the laws that may stand in it.
     contacts : tuple of (str, bool)
         Names of the contacts, and whether each slips along an angle.
 
@@ -420,7 +420,7 @@ def rig_table(
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of rig files."""
-    schema = rig_table().model_json_schema(by_alias=True)
+    schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
     friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
