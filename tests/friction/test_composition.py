@@ -50,6 +50,10 @@ FREE = (
     "dahl(both_ways(level * linear[temperature])) + viscous",
     "tanh((level + stribeck) * linear[gravity] + weight[motor]) + viscous",
     "(level + step) * linear[temperature] + viscous",
+    "level + stribeck + logarithmic + polynomial[3]",
+    "lugre(level + logarithmic) + viscous",
+    "makkar + viscous",
+    "bengisu_akay + drag",
 )
 CONTACT = {
     "motor": 1.3, "external": -0.7, "transmitted": 2.0, "gravity": -0.4,
@@ -148,6 +152,31 @@ def test_smooth_laws_take_the_values_that_their_formulas_print():
     rise = law("threlfall(level)")(kinetic_coefficient=2.0, smoothing_velocity=0.1)
     assert rise.force(0.1, 1.0) == 2.0
     assert rise.force(0.05, 1.0) == pytest.approx(2.0 * math.expm1(-1.5) / math.expm1(-3.0))
+
+
+def test_further_curves_take_the_values_that_their_formulas_print():
+    peaked = law("bengisu_akay")(
+        kinetic_coefficient=1.0, static_coefficient=1.5, peak_velocity=0.02, fall_rate=30.0
+    )
+    assert peaked.force(0.02, 1.0) == 1.5
+    assert peaked.force(0.005, 1.0) == pytest.approx(1.5 - 1.5 / 0.02**2 * 0.015**2, rel=1e-15)
+    assert peaked.force(0.12, 1.0) == pytest.approx(1.0 + 0.5 * math.exp(-3.0), rel=1e-15)
+    smooth = law("makkar + viscous")(
+        bump_coefficient=0.25, rise_rate=100.0, fall_rate=10.0, kinetic_coefficient=0.5,
+        smoothing_rate=90.0, viscous_coefficient=0.01,
+    )  # fmt: skip
+    expected = 0.25 * (math.tanh(4.0) - math.tanh(0.4)) + 0.5 * math.tanh(3.6) + 0.01 * 0.04
+    assert smooth.force(0.04, 1.0) == pytest.approx(expected, rel=1e-15)
+    growing = law("level + logarithmic")(
+        kinetic_coefficient=1.0, logarithmic_coefficient=0.2, reference_velocity=0.1
+    )
+    assert growing.force(0.1 * (math.e - 1.0), 2.0) == pytest.approx(2.4, rel=1e-15)
+    assert growing.break_away(2.0) == 2.0
+    cubic = law("level + polynomial[3]")(
+        kinetic_coefficient=1.0, speed_coefficient_1=3.0, speed_coefficient_2=-2.0,
+        speed_coefficient_3=0.5,
+    )  # fmt: skip
+    assert cubic.force(-2.0, 1.0) == -(1.0 + 6.0 - 8.0 + 4.0)
 
 
 def test_elements_of_maxwell_slip_yield_one_after_the_other_up_to_the_level():

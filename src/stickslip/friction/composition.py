@@ -172,7 +172,8 @@ class Composition:
                         f"has {name} inside a memory, which holds levels only"
                         + (f": write dahl(level) + {name}." if role == "flow" else ".")
                     )
-                names = self._enter(term, sides, inside=inside)
+                # a memory divides by its levels; what an extra adds may be 0
+                names = self._enter(term, sides, inside=inside and isinstance(term.part, Level))
                 return [Leaf(part=term.part, names=names, inputs=term.inputs)]
         raise AssertionError(term)
 
@@ -324,7 +325,6 @@ class Composition:
             first = f"{symbol}_{part.lstrip('(')[0]}"
             others = (f"{first}{i}" for i in range(2, len(taken) + 3))
             symbol = next(one for one in (first, *others) if one not in taken)
-        # a memory divides by its levels
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
             q,

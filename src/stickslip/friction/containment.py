@@ -17,6 +17,7 @@ from stickslip.friction.notation import (
     summed,
     terms_of,
 )
+from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 
@@ -162,7 +163,8 @@ def _reductions(term: Term) -> Iterator[Reduction]:
 
 def _became(name: Name, one: Becomes) -> tuple[Name | None, Values, tuple[str, ...]]:
     """Return the simpler part, None where what stands in the brackets is left."""
-    simpler = Name(one.name, one.argument or name.argument) if one.name else None
+    kept = name.argument if one.name in PARTS and PARTS[one.name].argument else ""
+    simpler = Name(one.name, one.argument or kept) if one.name else None
     values = {name.meaning(own): value for own, value in one.values.items()}
     return simpler, values, tuple(map(name.meaning, one.limits))
 

@@ -81,7 +81,7 @@ def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Sca
     # a level of its own, and not the sum of its steps, where no factor tells these apart
     total = _total(steps) if any(leaf.factors for leaf in held.values()) else found
     for leaf in own:
-        if isinstance(leaf.part, Extra):
+        if isinstance(leaf.part, Extra) and leaf.part.holds:
             value = leaf.part.at_rest(*leaf.told(law, STILL, choose))
             total = total + leaf.times(value, law, STILL, choose)
     return total

@@ -146,7 +146,7 @@ class Name(Term):
     @property
     def part(self) -> Part:
         """The part that is named."""
-        return PARTS.get(self.name, DIRECTIONS)
+        return PARTS.get(self.name, DIRECTIONS).of(self.argument)
 
     @property
     def input(self) -> str:

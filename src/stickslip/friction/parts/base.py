@@ -102,6 +102,10 @@ class Part(ABC):
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
 
+    def of(self, argument: str) -> "Part":  # for those that it shapes
+        """Return the part with what stands in its brackets."""
+        return self
+
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """What the class declares, in order."""
@@ -129,6 +133,8 @@ class Extra(Part, ABC):
     """A level on top of the others: what an input of the contact adds."""
 
     role: ClassVar[str] = "level"
+    holds: ClassVar[bool] = True
+    """Whether some of it is there at rest."""
 
     @abstractmethod
     def at_rest(self, p: Values, s: Slip) -> Scalar:
