@@ -288,6 +288,16 @@ class FrictionLaw(Parametrised, ABC):
         """
         return self
 
+    def limits(self) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Such as a factor with which friction would drive instead of braking.
+        """
+        return {}
+
     def contact(self, name: str) -> Scalar:
         """Return an input of the contact, for the equations of a law that has `inputs`.
 

@@ -119,6 +119,7 @@ class Composition:
         self.fields: dict[str, Parameter] = {}
         self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
+        self.factors: dict[str, Leaf] = {}
         self.argument = ""
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
@@ -184,6 +185,7 @@ class Composition:
         for factor in term.factors:
             names = self._enter(factor, sides, stem=term.stem(factor), owner=str(term))
             leaf = Leaf(part=factor.part, names=names, inputs=factor.inputs)
+            self.factors[str(Product(term.first, (factor,)))] = leaf
             if factor.modulated:
                 self._check_modulated(factor, leaves)
                 there = modulated.get(factor.modulated, ())
