@@ -124,8 +124,8 @@ def _one(name: str, *, as_json: bool) -> None:
     _show_parameters(law)
     console.print()
     for asked in law.inputs:
-        known = CONTACT_INPUTS[asked]
-        text = f"Contact input {asked} [{known.unit}]: {known.meaning}"
+        told = CONTACT_INPUTS[asked]
+        text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
         console.print(text, markup=False, soft_wrap=True)
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)

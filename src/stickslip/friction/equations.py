@@ -39,7 +39,7 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     dict of str to callable
         Methods; of laws with memory the names of the states as well.
     """
-    more = {"limits": _limits(c)}
+    more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
         return more | _set_valued(c)
     if c.directional:
