@@ -165,7 +165,10 @@ def held_by(law: FrictionLaw, friction: Any, load: Any) -> Any:
 def example_of(kind: type[FrictionLaw]) -> Any:
     """Return one law of a kind with everyday parameters."""
     values: dict[str, float] = {}
-    typical = {"1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2}
+    typical = {
+        "1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2,
+        "1/N": 0.1, "1/N^2": 0.05, "1/K": 0.01, "1/Pa": 1e-6,
+    }  # fmt: skip
     for name, quantity in fields_of(kind).items():
         if quantity.structural:
             continue
