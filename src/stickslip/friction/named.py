@@ -1093,7 +1093,7 @@ class Cogging:
 
     name = "cogging"
     title = "Coulomb with teeth + viscous"
-    sources = ()
+    sources = ("coulomb1785", "reynolds1886")
     typical = Typical(
         values={
             **SLIDING,
