@@ -73,6 +73,7 @@ INSIDE = {
     "scale_of": "travels",
     "spread_of": "estimates",
     "step_of": "differentiation",
+    "unit_of_input": "measurement",
     "unit_on": "estimates",
     "usual_top_speed": "differentiation",
     "velocity_of": "differentiation",

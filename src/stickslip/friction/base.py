@@ -23,6 +23,7 @@ __all__ = [
     "bound",
     "containment_of",
     "force_parameters",
+    "is_bound",
 ]
 
 
@@ -345,8 +346,15 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     return twin
 
 
+def is_bound(law: FrictionLaw) -> bool:
+    """Whether a law sees inputs of the contact already."""
+    return BOUND in vars(law)
+
+
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
 """Units of parameters, and of the same measured at a load."""
+PER_FORCE = {"level/force": "1", "level/force^2": "1/N"}
+"""Scales of levels that grow with a force, and units of the same measured at a load."""
 
 
 @functools.cache
@@ -364,7 +372,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     found = {}
     for name, quantity in fields_of(law).items():
         is_level = quantity.scale.rstrip("+-") == "level"
-        unit = "N" if is_level else IN_FORCES.get(quantity.unit)
+        unit = "N" if is_level else IN_FORCES.get(quantity.unit, PER_FORCE.get(quantity.scale))
         if unit is not None:
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol

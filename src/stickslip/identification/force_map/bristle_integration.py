@@ -6,13 +6,14 @@ found by Newton's method, so that what bristles remember passes through the whol
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 
 __all__ = ["Path", "displaced", "follow"]
 
@@ -58,9 +59,28 @@ class Path:
     """Normal force at the samples (n,) [N]."""
     travel: Array
     """Displacement in each step (n - 1,) [m]."""
+    inputs: Mapping[str, Array] = field(default_factory=dict)
+    """Contact inputs at the samples (n,), by name."""
 
-    def chunks(self) -> tuple[Array, Array, Array]:
-        """Return durations, velocities and loads of the steps (steps, chunks, 1).
+    def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
+        """Return a law that sees the contact inputs of some samples (k, 1).
+
+        Parameters
+        ----------
+        law : FrictionLaw
+            The law.
+        rows : array of int (k,) or slice
+            The samples; all if not given.
+
+        Returns
+        -------
+        FrictionLaw
+            The law itself if it asks for none.
+        """
+        return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
+
+    def chunks(self) -> tuple[Array, ...]:
+        """Return durations, velocities, loads and inputs of the steps (steps, chunks, 1).
 
         A step costs much the same for one chunk and for a hundred, so that many short chunks are
         quick. The last one is filled up with steps of no duration.
@@ -68,14 +88,13 @@ class Path:
         count = len(self.travel)
         steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
         chunks = -(-count // steps)
-        duration = np.diff(self.time)
-        padded = np.zeros((3, steps * chunks))
+        duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
+        padded = np.zeros((2 + len(beside), steps * chunks))
         padded[0, :count] = duration
         padded[1, :count] = self.travel / duration
-        padded[2, :count] = 0.5 * (self.load[1:] + self.load[:-1])
-        padded[2, count:] = padded[2, count - 1]
-        h, v, n = padded.reshape(3, chunks, steps).transpose(0, 2, 1)[..., None]
-        return h, v, n
+        padded[2:, :count] = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        padded[2:, count:] = padded[2:, count - 1 : count]
+        return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
 
 def follow(
@@ -119,7 +138,8 @@ def follow(
     >>> round(float(z[0, -1, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
     1.0
     """
-    motion = path.chunks()
+    inputs = {name: path.inputs[name] for name in law.inputs}
+    motion = replace(path, inputs=inputs).chunks()
     bristles, copies = start.shape
     steps, chunks = motion[0].shape[:2]
     starts = np.repeat(start[:, None, :], chunks, axis=1)
@@ -127,7 +147,7 @@ def follow(
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
     # each sweep settles one more joint, whatever the slopes
     for _ in range(min(chunks, SWEEPS)):
-        states, slopes = _swept(law, motion, starts)
+        states, slopes = _swept(law, motion, starts, tuple(inputs))
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         apart = ~(gap <= mismatch * size)
@@ -181,7 +201,7 @@ def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
 
 
 def _swept(
-    law: FrictionLaw, motion: tuple[Array, Array, Array], starts: Array
+    law: FrictionLaw, motion: tuple[Array, ...], starts: Array, inputs: tuple[str, ...]
 ) -> tuple[Array, Array]:
     """Integrate all chunks from their starts (bristles, chunks, copies).
 
@@ -192,8 +212,8 @@ def _swept(
     states[0] = starts
     slopes = np.ones_like(starts)
     size, parts = float(np.max(np.abs(starts), initial=0.0)), 1
-    for i, (h, v, n) in enumerate(zip(*motion, strict=True)):
-        rates = _rates(law, v, n)
+    for i, (h, v, n, *beside) in enumerate(zip(*motion, strict=True)):
+        rates = _rates(bound(law, dict(zip(inputs, beside, strict=True))), v, n)
         parts = max(1, parts - 1)
         while True:
             z, slope, error = _stepped(rates, h, states[i], parts, size)
