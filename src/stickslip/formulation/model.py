@@ -160,7 +160,7 @@ def _functions(
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
-    margins = [closed(s.margin) for s in switches]
+    margins = [closed(s.deciding) for s in switches]
 
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}

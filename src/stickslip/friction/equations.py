@@ -112,7 +112,9 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 
     def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
@@ -139,7 +141,7 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.values(self, _least)) * _rest(c.inside, self, _least) * load
 
     return {
         "bristles": memory.states(c.argument),

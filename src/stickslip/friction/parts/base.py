@@ -36,6 +36,8 @@ class Slip:
     """Slip speed [m/s], not negative."""
     along: Scalar
     """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
+    rest: Scalar = None
+    """Level at rest, over the load, of the curve that a memory is around."""
 
 
 @final
@@ -161,3 +163,7 @@ class Memory(Part, ABC):
     @abstractmethod
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         """Return the force, over the load."""
+
+    def peak(self, p: Values) -> Scalar:  # noqa: ARG002  # most have none
+        """Return what slow motion from rest reaches at most, over the level at rest."""
+        return 1.0
