@@ -247,6 +247,10 @@ class Latches:
     def __exit__(self, *_: object) -> None:
         _AT_HAND.reset(self._before)
 
+    def __bool__(self) -> bool:
+        """Whether there are any, as the first evaluation shows."""
+        return bool(self._flags)
+
     def on(self, margin: Scalar, hold: Scalar) -> Any:
         """Return whether a switch is on; equations ask for all of theirs in the same order."""
         self._asked.append((margin, hold))

@@ -103,6 +103,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
         limits=_limits(modes),
+        latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
     )
 
