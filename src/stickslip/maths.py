@@ -5,6 +5,7 @@ symbol (anything whose class has `__maths__`) an expression.
 """
 
 import math
+from collections.abc import Iterable
 from contextvars import ContextVar
 from typing import Any, Protocol, TypeAlias, TypeGuard, final, runtime_checkable
 
@@ -220,8 +221,15 @@ def latched(margin: Scalar, hold: Scalar, yes: Scalar, no: Scalar) -> Scalar:
 class Latches:
     """Which latched switches of an equation are on, while it is evaluated with numbers.
 
-    At the first evaluation they are on where their margins are positive. They stay as they are
-    until `turn` is called, as a solver does at the end of a step: within a step nothing switches.
+    They stay as they are until `turn` is called, as a solver does at the end of a step: within a
+    step nothing switches.
+
+    Parameters
+    ----------
+    flags : iterable of bool or array, optional
+        Whether each is on, in the order in which the equation asks.
+    off : bool, optional
+        Whether those that are not given are off at first; by default their margins tell.
 
     Examples
     --------
@@ -235,8 +243,10 @@ class Latches:
     (True, None, False)
     """
 
-    def __init__(self) -> None:
-        self._flags: list[Any] = []
+    def __init__(self, flags: Iterable[Any] = (), *, off: bool = False) -> None:
+        self.flags = list(flags)
+        """Whether each is on."""
+        self._off = off
         self._asked: list[tuple[Scalar, Scalar]] = []
         self._before: Any = None
 
@@ -249,20 +259,20 @@ class Latches:
 
     def __bool__(self) -> bool:
         """Whether there are any, as the first evaluation shows."""
-        return bool(self._flags)
+        return bool(self.flags)
 
     def on(self, margin: Scalar, hold: Scalar) -> Any:
         """Return whether a switch is on; equations ask for all of theirs in the same order."""
         self._asked.append((margin, hold))
-        if len(self._asked) > len(self._flags):
-            self._flags.append(margin > 0.0)
-        return self._flags[len(self._asked) - 1]
+        if len(self._asked) > len(self.flags):
+            self.flags.append(False if self._off else margin > 0.0)
+        return self.flags[len(self._asked) - 1]
 
     def turn(self) -> None:
         """Turn the switches by what was last asked for."""
         for k, (margin, hold) in enumerate(self._asked):
-            begins, lasts = margin > 0.0, self._flags[k]
-            self._flags[k] = (hold >= 0.0) & (begins | (lasts & (hold > 0.0)))
+            begins, lasts = margin > 0.0, self.flags[k]
+            self.flags[k] = (hold >= 0.0) & (begins | (lasts & (hold > 0.0)))
 
 
 _AT_HAND: ContextVar[Latches | None] = ContextVar("latches", default=None)

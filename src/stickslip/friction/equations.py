@@ -144,6 +144,16 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         slip, choose, g = at(self, velocity)
         return memory.rates(leaf.values(self, choose), slip, states, g)
 
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.values(self, choose), slip, states, g, time)
+
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
@@ -155,6 +165,7 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         "states": names,
         "force": force,
         "rates": rates,
+        "moved": moved,
         "steady": steady,
         "break_away": break_away,
     }

@@ -190,6 +190,13 @@ def shares(z: tuple[Scalar, ...]) -> list[float]:
     return [2.0 * (i + 1) / (len(z) + 1.0) for i in range(len(z))]
 
 
+def pulled(z: Scalar, limit: Scalar, s: Slip, time: Scalar) -> Scalar:
+    """Return a deflection after some time at a constant velocity, in which it stops at a limit."""
+    way, step = sign(s.along), abs(s.along) * time
+    room = limit - z * way
+    return z + way * where(room > 0.0, where(step < room, step, room), 0.0)
+
+
 @final
 class Maxwell(Elements):
     """Elements that slide under constant forces; a level that falls with speed scales their sum."""
@@ -208,6 +215,15 @@ class Maxwell(Elements):
         length, way = s.rest / p.bristle_stiffness, sign(s.along)
         left = (share * length - one * way for share, one in zip(shares(z), z, strict=True))
         return tuple(where(room > 0.0, s.along, 0.0) for room in left)
+
+    @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        length = s.rest / p.bristle_stiffness
+        return tuple(
+            pulled(one, share * length, s, time) for share, one in zip(shares(z), z, strict=True)
+        )
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
@@ -245,6 +261,22 @@ class GMS(Elements):
             for share, one in zip(shares(z), z, strict=True)
         )
 
+    @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        way, fades = sign(s.along), exp(-p.attraction * time / g)
+        found = []
+        for share, one in zip(shares(z), z, strict=True):
+            limit = share * g / p.bristle_stiffness
+            reached = one * way + abs(s.along) * time - limit
+            slips = limit * way + (one - limit * way) * fades
+            sticks = where(one * way > limit, slips, pulled(one, limit, s, time))
+            # what slipped the other way sticks, and slips from where it reaches its level
+            hold = where(one * s.along > 0.0, 1.0, where(reached > 0.0, 0.0, -1.0))
+            found.append(where(hold > 0.0, latched(reached, hold, slips, sticks), sticks))
+        return tuple(found)
+
 
 @final
 class Reset(Memory):
@@ -278,6 +310,12 @@ class Reset(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         return (self.sticks(p, s, z[0], s.along, 0.0),)
+
+    @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        return (pulled(z[0], s.rest / p.bristle_stiffness, s, time),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
