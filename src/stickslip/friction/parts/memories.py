@@ -11,7 +11,7 @@ from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, where
 from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
-"""Square of the share of the friction level within which an exponent other than 1 is rounded."""
+"""Square of the share of the friction level within which broken powers are rounded."""
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
@@ -161,9 +161,9 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        size = where(u > 0.0, u, -u)
-        way = where(u * s.along > 0.0, 1.0, -1.0)
-        return (s.along * (1.0 - power(size, p.loop_exponent) * (beta + (1.0 - beta) * way)),)
+        # |u|^n, rounded at 0, where n < 1 has no slope
+        yields = power(u * u + ROUNDED, 0.5 * p.loop_exponent)
+        return (s.along * (1.0 - yields * where(u * s.along > 0.0, 1.0, 2.0 * beta - 1.0)),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:

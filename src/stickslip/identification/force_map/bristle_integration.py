@@ -41,6 +41,8 @@ WAY_PARTS = 2
 """Parts of such a displacement; one is exact where rates are linear in the deflection."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
+MARGIN = 1e-6
+"""Share of the way at the first rate by which rounding may exceed it."""
 STILL = 1e-10
 """Rate over the first one that is none."""
 SERIES = 0.05
@@ -281,6 +283,9 @@ def _stepped(
             error = np.where(yielding, _reached(h * f, size), error)
             # ten times the way that is left: arrived, whatever the slopes promise
             far = yielding & (np.abs(h * f) > 10.0 * size)
+            # what yields goes forwards, and no farther than at its first rate
+            share = (new - z) / np.where(f == 0.0, 1.0, h * f)
+            far |= yielding & ~((share >= -MARGIN) & (share <= 1.0 + MARGIN))
             new, slope = _held_back(rates, z, f, np.where(far, there, new), slope)
         z, slopes = new, slopes * slope
         worst = max(worst, float(np.max(error)))
