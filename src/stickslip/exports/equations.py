@@ -71,6 +71,8 @@ class Equations:
     """Names of the bristle states in programs."""
     slip: BySense
     """Friction force, then the rates of the bristles."""
+    moved: BySense | None
+    """Bristles after a `period` at a velocity, of laws that have a formula for them."""
     steady: BySense | None
     """Friction force of steady sliding, of laws with bristles."""
     break_away: tuple[se.Expr, se.Expr]
@@ -79,7 +81,7 @@ class Equations:
     """Whether a body is held at rest by a force of any size up to break-away."""
 
 
-VELOCITY, LOAD = se.Symbol("velocity"), se.Symbol("load")
+VELOCITY, LOAD, PERIOD = map(se.Symbol, ("velocity", "load", "period"))
 
 
 def equations_of(law: FrictionLaw) -> Equations:
@@ -130,6 +132,9 @@ def equations_of(law: FrictionLaw) -> Equations:
             ),
             bristles=states,
             slip=_by_sense(law, symbols, lambda twin, v, load: _slip(twin, v, _z(states, v), load)),
+            moved=_by_sense(law, symbols, lambda twin, v, load: _moved(twin, v, _z(states, v), load))
+            if _has_formula(law)
+            else None,
             steady=_by_sense(law, symbols, lambda twin, v, load: (twin.steady(v[0], load),))
             if law.states
             else None,
@@ -153,6 +158,16 @@ def _z(states: tuple[str, ...], at: At) -> tuple[Traced, ...]:
 def _slip(law: Any, at: At, bristles: tuple[Traced, ...], load: Traced) -> tuple[Any, ...]:
     arguments = at[0], load, bristles
     return (law.force(*arguments), *law.rates(*arguments))
+
+
+def _moved(
+    law: FrictionLaw, at: At, bristles: tuple[Traced, ...], load: Traced
+) -> tuple[Any, ...]:
+    return law.moved(at[0], load, bristles, Traced(PERIOD, at[1])) or ()
+
+
+def _has_formula(law: FrictionLaw) -> bool:
+    return law.moved(0.0, 1.0, (0.0,) * len(law.states), 1.0) is not None
 
 
 def _by_sense(
@@ -183,5 +198,10 @@ def _levels(law: FrictionLaw, names: dict[str, str]) -> tuple[se.Expr, se.Expr]:
 def _closed(e: se.Expr, board: Switchboard) -> se.Expr:
     """Put the margins of switches in place of their symbols; a margin may have switches too."""
     for one in reversed(board.switches.values()):
+        if one.hold is not None:
+            raise TracingError(
+                "its elements slip until the velocity turns, which functions of a state do not know"
+                " (an FMU of the rig does: export it as fmu)"
+            )
         e = e.subs({one.symbol: one.margin})
     return collapsed(e)

@@ -22,7 +22,7 @@ from typing import Final, TypeAlias
 
 import symengine as se
 
-from stickslip.exports.equations import LOAD, VELOCITY, BySense, Equations
+from stickslip.exports.equations import LOAD, PERIOD, VELOCITY, BySense, Equations
 from stickslip.exports.program import (
     Assign,
     Branch,
@@ -48,7 +48,7 @@ CLOSE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
-APPLIED, MASS, PERIOD = map(se.Symbol, ("applied", "mass", "period"))
+APPLIED, MASS = map(se.Symbol, ("applied", "mass"))
 MEANINGS: Final = {
     "velocity": ("m/s", "slip velocity"),
     "load": ("N", "normal force; taken as 0 where it is negative"),
@@ -318,7 +318,9 @@ class _Writer:
             summary="Bristle states at the end of an implicit step with a velocity.",
             inputs=(_variable("velocity"), *self.bristles, _variable("load"), _variable("period")),
             outputs=self.new_bristles,
-            body=tuple(part for place in range(len(self.states)) for part in self._settled(place)),
+            body=tuple(part for place in range(len(self.states)) for part in self._settled(place))
+            if self.law.moved is None
+            else _loaded(_by_velocity(tuple(self.ends), self.law.moved)),
             inner=True,
         )
 

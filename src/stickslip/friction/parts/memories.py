@@ -11,7 +11,7 @@ from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, where
 from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
-"""Square of the share of the friction level within which broken powers are rounded."""
+"""Share of the level that is nothing: broken powers are rounded within its root."""
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
@@ -191,10 +191,10 @@ def shares(z: tuple[Scalar, ...]) -> list[float]:
 
 
 def pulled(z: Scalar, limit: Scalar, s: Slip, time: Scalar) -> Scalar:
-    """Return a deflection after some time at a constant velocity, in which it stops at a limit."""
+    """Return a deflection after some time at a constant velocity, which ends just past a limit."""
     way, step = sign(s.along), abs(s.along) * time
-    room = limit - z * way
-    return z + way * where(room > 0.0, where(step < room, step, room), 0.0)
+    room = limit * (1.0 + ROUNDED) - z * way
+    return z + way * where(step < room, step, room)
 
 
 @final
