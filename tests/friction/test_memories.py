@@ -144,7 +144,7 @@ def test_runs_of_an_ensemble_are_those_of_simulate():
 @pytest.mark.parametrize("own", SWITCHED.values(), ids=SWITCHED)
 def test_sensitivities_through_switches_are_those_of_differences(own):
     run = simulate(RIG, own, t_end=1.5)
-    for name in {"kinetic_coefficient", "bristle_stiffness", "attraction", "sticking_surplus"}:
+    for name in ("kinetic_coefficient", "bristle_stiffness", "attraction", "sticking_surplus"):
         if not hasattr(own, name):
             continue
         value = getattr(own, name)

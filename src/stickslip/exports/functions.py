@@ -169,13 +169,17 @@ class _Writer:
 
     def __init__(self, law: Equations) -> None:
         self.law = law
-        self.states = [se.Symbol(name) for name in law.bristles]
-        self.ends = [f"{name}_end" for name in law.bristles]
+        self.states = [se.Symbol(name) for name in (*law.bristles, *law.flags)]
+        self.ends = [f"{one}_end" for one in self.states]
+        kinds = [("m", "bristle state")] * len(law.bristles)
+        kinds += [("", "1 while the element slips, else 0")] * len(law.flags)
         self.bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state") for name in law.bristles
+            Variable(name=str(one), unit=unit, meaning=meaning)
+            for one, (unit, meaning) in zip(self.states, kinds, strict=True)
         )
         self.new_bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state at the end") for name in self.ends
+            replace(one, name=f"{one.name}_end", meaning=f"{one.meaning} at the end")
+            for one in self.bristles
         )
         # of forward slip, as a function of the speed; the other sense is turned round
         self.ahead = self._local(law.slip.ahead, 1)
@@ -203,7 +207,8 @@ class _Writer:
 
     def _local(self, values: tuple[se.Expr, ...], side: int) -> tuple[se.Expr, ...]:
         """Return what holds in one sense of slip as seen along it."""
-        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in self.states}}
+        deflections = self.states[: len(self.law.bristles)]
+        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in deflections}}
         return tuple(side * one.subs(turned_round).subs({LOAD: NORMAL}) for one in values)
 
     def _friction(self) -> Function:

@@ -164,17 +164,17 @@ class Memory(Part, ABC):
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         """Return the force, over the load."""
 
-    def peak(self, p: Values) -> Scalar:  # noqa: ARG002  # most have none
+    def peak(self, p: Values) -> Scalar:  # most have none
         """Return what slow motion from rest reaches at most, over the level at rest."""
         return 1.0
 
     def moved(  # most have no formula for it
         self,
-        p: Values,  # noqa: ARG002
-        s: Slip,  # noqa: ARG002
-        z: tuple[Scalar, ...],  # noqa: ARG002
-        g: Scalar,  # noqa: ARG002
-        time: Scalar,  # noqa: ARG002
+        p: Values,
+        s: Slip,
+        z: tuple[Scalar, ...],
+        g: Scalar,
+        time: Scalar,
     ) -> tuple[Scalar, ...] | None:
         """Return the states after some time at a constant velocity; None without a formula."""
         return None
