@@ -256,6 +256,33 @@ class FrictionLaw(Parametrised, ABC):
         """
         return ()
 
+    def moved(
+        self,
+        velocity: Scalar,  # noqa: ARG002
+        load: Scalar,  # noqa: ARG002
+        states: tuple[Scalar, ...],  # noqa: ARG002
+        time: Scalar,  # noqa: ARG002
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states of the contact after some time at a constant slip velocity.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact before; deflections are in [m].
+        time : float or array
+            The time [s].
+
+        Returns
+        -------
+        tuple of float or array, or None
+            States after it; None where no formula tells them, and rates are integrated.
+        """
+        return None
+
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s].
 

@@ -131,7 +131,9 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 
     def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
@@ -160,17 +162,28 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         slip, choose, g = at(self, velocity)
         return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
 
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.values(self, choose), slip, states, g, time)
+
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.values(self, _least)) * _rest(c.inside, self, _least) * load
 
     return {
         "states": names,
         "force": force,
         "rates": rates,
+        "moved": moved,
         "steady": steady,
         "break_away": break_away,
     }
