@@ -1,6 +1,6 @@
 """The equations of a law with its parameters as symbols, one expression for each sense of slip."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias, final
 
@@ -9,9 +9,7 @@ import symengine as se
 from stickslip.errors import InputError, TracingError
 from stickslip.exports.identifiers import identifiers
 from stickslip.formulation import Switchboard, Traced, collapsed, expression
-from stickslip.friction import (
-    FrictionLaw,
-)
+from stickslip.friction import FrictionLaw, bound
 from stickslip.quantities import Quantity, parameters, shadow
 
 __all__ = ["LOCAL", "BySense", "Equations", "Parameter", "equations_of"]
@@ -69,6 +67,8 @@ class Equations:
     """Those that stand in the equations."""
     bristles: tuple[str, ...]
     """Names of the bristle states in programs."""
+    inputs: Mapping[str, str]
+    """Contact inputs by their names in programs."""
     slip: BySense
     """Friction force, then the rates of the bristles."""
     steady: BySense | None
@@ -114,9 +114,16 @@ def equations_of(law: FrictionLaw) -> Equations:
         )
     found = list(parameters(law, "friction"))
     states = identifiers(law.states, LOCAL)
-    taken = (*LOCAL, *states, *(form.format(z) for z in states for form in OF_BRISTLES))
+    own = identifiers(law.inputs, (*LOCAL, *states))
+    inputs = dict(zip(own, law.inputs, strict=True))
+    taken = (*LOCAL, *states, *inputs, *(form.format(z) for z in states for form in OF_BRISTLES))
     names = identifiers([quantity.symbol for _, quantity, _ in found], taken)
     symbols = {path: name for (path, _, _), name in zip(found, names, strict=True)}
+
+    def traced(board: Switchboard) -> FrictionLaw:
+        twin = shadow(law, "friction", lambda path: Traced(se.Symbol(symbols[path]), board))
+        return bound(twin, {one: Traced(se.Symbol(name), board) for name, one in inputs.items()})
+
     try:
         return Equations(
             parameters=tuple(
@@ -129,11 +136,12 @@ def equations_of(law: FrictionLaw) -> Equations:
                 for path, quantity, value in found
             ),
             bristles=states,
-            slip=_by_sense(law, symbols, lambda twin, v, load: _slip(twin, v, _z(states, v), load)),
-            steady=_by_sense(law, symbols, lambda twin, v, load: (twin.steady(v[0], load),))
+            inputs=inputs,
+            slip=_by_sense(traced, lambda twin, v, load: _slip(twin, v, _z(states, v), load)),
+            steady=_by_sense(traced, lambda twin, v, load: (twin.steady(v[0], load),))
             if law.states
             else None,
-            break_away=_levels(law, symbols),
+            break_away=_levels(traced),
             holds=law.holds,
         )
     except TracingError as error:
@@ -155,28 +163,26 @@ def _slip(law: Any, at: At, bristles: tuple[Traced, ...], load: Traced) -> tuple
     return (law.force(*arguments), *law.rates(*arguments))
 
 
-def _by_sense(
-    law: FrictionLaw,
-    names: dict[str, str],
-    evaluate: Callable[[Any, At, Traced], tuple[Any, ...]],
-) -> BySense:
+TracedLaw: TypeAlias = Callable[[Switchboard], FrictionLaw]
+"""Makes a law of symbols, whose switches are collected."""
+
+
+def _by_sense(law: TracedLaw, evaluate: Callable[[Any, At, Traced], tuple[Any, ...]]) -> BySense:
     """Evaluate a law in both senses of slip and at rest."""
 
     def traced(sense: int) -> Values:
         board = Switchboard(signs={"velocity": sense} if sense else {})
-        twin = shadow(law, "friction", lambda path: Traced(se.Symbol(names[path]), board))
         velocity = Traced(VELOCITY, board) if sense else 0.0
-        values = evaluate(twin, (velocity, board), Traced(LOAD, board))
+        values = evaluate(law(board), (velocity, board), Traced(LOAD, board))
         return tuple(_closed(expression(value), board) for value in values)
 
     return BySense(ahead=traced(1), back=traced(-1), rest=traced(0))
 
 
-def _levels(law: FrictionLaw, names: dict[str, str]) -> tuple[se.Expr, se.Expr]:
+def _levels(law: TracedLaw) -> tuple[se.Expr, se.Expr]:
     board = Switchboard()
-    twin = shadow(law, "friction", lambda path: Traced(se.Symbol(names[path]), board))
     load = Traced(LOAD, board)
-    ahead, back = (twin.towards(side).break_away(load) for side in (1, -1))
+    ahead, back = (law(board).towards(side).break_away(load) for side in (1, -1))
     return _closed(expression(ahead), board), _closed(expression(back), board)
 
 
