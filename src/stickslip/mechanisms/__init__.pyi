@@ -12,11 +12,13 @@ from stickslip.mechanisms.actuators import Torque as _Torque
 from stickslip.mechanisms.axis import Axis as _Axis
 from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
 from stickslip.mechanisms.base import Contact as Contact
+from stickslip.mechanisms.base import ContactInputs as ContactInputs
 from stickslip.mechanisms.base import Guide as Guide
 from stickslip.mechanisms.base import LinearOrRotary as LinearOrRotary
 from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import as_rotary as as_rotary
+from stickslip.mechanisms.base import gear_inputs as gear_inputs
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
@@ -369,6 +371,7 @@ __all__ = [
     "Capsule",
     "ClutchTrain",
     "Contact",
+    "ContactInputs",
     "DiscBrake",
     "Guide",
     "Lining",
@@ -393,6 +396,7 @@ __all__ = [
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
+    "gear_inputs",
     "mechanisms",
     "read_urdf",
     "slip_names",
