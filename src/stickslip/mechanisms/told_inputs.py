@@ -29,7 +29,9 @@ def input_names(mechanism: Mechanism) -> tuple[str, ...]:
     ('temperature',)
     """
     anywhere: Mapping[str, float] = defaultdict(float)
-    return tuple(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere))
+    found = mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere)
+    names = (tuple(one) if isinstance(one, Mapping) else (name,) for name, one in found.items())
+    return tuple(dict.fromkeys(name for own in names for name in own))
 
 
 def given_names(mechanism: Mechanism) -> tuple[str, ...]:
