@@ -122,10 +122,14 @@ def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
         Variable(
             name=name,
             unit=turned(CONTACT_INPUTS[one].unit, rotary),
-            meaning=CONTACT_INPUTS[one].meaning.rstrip("."),
+            meaning=_lowered(CONTACT_INPUTS[one].meaning.rstrip(".")),
         )
         for name, one in law.inputs.items()
     )
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]
 
 
 def _informed(

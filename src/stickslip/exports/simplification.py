@@ -213,6 +213,8 @@ def _lost(
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
     if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
         yield about_load(subject, load)
+    if subject.at:
+        yield f"Dependence on contact inputs: the joint has the friction at {subject.at_text}."
 
 
 def about_load(subject: Subject, load: float) -> str:
