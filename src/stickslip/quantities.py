@@ -13,6 +13,7 @@ import numbers
 import re
 import types
 import typing
+from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
@@ -920,13 +921,14 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
     StickslipError
         If one of them cannot be imported, is of another kind, or has a name that is taken.
     """
-    found = dict(ours)
+    found: dict[str, type[T]] = {}
+    known = ChainMap(found, ours)  # type: ignore[arg-type]  # ours is only read
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)
-        if not isinstance(name, str) or found.get(name, kind) is not kind:
+        if not isinstance(name, str) or known.get(name, kind) is not kind:
             raise name_taken(where, repr(name))
         found[name] = kind
-    return types.MappingProxyType(found)
+    return types.MappingProxyType(known)
 
 
 def name_taken(where: str, name: str) -> StickslipError:

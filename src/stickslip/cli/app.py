@@ -734,9 +734,10 @@ def warmup(
 
     Intended for container images and continuous integration.
 
-    Default: every mechanism, with and without a drive, with every law, for single runs and for
-    ensembles. With --rig: the mechanism of the rig file with its laws. Other parameter values need
-    no compilation. Equations that are already in the cache are kept.
+    Default: every mechanism, with and without a drive, with every law that is tried unasked, for
+    single runs and for ensembles; others with --laws. With --rig: the mechanism of the rig file
+    with its laws. Other parameter values need no compilation. Equations that are already in the
+    cache are kept.
     """
     from stickslip.cli.warmup import run
 

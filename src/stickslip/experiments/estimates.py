@@ -36,7 +36,9 @@ Levels: TypeAlias = Literal["per load", "forces", "torques"]
 
 LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
-AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
+AT_UNIT_LOAD: Final = MappingProxyType(
+    {"1": "N", "1/m": "N/m", "s/m": "N s/m", "1/N": "1", "1/N^2": "1/N"}
+)
 """What a unit per load [N] reads as where the load is 1."""
 PREFIX: Final = "friction"
 AT_REST: Final = "static_coefficient"

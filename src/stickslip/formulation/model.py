@@ -17,7 +17,7 @@ from stickslip.formulation.trace import Switch, Switchboard, Traced
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
@@ -153,7 +153,8 @@ def _informed(
         traced(mechanism.coordinates, symbols.rates),
         traced(symbols.drives, symbols.drives.values()),
     )
-    return bound(law, told)
+    (contact,) = mechanism.contacts()
+    return bound(law, of_contact(told, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:

@@ -25,6 +25,7 @@ __all__ = [
     "bound",
     "containment_of",
     "force_parameters",
+    "is_bound",
 ]
 
 
@@ -358,6 +359,11 @@ def anywhere(law: L) -> L:
     True
     """
     return bound(law, {name: CONTACT_INPUTS[name].size for name in law.inputs})
+
+
+def is_bound(law: FrictionLaw) -> bool:
+    """Whether a law sees inputs of the contact already."""
+    return BOUND in vars(law)
 
 
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}

@@ -1,7 +1,7 @@
 """Which laws a composition contains: those that are left as parts vanish or become simpler."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, final
 
 from stickslip.friction.base import Containment, FrictionLaw
@@ -32,26 +32,34 @@ Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 class Contained:
     """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
 
-    def __init__(self, composition: Composition, known: Mapping[str, type[FrictionLaw]]) -> None:
+    def __init__(self, composition: Composition, known: Callable[[], Mapping[str, Any]]) -> None:
         self._composition, self._known = composition, known
         self._found: tuple[Containment, ...] | None = None
 
     def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
         if self._found is None:
-            self._found = tuple(_nearest(self._composition, kind, self._known))
+            self._found = tuple(_nearest(self._composition, kind, self._known()))
         return self._found
 
 
 def _nearest(
-    c: Composition, kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]
+    c: Composition, kind: type[FrictionLaw], known: Mapping[str, Any]
 ) -> Iterator[Containment]:
-    """Yield the laws with a name that are reached first; what these contain is theirs."""
-    found: dict[type[FrictionLaw], Containment] = {}
-    same = known.get(canonical(c.term), kind)
-    if (
-        same is not kind
-    ):  # a name of its own for the same parts, where optional ones have to be there
-        found[same] = _containment(c, same, dict(_vanished(c.term)), ())
+    """Yield the laws with a name that are reached first; what these contain is theirs.
+
+    What is known are entries by their canonical composition; only of laws that are found are
+    classes asked for.
+    """
+    found: dict[str, tuple[type[FrictionLaw], Containment]] = {}
+
+    def find(one: Any, values: Values, limits: tuple[str, ...]) -> None:
+        if one.name not in found:
+            found[one.name] = one.law, _containment(c, one.law, values, limits)
+
+    same = known.get(canonical(c.term))
+    # a name of its own for the same parts, where optional ones have to be there
+    if same is not None and same.name != kind.name:
+        find(same, dict(_vanished(c.term)), ())
     level: list[Reduction] = [(c.term, {}, ())]
     seen = {canonical(c.term)}
     while level:
@@ -66,18 +74,18 @@ def _nearest(
                 # a law that is tried only on request stands between no others
                 if there is None or (there.on_request and not kind.on_request):
                     below.append(state)
-                elif there not in found:
-                    found[there] = _containment(c, there, *state[1:])
+                else:
+                    find(there, *state[1:])
         level = below
     by_name = {one.name: one for one in known.values()}
-    within = {name for one in found for name in _all_within(one, by_name)}
-    yield from (one for law, one in found.items() if law.name not in within)
+    within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
+    yield from (one for law, one in found.values() if law.name not in within)
 
 
-def _all_within(kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]) -> Iterator[str]:
+def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[str]:
     for one in kind.contained:
         yield one.law
-        yield from _all_within(known[one.law], known)
+        yield from _all_within(known[one.law].law, known)
 
 
 def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:

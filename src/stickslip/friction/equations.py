@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 from stickslip.errors import InputError
-from stickslip.friction.base import BOUND, bound
+from stickslip.friction.base import BOUND, bound, is_bound
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
 from stickslip.friction.parts.base import Extra, Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
@@ -207,6 +207,6 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
         if kind.states:
             values["static_switch"] = self.static_switch
         one: Any = unchecked(kind, **values)
-        return bound(one, vars(self)[BOUND]) if BOUND in vars(self) else one
+        return bound(one, vars(self)[BOUND]) if is_bound(self) else one
 
     return towards

@@ -56,6 +56,9 @@ from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
 from stickslip.mechanisms.told_inputs import given_inputs as given_inputs
 from stickslip.mechanisms.told_inputs import given_names as given_names
 from stickslip.mechanisms.told_inputs import input_names as input_names
+from stickslip.mechanisms.told_inputs import input_quantity as input_quantity
+from stickslip.mechanisms.told_inputs import of_contact as of_contact
+from stickslip.mechanisms.told_inputs import without_given as without_given
 from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
@@ -397,6 +400,7 @@ __all__ = [
     "TwoLinkArm",
     "TwoMassAxis",
     "gear_inputs",
+    "given_inputs",
     "mechanisms",
     "read_urdf",
     "slip_names",

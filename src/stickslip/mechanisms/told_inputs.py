@@ -9,18 +9,37 @@ from typing import Annotated, Any, TypeVar
 from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Mechanism
+from stickslip.mechanisms.base import ContactInputs, Mechanism
 from stickslip.quantities import Quantity, turned
 
-__all__ = ["given_inputs", "given_names", "input_names"]
+__all__ = [
+    "given_inputs",
+    "given_names",
+    "input_names",
+    "input_quantity",
+    "of_contact",
+    "without_given",
+]
 
 M = TypeVar("M", bound=Mechanism)
 PREFIX = "contact_"
 """What fields and drives of given inputs begin with."""
 
 
-def input_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the names of the contact inputs that a mechanism knows.
+def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
+    """Return the names of the inputs of a contact that a mechanism knows.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    contact : str
+        Name of the contact; empty of one that has none.
+
+    Returns
+    -------
+    tuple of str
+        Names of contact inputs.
 
     Examples
     --------
@@ -29,9 +48,32 @@ def input_names(mechanism: Mechanism) -> tuple[str, ...]:
     ('temperature',)
     """
     anywhere: Mapping[str, float] = defaultdict(float)
-    found = mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere)
-    names = (tuple(one) if isinstance(one, Mapping) else (name,) for name, one in found.items())
-    return tuple(dict.fromkeys(name for own in names for name in own))
+    return tuple(of_contact(mechanism.contact_inputs(0.0, anywhere, anywhere, anywhere), contact))
+
+
+def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
+    """Return the inputs of one contact, of all that a mechanism tells.
+
+    Parameters
+    ----------
+    told : mapping
+        What `Mechanism.contact_inputs` returns.
+    contact : str
+        Name of the contact.
+
+    Returns
+    -------
+    dict of str to float or array
+        Inputs that are told of this contact, and of all contacts, by name.
+
+    Examples
+    --------
+    >>> of_contact({"temperature": 20.0, "elbow": {"gravity": 3.0}}, "elbow")
+    {'gravity': 3.0, 'temperature': 20.0}
+    """
+    own = told.get(contact, {})
+    whole = {name: value for name, value in told.items() if not isinstance(value, Mapping)}
+    return {**(own if isinstance(own, Mapping) else {}), **whole}
 
 
 def given_names(mechanism: Mechanism) -> tuple[str, ...]:
@@ -85,6 +127,21 @@ def given_inputs(mechanism: M, inputs: Mapping[str, Drive | float]) -> M:
     return found  # type: ignore[no-any-return]
 
 
+def without_given(mechanism: Mechanism) -> tuple[Mechanism, Mapping[str, Drive | float]]:
+    """Return a mechanism as it was before it was given contact inputs, and these by name.
+
+    Examples
+    --------
+    >>> from stickslip.mechanisms import SpringBlock
+    >>> without_given(given_inputs(SpringBlock(mass=1.0), {"temperature": 35.0}))[1]
+    {'temperature': 35.0}
+    """
+    kind = _bare(type(mechanism))
+    own = {one.name: getattr(mechanism, one.name) for one in dataclasses.fields(kind)}
+    told = {name: getattr(mechanism, PREFIX + name) for name in given_names(mechanism)}
+    return kind(**own), told
+
+
 def _bare(kind: type[Mechanism]) -> type[Mechanism]:
     """Return the type of a mechanism without given inputs."""
     return getattr(kind, "told_of", kind)
@@ -107,7 +164,7 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
         q: Mapping[str, Scalar],
         q_dot: Mapping[str, Scalar],
         drives: Mapping[str, Scalar],
-    ) -> Mapping[str, Scalar]:
+    ) -> ContactInputs:
         own = {
             one: drives[PREFIX + one] if one in moving else getattr(self, PREFIX + one)
             for one in names
@@ -115,8 +172,7 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
         return {**kind.contact_inputs(self, t, q, q_dot, drives), **own}
 
     def reduce(self: Any) -> tuple[Any, ...]:  # a type that no module has
-        bare = kind(**{one.name: getattr(self, one.name) for one in dataclasses.fields(kind)})
-        return given_inputs, (bare, {one: getattr(self, PREFIX + one) for one in names})
+        return given_inputs, without_given(self)
 
     space = {
         "drives": drives,
@@ -128,7 +184,7 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
         "__doc__": kind.__doc__,
     }
     fields: list[tuple[str, Any]] = [
-        (PREFIX + name, Drive if drive else Annotated[float, _quantity(name)])
+        (PREFIX + name, Drive if drive else Annotated[float, input_quantity(name)])
         for name, drive in inputs
     ]
     made = dataclasses.make_dataclass(
@@ -138,8 +194,14 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
     return made
 
 
-def _quantity(name: str) -> Quantity:
-    """Return symbol and units of a contact input."""
+def input_quantity(name: str) -> Quantity:
+    """Return symbol and units of a contact input.
+
+    Examples
+    --------
+    >>> input_quantity("transmitted").or_unit
+    'N m'
+    """
     known = CONTACT_INPUTS[name]
     other = turned(known.unit)
     return Quantity(known.index, known.unit, or_unit=other if other != known.unit else "")
