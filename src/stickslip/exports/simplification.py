@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, ClassVar, Final, final
@@ -249,7 +249,7 @@ def _runs(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[Trajectory,
         )
     law_run, joint_run = (
         simulate(rig.mechanism, one, t_end=rig.t_end, y0=rig.start(one))
-        for one in (subject.law, joint)
+        for one in (replace(subject.law), joint)  # the rig tells inputs that change
     )
     t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
     return law_run.at(t), joint_run.at(t)

@@ -15,7 +15,15 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, unit_of_input
 from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_names, slip_of
+from stickslip.mechanisms import (
+    Mechanism,
+    given_inputs,
+    given_names,
+    input_names,
+    of_contact,
+    only_contact,
+    slip_of,
+)
 from stickslip.quantities import vary
 
 __all__ = [
@@ -161,12 +169,13 @@ def inputs_along(
         for name, drive in mechanism.drives().items()
         if name != "drive"
     }
-    own: Mapping[str, Any] = mechanism.contact_inputs(
+    told = mechanism.contact_inputs(
         time,
         unknown({slip: position}),
         unknown({slip: velocity}),
         unknown(drives | {"drive": force}),
     )
+    own: Mapping[str, Any] = of_contact(told, only_contact(mechanism).name)
     given = set(given_names(mechanism))
     first = {name: own[name] for name in own if name not in given}
     found = {**own, **recorded_inputs(record, time), **first}
