@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self, TypeVar, final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
@@ -20,6 +21,7 @@ __all__ = [
     "Containment",
     "FrictionLaw",
     "SetValuedLaw",
+    "anywhere",
     "bound",
     "containment_of",
     "force_parameters",
@@ -371,6 +373,19 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     twin = copy.copy(law)
     vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
     return twin
+
+
+def anywhere(law: L) -> L:
+    """Return a law at usual inputs, for questions whose answer does not depend on these.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> warm = law("level * linear[temperature]")(kinetic_coefficient=0.2)
+    >>> anywhere(warm).break_away(1.0) > 0.0
+    True
+    """
+    return bound(law, {name: CONTACT_INPUTS[name].size for name in law.inputs})
 
 
 def is_bound(law: FrictionLaw) -> bool:

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from stickslip.errors import InputError
 from stickslip.friction.base import BOUND, bound, is_bound
-from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
+from stickslip.friction.composition import Choose, Composition, Leaf, SIDES, STILL
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
 from stickslip.friction.parts.base import Extra, Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
 from stickslip.maths import Scalar, sign, where
@@ -170,14 +170,14 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         time: Scalar,
     ) -> tuple[Scalar, ...] | None:
         slip, choose, g = at(self, velocity)
-        return memory.moved(leaf.values(self, choose), slip, states, g, time)
+        return memory.moved(leaf.told(self, slip, choose)[0], slip, states, g, time)
 
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return memory.peak(leaf.values(self, _least)) * _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.told(self, STILL, _least)[0]) * _rest(c.inside, self, _least) * load
 
     return {
         "states": names,
