@@ -493,6 +493,15 @@ def export(
     fmi: Annotated[
         int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
     ] = 3,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="INPUT=VALUE",
+            help="Contact input of the law at which tables and joints have their friction, such"
+            ' as "temperature=35 degC"; may be repeated.',
+        ),
+    ] = None,
     inputs: Annotated[
         list[str] | None,
         typer.Option(
@@ -526,6 +535,7 @@ def export(
         law_load=law_load,
         largest_speed=largest_speed,
         fmi=fmi,
+        at=tuple(at or ()),
         inputs=tuple(inputs or ()),
         t_end=t_end,
     )

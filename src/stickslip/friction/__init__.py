@@ -84,6 +84,7 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",
+    "anywhere": "base",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "force_parameters": "base",

@@ -9,6 +9,7 @@ from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import FrictionLaw as _FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
+from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self, TypeVar, final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
@@ -22,6 +23,7 @@ __all__ = [
     "Passivity",
     "SetValuedLaw",
     "Typical",
+    "anywhere",
     "bound",
     "containment_of",
     "force_parameters",
@@ -292,6 +294,33 @@ class FrictionLaw(Parametrised, ABC):
         """
         return ()
 
+    def moved(
+        self,
+        velocity: Scalar,  # noqa: ARG002
+        load: Scalar,  # noqa: ARG002
+        states: tuple[Scalar, ...],  # noqa: ARG002
+        time: Scalar,  # noqa: ARG002
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states of the contact after some time at a constant slip velocity.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact before; deflections are in [m].
+        time : float or array
+            The time [s].
+
+        Returns
+        -------
+        tuple of float or array, or None
+            States after it; None where no formula tells them, and rates are integrated.
+        """
+        return None
+
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s].
 
@@ -390,6 +419,19 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     twin = copy.copy(law)
     vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
     return twin
+
+
+def anywhere(law: L) -> L:
+    """Return a law at usual inputs, for questions whose answer does not depend on these.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> warm = law("level * linear[temperature]")(kinetic_coefficient=0.2)
+    >>> anywhere(warm).break_away(1.0) > 0.0
+    True
+    """
+    return bound(law, {name: CONTACT_INPUTS[name].size for name in law.inputs})
 
 
 def is_bound(law: FrictionLaw) -> bool:

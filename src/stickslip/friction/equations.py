@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from stickslip.errors import InputError
 from stickslip.friction.base import BOUND, bound, is_bound
-from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
+from stickslip.friction.composition import Choose, Composition, Leaf, SIDES, STILL
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
 from stickslip.friction.parts.base import (
     Extra,
@@ -142,7 +142,9 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 
     def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
@@ -171,17 +173,28 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         slip, choose, g = at(self, velocity)
         return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
 
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.told(self, slip, choose)[0], slip, states, g, time)
+
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.told(self, STILL, _least)[0]) * _rest(c.inside, self, _least) * load
 
     return {
         "states": names,
         "force": force,
         "rates": rates,
+        "moved": moved,
         "steady": steady,
         "break_away": break_away,
     }

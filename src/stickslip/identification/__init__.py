@@ -102,6 +102,7 @@ INSIDE = {
     "free_of": "features.fit",
     "has_trend": "residuals.trends",
     "improve": "estimation.levenberg_marquardt",
+    "inputs_text": "contact_inputs",
     "inside": "series.applied_force",
     "interleaved": "records.refits",
     "known_inputs": "contact_inputs",

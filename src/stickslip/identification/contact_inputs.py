@@ -9,19 +9,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, unit_of_input
-from stickslip.formatting import quantity, span
+from stickslip.formatting import joined, quantity, span
 from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_names, slip_of
+from stickslip.mechanisms import (
+    Mechanism,
+    given_inputs,
+    given_names,
+    input_names,
+    of_contact,
+    only_contact,
+    slip_of,
+)
+from stickslip.quantities import vary
 
 __all__ = [
     "as_informed",
     "check_inputs",
     "inputs_along",
+    "inputs_text",
     "known_inputs",
     "recorded_inputs",
+    "typical_inputs",
     "unvaried",
     "with_inputs",
 ]
@@ -157,12 +169,13 @@ def inputs_along(
         for name, drive in mechanism.drives().items()
         if name != "drive"
     }
-    own: Mapping[str, Any] = mechanism.contact_inputs(
+    told = mechanism.contact_inputs(
         time,
         unknown({slip: position}),
         unknown({slip: velocity}),
         unknown(drives | {"drive": force}),
     )
+    own: Mapping[str, Any] = of_contact(told, only_contact(mechanism).name)
     given = set(given_names(mechanism))
     first = {name: own[name] for name in own if name not in given}
     found = {**own, **recorded_inputs(record, time), **first}
@@ -308,3 +321,83 @@ def unvaried(law: FrictionLaw, inputs: Sequence[Mapping[str, Array]]) -> tuple[s
         if len(values) and np.ptp(values) <= SAME * float(np.max(np.abs(values))):
             found.append(f"The {name} is constant in this record: its effect cannot be told.")
     return tuple(found)
+
+
+def typical_inputs(
+    law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+) -> dict[str, float]:
+    """Return what a law's inputs usually were, at which curves are drawn: medians.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The records.
+
+    Returns
+    -------
+    dict of str to float
+        By name; of a force, which changes its sign, the median of its size.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> typical_inputs(law, SpringBlock(mass=1.0), Measurement(travel=0.2))
+    {}
+    """
+    if not law.inputs:
+        return {}
+    every: dict[str, list[Array]] = {name: [] for name in law.inputs}
+    for record in measurement.records():
+        set_up = vary(mechanism, "mechanism", record.overrides)
+        signals: dict[str, Any] = {
+            name: record.values(name)
+            for name in ("position", "velocity", "force")
+            if name in record.quantities()
+        }
+        if record.time is None:
+            time = np.arange(max(map(np.size, signals.values()), default=1), dtype=float)
+        else:
+            time = np.asarray(record.time)
+            x, v = signals.get("position"), signals.get("velocity")
+            signals |= {"velocity": np.gradient(x, time)} if v is None and x is not None else {}
+            signals.setdefault("force", 0.0)
+        for name, values in inputs_along(set_up, record, time, **signals).items():
+            if name in every:
+                every[name].append(np.abs(values) if CONTACT_INPUTS[name].scale else values)
+    return {
+        name: float(np.median(np.concatenate(values))) if values else CONTACT_INPUTS[name].size
+        for name, values in every.items()
+    }
+
+
+def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
+    """Return values of contact inputs in words.
+
+    Parameters
+    ----------
+    inputs : mapping of str to float
+        Values by name.
+    turning : bool
+        Whether the contact slips by an angle.
+
+    Returns
+    -------
+    str
+        A list; empty if there are none.
+
+    Examples
+    --------
+    >>> inputs_text({"temperature": 35.0, "transmitted": 2.0}, turning=True)
+    'temperature 35 °C and transmitted 2 N m'
+    """
+    return joined(
+        [
+            f"{name} {quantity(value, unit_of_input(name, turning=turning))}"
+            for name, value in inputs.items()
+        ]
+    )

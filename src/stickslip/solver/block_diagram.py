@@ -9,6 +9,7 @@ from typing import ClassVar, NamedTuple, Self, final
 from typing_extensions import override
 
 from stickslip.drives import Drive, Profile
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
@@ -17,6 +18,7 @@ from stickslip.friction import (
     bound,
 )
 from stickslip.kernels.state_layout import SLIP
+from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
@@ -174,6 +176,17 @@ class BlockDiagram(ABC):
             each contact [W].
         """
 
+    def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
+        """Turn latched switches at the end of a step, within which they stay as they are.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        """
+
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
 
@@ -221,6 +234,10 @@ class Diagram(BlockDiagram):
     """What moves, which tells the law of its contact."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
     """The last state: a step asks for several things at each."""
+    latches: tuple[Latches, Latches] = field(
+        default_factory=lambda: (Latches(), Latches()), compare=False, repr=False
+    )
+    """Latched switches of the friction force, and of the rates of the bristles."""
 
     @classmethod
     def build(
@@ -250,6 +267,11 @@ class Diagram(BlockDiagram):
         """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
+        if model.latched:
+            raise InputError(
+                f"{type(mechanism).__name__} has latched switches of its own, which fixed steps do"
+                " not follow: use EventDriven."
+            )
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
@@ -346,7 +368,8 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
-        return self._informed(t, y).force(v, normal, z), normal
+        with self.latches[0]:
+            return self._informed(t, y).force(v, normal, z), normal
 
     @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -374,8 +397,21 @@ class Diagram(BlockDiagram):
         moved: Sequence[float] = (0.0,) * len(z)
         if not stuck:
             law = self.law if isinstance(self.law, PrintedForm) else self._informed(t, y)
-            moved = law.rates(v, normal, z)
+            with self.latches[1]:
+                moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
+
+    @override
+    def turn(self, t: float, y: Sequence[float]) -> None:
+        if not any(self.latches):
+            return
+        v, z = self._split(y)
+        normal, _ = self._open(t, y)
+        law = self._informed(t, y)
+        for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
+            with latches:
+                equation(v, normal, z)
+            latches.turn()
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:

@@ -40,6 +40,8 @@ class Slip:
     """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
     inputs: tuple[Scalar, ...] = ()
     """The contact inputs that the part asks for."""
+    rest: Scalar = None
+    """Level at rest, over the load, of the curve that a memory is around."""
 
 
 @final
@@ -208,3 +210,18 @@ class Memory(Part, ABC):
     @abstractmethod
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         """Return the force, over the load."""
+
+    def peak(self, p: Values) -> Scalar:  # most have none
+        """Return what slow motion from rest reaches at most, over the level at rest."""
+        return 1.0
+
+    def moved(  # most have no formula for it
+        self,
+        p: Values,
+        s: Slip,
+        z: tuple[Scalar, ...],
+        g: Scalar,
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states after some time at a constant velocity; None without a formula."""
+        return None
