@@ -1,6 +1,6 @@
 """The equations of a law with its parameters as symbols, one expression for each sense of slip."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias, final
 
@@ -9,9 +9,7 @@ import symengine as se
 from stickslip.errors import InputError, TracingError
 from stickslip.exports.identifiers import identifiers
 from stickslip.formulation import Switchboard, Traced, collapsed, expression
-from stickslip.friction import (
-    FrictionLaw,
-)
+from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 from stickslip.quantities import Quantity, parameters, shadow
 
@@ -72,6 +70,8 @@ class Equations:
     """Names of the bristle states in programs."""
     flags: tuple[str, ...]
     """Names of what tells whether latched switches are on, 1 or 0."""
+    inputs: Mapping[str, str]
+    """Contact inputs by their names in programs."""
     slip: BySense
     """Friction force, then the rates of the bristles."""
     moved: BySense | None
@@ -118,11 +118,17 @@ def equations_of(law: FrictionLaw) -> Equations:
             " fit, a verdict, or a rig with one law."
         )
     found = list(parameters(law, "friction"))
-    flags = _flags(law)
-    states = identifiers((*law.states, *flags), LOCAL)
-    taken = (*LOCAL, *states, *(form.format(z) for z in states for form in OF_BRISTLES))
+    states = identifiers((*law.states, *_flags(law)), LOCAL)
+    own = identifiers(law.inputs, (*LOCAL, *states))
+    inputs = dict(zip(own, law.inputs, strict=True))
+    taken = (*LOCAL, *states, *inputs, *(form.format(z) for z in states for form in OF_BRISTLES))
     names = identifiers([quantity.symbol for _, quantity, _ in found], taken)
     symbols = {path: name for (path, _, _), name in zip(found, names, strict=True)}
+
+    def traced(board: Switchboard) -> FrictionLaw:
+        twin = shadow(law, "friction", lambda path: Traced(se.Symbol(symbols[path]), board))
+        return bound(twin, {one: Traced(se.Symbol(name), board) for name, one in inputs.items()})
+
     try:
         return Equations(
             parameters=tuple(
@@ -136,14 +142,13 @@ def equations_of(law: FrictionLaw) -> Equations:
             ),
             bristles=states[: len(law.states)],
             flags=states[len(law.states) :],
-            slip=_by_sense(law, symbols, states, _slip),
-            moved=_by_sense(law, symbols, states, _moved) if _has_formula(law) else None,
-            steady=_by_sense(
-                law, symbols, states, lambda twin, v, load, _: (twin.steady(v[0], load),)
-            )
+            inputs=inputs,
+            slip=_by_sense(traced, states, _slip),
+            moved=_by_sense(traced, states, _moved) if _has_formula(law) else None,
+            steady=_by_sense(traced, states, lambda twin, v, load, _: (twin.steady(v[0], load),))
             if law.states
             else None,
-            break_away=_levels(law, symbols),
+            break_away=_levels(traced),
             holds=law.holds,
         )
     except TracingError as error:
@@ -174,14 +179,19 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
 
 def _has_formula(law: FrictionLaw) -> bool:
     with Latches():
-        return law.moved(0.0, 1.0, (0.0,) * len(law.states), 1.0) is not None
+        return _told(law).moved(0.0, 1.0, (0.0,) * len(law.states), 1.0) is not None
+
+
+def _told(law: FrictionLaw) -> FrictionLaw:
+    """Return a law that can be asked for its switches, whatever its contact inputs are."""
+    return bound(law, dict.fromkeys(law.inputs, 1.0))
 
 
 def _flags(law: FrictionLaw) -> tuple[str, ...]:
     """Return names of the latched switches of the rates of a law."""
     latches = Latches()
     with latches:
-        law.rates(1.0, 1.0, (0.0,) * len(law.states))
+        _told(law).rates(1.0, 1.0, (0.0,) * len(law.states))
     if latches and (law.holds or not _has_formula(law)):
         raise InputError(
             f"{type(law).__name__} cannot be exported: it has latched switches, which exports follow"
@@ -191,19 +201,22 @@ def _flags(law: FrictionLaw) -> tuple[str, ...]:
     return tuple(f"slips{i + 1}" for i in range(len(latches.flags)))
 
 
+TracedLaw: TypeAlias = Callable[[Switchboard], FrictionLaw]
+"""Makes a law of symbols, whose switches are collected."""
+
+
 def _by_sense(
-    law: FrictionLaw,
-    names: dict[str, str],
+    law: TracedLaw,
     states: tuple[str, ...],
     evaluate: Callable[[Any, At, Traced, tuple[Traced, ...]], tuple[Any, ...]],
 ) -> BySense:
     """Evaluate a law in both senses of slip and at rest, where no latched switch is on."""
-    count = len(law.states)
 
     def traced(sense: int) -> Values:
         board = Switchboard(signs={"velocity": sense} if sense else {})
-        twin = shadow(law, "friction", lambda path: Traced(se.Symbol(names[path]), board))
         velocity = Traced(VELOCITY, board) if sense else 0.0
+        twin = law(board)
+        count = len(twin.states)
         z = tuple(Traced(se.Symbol(name), board) for name in states[:count])
         values = evaluate(twin, (velocity, board), Traced(LOAD, board), z)
         flags = [se.Symbol(name) if sense else se.Integer(0) for name in states[count:]]
@@ -212,11 +225,10 @@ def _by_sense(
     return BySense(ahead=traced(1), back=traced(-1), rest=traced(0))
 
 
-def _levels(law: FrictionLaw, names: dict[str, str]) -> tuple[se.Expr, se.Expr]:
+def _levels(law: TracedLaw) -> tuple[se.Expr, se.Expr]:
     board = Switchboard()
-    twin = shadow(law, "friction", lambda path: Traced(se.Symbol(names[path]), board))
     load = Traced(LOAD, board)
-    ahead, back = (twin.towards(side).break_away(load) for side in (1, -1))
+    ahead, back = (law(board).towards(side).break_away(load) for side in (1, -1))
     return _closed(expression(ahead), board), _closed(expression(back), board)
 
 

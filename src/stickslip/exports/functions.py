@@ -16,12 +16,13 @@ only unknown, and is found in a bracket too.
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypeVar
 
 import symengine as se
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.exports.equations import LOAD, PERIOD, VELOCITY, BySense, Equations
 from stickslip.exports.program import (
     Assign,
@@ -39,7 +40,7 @@ from stickslip.exports.program import (
 from stickslip.formulation import collapsed
 from stickslip.quantities import turned
 
-__all__ = ["functions_of", "rotary_code", "rotary_words", "turned_variable"]
+__all__ = ["functions_of", "input_variables", "rotary_code", "rotary_words", "turned_variable"]
 
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
@@ -66,6 +67,7 @@ WITHOUT: Final = (
     "Friction force at a velocity; 0 at rest, where it may be any force up to break-away."
 )
 Body: TypeAlias = tuple[Statement, ...]
+T = TypeVar("T")
 
 
 def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...]:
@@ -91,7 +93,71 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
-    return tuple(_turned(one) if rotary else one for one in _Writer(law).functions())
+    made = [_turned(one) if rotary else one for one in _Writer(law).functions()]
+    places = {
+        one.name: 1 + [v.name for v in one.inputs].index("load")
+        for one in made
+        if law.inputs and any(v.name == "load" for v in one.inputs)
+    }
+    inputs = input_variables(law, rotary=rotary)
+    return tuple(_informed(one, places, inputs) for one in made) if places else tuple(made)
+
+
+def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
+    """Return the contact inputs of a law as arguments of its functions.
+
+    Parameters
+    ----------
+    law : Equations
+        The law.
+    rotary : bool
+        Whether it is of a rotary axis.
+
+    Returns
+    -------
+    tuple of Variable
+        One for each.
+    """
+    return tuple(
+        Variable(
+            name=name,
+            unit=turned(CONTACT_INPUTS[one].unit, rotary),
+            meaning=_lowered(CONTACT_INPUTS[one].meaning.rstrip(".")),
+        )
+        for name, one in law.inputs.items()
+    )
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _informed(
+    function: Function, places: Mapping[str, int], inputs: tuple[Variable, ...]
+) -> Function:
+    """Return a function that has contact inputs behind its load, and passes them on."""
+
+    def with_inputs(items: tuple[T, ...], name: str, more: tuple[T, ...]) -> tuple[T, ...]:
+        place = places.get(name)
+        return items if place is None else (*items[:place], *more, *items[place:])
+
+    def passed(body: Body) -> Body:
+        return tuple(map(of, body))
+
+    def of(one: Statement) -> Statement:
+        match one:
+            case Call():
+                symbols = tuple(se.Symbol(v.name) for v in inputs)
+                return replace(one, arguments=with_inputs(one.arguments, one.function, symbols))
+            case Branch():
+                return replace(one, yes=passed(one.yes), no=passed(one.no))
+            case Repeat():
+                return replace(one, body=passed(one.body))
+            case _:
+                return one
+
+    own = with_inputs(function.inputs, function.name, inputs)
+    return replace(function, inputs=own, body=passed(function.body))
 
 
 ROTARY_NAMES: Final = {"mass": "inertia", "force": "torque"}

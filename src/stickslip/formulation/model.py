@@ -14,10 +14,10 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switch, Switchboard, Traced
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
@@ -129,13 +129,33 @@ def _derived(
     )
     modes = mode_equations(
         mechanics,
-        shadow(law, "friction", symbol),
+        _informed(shadow(law, "friction", symbol), twin, symbols, board),
         coordinate_rates=symbols.rates,
         bristles=symbols.bristles,
         constants=symbols.constants,
         board=board,
     )
     return symbols, mechanics, modes
+
+
+def _informed(
+    law: FrictionLaw, mechanism: Mechanism, symbols: Symbols, board: Switchboard
+) -> FrictionLaw:
+    """Return a law that sees what the mechanism tells of its contact."""
+    if not law.inputs:
+        return law
+
+    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
+        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+
+    told = mechanism.contact_inputs(
+        Traced(symbols.t, board),
+        traced(mechanism.coordinates, symbols.coordinates),
+        traced(mechanism.coordinates, symbols.rates),
+        traced(symbols.drives, symbols.drives.values()),
+    )
+    (contact,) = mechanism.contacts()
+    return bound(law, of_contact(told, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:

@@ -6,13 +6,14 @@ found by Newton's method, so that what bristles remember passes through the whol
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 
 __all__ = ["Path", "displaced", "follow"]
@@ -61,9 +62,28 @@ class Path:
     """Normal force at the samples (n,) [N]."""
     travel: Array
     """Displacement in each step (n - 1,) [m]."""
+    inputs: Mapping[str, Array] = field(default_factory=dict)
+    """Contact inputs at the samples (n,), by name."""
 
-    def chunks(self) -> tuple[Array, Array, Array]:
-        """Return durations, velocities and loads of the steps (steps, chunks, 1).
+    def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
+        """Return a law that sees the contact inputs of some samples (k, 1).
+
+        Parameters
+        ----------
+        law : FrictionLaw
+            The law.
+        rows : array of int (k,) or slice
+            The samples; all if not given.
+
+        Returns
+        -------
+        FrictionLaw
+            The law itself if it asks for none.
+        """
+        return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
+
+    def chunks(self) -> tuple[Array, ...]:
+        """Return durations, velocities, loads and inputs of the steps (steps, chunks, 1).
 
         A step costs much the same for one chunk and for a hundred, so that many short chunks are
         quick. The last one is filled up with steps of no duration.
@@ -71,14 +91,13 @@ class Path:
         count = len(self.travel)
         steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
         chunks = -(-count // steps)
-        duration = np.diff(self.time)
-        padded = np.zeros((3, steps * chunks))
+        duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
+        padded = np.zeros((2 + len(beside), steps * chunks))
         padded[0, :count] = duration
         padded[1, :count] = self.travel / duration
-        padded[2, :count] = 0.5 * (self.load[1:] + self.load[:-1])
-        padded[2, count:] = padded[2, count - 1]
-        h, v, n = padded.reshape(3, chunks, steps).transpose(0, 2, 1)[..., None]
-        return h, v, n
+        padded[2:, :count] = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        padded[2:, count:] = padded[2:, count - 1 : count]
+        return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
 
 def follow(
@@ -122,7 +141,8 @@ def follow(
     >>> round(float(z[0, -1, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
     1.0
     """
-    motion = path.chunks()
+    inputs = {name: path.inputs[name] for name in law.inputs}
+    motion = replace(path, inputs=inputs).chunks()
     bristles, copies = start.shape
     steps, chunks = motion[0].shape[:2]
     starts = np.repeat(start[:, None, :], chunks, axis=1)
@@ -131,7 +151,7 @@ def follow(
     # each sweep settles one more joint, whatever the slopes
     flags: Array = np.zeros((0, chunks, copies), dtype=bool)
     for _ in range(min(chunks, SWEEPS)):
-        states, slopes, after = _swept(law, motion, starts, flags)
+        states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
         passed = np.concatenate([np.zeros_like(after[:, :1]), after[:, :-1]], axis=1)
@@ -190,7 +210,11 @@ def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
 
 
 def _swept(
-    law: FrictionLaw, motion: tuple[Array, Array, Array], starts: Array, flags: Array
+    law: FrictionLaw,
+    motion: tuple[Array, ...],
+    starts: Array,
+    inputs: tuple[str, ...],
+    flags: Array,
 ) -> tuple[Array, Array, Array]:
     """Integrate all chunks from their starts (bristles, chunks, copies).
 
@@ -200,11 +224,11 @@ def _swept(
     states = np.empty((len(motion[0]) + 1, *starts.shape))
     states[0] = starts
     slopes = np.ones_like(starts)
-    if (known := _by_formula(law, motion, starts, flags)) is not None:
+    if (known := _by_formula(law, motion, starts, inputs, flags)) is not None:
         return known
     size, parts = float(np.max(np.abs(starts), initial=0.0)), 1
-    for i, (h, v, n) in enumerate(zip(*motion, strict=True)):
-        rates = _rates(law, v, n)
+    for i, (one, h, v, n) in enumerate(_informed(law, motion, inputs)):
+        rates = _rates(one, v, n)
         parts = max(1, parts - 1)
         while True:
             z, slope, error = _stepped(rates, h, states[i], parts, size)
@@ -218,17 +242,29 @@ def _swept(
     return states, slopes, np.zeros((0, *starts.shape[1:]), dtype=bool)
 
 
+def _informed(
+    law: FrictionLaw, motion: tuple[Array, ...], inputs: tuple[str, ...]
+) -> Iterator[tuple[FrictionLaw, Array, Array, Array]]:
+    """Yield each step with the law that sees the contact inputs there."""
+    for h, v, n, *beside in zip(*motion, strict=True):
+        yield bound(law, dict(zip(inputs, beside, strict=True))), h, v, n
+
+
 def _by_formula(
-    law: FrictionLaw, motion: tuple[Array, Array, Array], starts: Array, flags: Array
+    law: FrictionLaw,
+    motion: tuple[Array, ...],
+    starts: Array,
+    inputs: tuple[str, ...],
+    flags: Array,
 ) -> tuple[Array, Array, Array] | None:
     """Return what `_swept` does by the law's own formula; None if it has none."""
     states = np.empty((len(motion[0]) + 1, *starts.shape))
     states[0], slopes, latches = starts, np.ones_like(starts), Latches(flags, off=True)
     size = float(np.max(np.abs(starts), initial=0.0))
-    for i, (h, v, n) in enumerate(zip(*motion, strict=True)):
+    for i, (one, h, v, n) in enumerate(_informed(law, motion, inputs)):
         nudge = NUDGE * size + 1e-300
-        beside = _moved(law, v, n, states[i] + nudge, h, latches)
-        found = _moved(law, v, n, states[i], h, latches)
+        beside = _moved(one, v, n, states[i] + nudge, h, latches)
+        found = _moved(one, v, n, states[i], h, latches)
         if found is None or beside is None:
             return None
         latches.turn()
