@@ -162,7 +162,7 @@ class BoucWen(Memory):
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
         # |u|^n, rounded at 0, where n < 1 has no slope
-        yields = power(u * u + ROUNDED, 0.5 * p.loop_exponent)
+        yields = power(u * u + ROUNDED * math.sqrt(ROUNDED), 0.5 * p.loop_exponent)
         return (s.along * (1.0 - yields * where(u * sign(s.along) > 0.0, 1.0, 2.0 * beta - 1.0)),)
 
     @override
