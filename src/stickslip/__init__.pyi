@@ -31,6 +31,7 @@ from stickslip.experiments import load_rig as load_rig
 from stickslip.exports import export as export
 from stickslip.friction import Ambrosio as Ambrosio
 from stickslip.friction import ArctanCoulomb as ArctanCoulomb
+from stickslip.friction import BlimanSorine as BlimanSorine
 from stickslip.friction import BoucWen as BoucWen
 from stickslip.friction import BrownMcPhee as BrownMcPhee
 from stickslip.friction import Coulomb as Coulomb
@@ -44,6 +45,8 @@ from stickslip.friction import DirectionalLuGre as DirectionalLuGre
 from stickslip.friction import DirectionalStribeck as DirectionalStribeck
 from stickslip.friction import ElastoPlastic as ElastoPlastic
 from stickslip.friction import FrictionLaw as FrictionLaw
+from stickslip.friction import GMS as GMS
+from stickslip.friction import HaessigFriedland as HaessigFriedland
 from stickslip.friction import HessSoom as HessSoom
 from stickslip.friction import LuGre as LuGre
 from stickslip.friction import LuGreFading as LuGreFading
@@ -98,6 +101,7 @@ __all__ = [
     "Ambrosio",
     "ArctanCoulomb",
     "Axis",
+    "BlimanSorine",
     "BlockChain",
     "BoucWen",
     "BrownMcPhee",
@@ -117,6 +121,8 @@ __all__ = [
     "EventDriven",
     "FixedStep",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
     "HessSoom",
     "LuGre",
     "LuGreFading",

@@ -34,6 +34,9 @@ NAMED = (
     "ElastoPlastic",
     "BoucWen",
     "MaxwellSlip",
+    "GMS",
+    "HaessigFriedland",
+    "BlimanSorine",
 )
 """Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
 LAW_MODULES = {
