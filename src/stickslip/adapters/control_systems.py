@@ -209,8 +209,8 @@ def to_nonlinear_system(
     model = formulate(told, laws)
     if model.latched:
         raise InputError(
-            f"to_nonlinear_system asks for rates at a state, and {model.title} has latched switches,"
-            " of which a state does not tell whether they are on: use simulate or closed_loop."
+            f"to_nonlinear_system asks for rates at a state, and {model.title} has latched"
+            " switches, of which no state tells whether they are on: use simulate or closed_loop."
         )
     field: _Field | _FieldOfContacts
     if model.contacts:

@@ -44,6 +44,9 @@ NAMED = (
     "BamM5",
     "BamM6",
     "LuGreGear",
+    "GMS",
+    "HaessigFriedland",
+    "BlimanSorine",
 )
 """Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
 LAW_MODULES = {

@@ -230,6 +230,31 @@ class BamM6(_SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class BlimanSorine(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    surplus_share: float
+    distance_ratio: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        surplus_share: _Given,
+        distance_ratio: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class BoucWen(_BristleLaw):
     kinetic_coefficient: float
     bristle_stiffness: float
@@ -560,6 +585,62 @@ class ElastoPlastic(_BristleLaw):
         elastic_share: _Given,
         viscous_coefficient: _Given,
         fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class GMS(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    attraction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        attraction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HaessigFriedland(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    sticking_surplus: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        sticking_surplus: _Given,
     ) -> None: ...
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...
@@ -1068,6 +1149,7 @@ __all__ = [
     "BamM4",
     "BamM5",
     "BamM6",
+    "BlimanSorine",
     "BoucWen",
     "BristleLaw",
     "BrownMcPhee",
@@ -1087,6 +1169,8 @@ __all__ = [
     "Evolution",
     "Friction",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
     "HessSoom",
     "JointLoadTemperature",
     "LAWS",
