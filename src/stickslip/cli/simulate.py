@@ -36,7 +36,7 @@ from stickslip.cli.law_choice import (
 from stickslip.cli.numbers import number_of
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
 from stickslip.friction import PRINTED_FORMS
@@ -297,7 +297,10 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Set
     known = fields_of(kind)
     for key in values:
         named(known, key, f"setting of {name}")
-    program = kind(**{key: number_of(text, known[key]) for key, text in values.items()})
+    try:
+        program = kind(**{key: number_of(text, known[key]) for key, text in values.items()})
+    except ParameterError as error:
+        raise ParameterError(f"--as {settings.program}: {error}") from None
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
     return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)

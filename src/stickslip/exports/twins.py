@@ -49,6 +49,8 @@ TIMES: Final = 4001
 """Even times at which two runs are compared, beside the steps of the program."""
 REFERENCE_SPEED: Final = 1.0
 """Range of speeds [m/s] over which a level is fitted where nothing moves on the rig."""
+ROUNDING: Final = 1e-9
+"""Share of a force below which nothing is left of it."""
 WIDER: Final = 2.0
 """Dead band over the change of velocity in a step, which jumps over a narrower one."""
 
@@ -616,8 +618,15 @@ def twin(
         largest_speed=float(np.abs(exact.at(even)[rate]).max()) or REFERENCE_SPEED,
     )
     taken = chosen.taken(subject)
+    assert subject.largest_speed is not None
+    sliding = abs(float(law.steady(subject.largest_speed, subject.needed_load())))
+    if taken.level <= ROUNDING * sliding:
+        raise InputError(
+            f"{chosen.name}: {law.name} has no friction at rest, so there is nothing to hold and"
+            " nothing that creeps."
+        )
     force = SHARE * taken.level if force is None else force
-    if not 0.0 < force < taken.level:
+    if not 0.0 < force < (1.0 - ROUNDING) * taken.level:
         unit = turned("N", subject.rotary)
         raise InputError(
             "twin: force must be above 0 and below the largest friction at rest,"
