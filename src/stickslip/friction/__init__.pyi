@@ -922,8 +922,12 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
         direct_effect: _Given,
         evolution_effect: _Given = ...,
         critical_distance: _Given | None = ...,
+        second_evolution_effect: _Given = ...,
+        second_critical_distance: _Given | None = ...,
+        stress_effect: _Given = ...,
         reference_velocity: _Given,
         evolution: _Evolution = ...,
+        regularised: bool = ...,
     ) -> None: ...
 
 @final
