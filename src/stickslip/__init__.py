@@ -40,7 +40,7 @@ HOMES = {
 NAMESPACES = (
     "adapters",
     "catalogue",
-    "characterize",
+    "characterization",
     "control",
     "drives",
     "errors",

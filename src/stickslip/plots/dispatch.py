@@ -7,7 +7,7 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.characterize import PreslidingLoop
+from stickslip.characterization import PreslidingLoop
 from stickslip.control import ClosedLoop
 from stickslip.display import InPanels
 from stickslip.errors import InputError

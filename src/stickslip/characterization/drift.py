@@ -1,0 +1,259 @@
+"""Forces below the level of sliding: whether the body drifts or creeps."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.characterization.base import Characteristic
+from stickslip.characterization.bench import Array, Bench
+from stickslip.drives import Pulse, Sine
+from stickslip.errors import InputError
+from stickslip.formatting import quantity
+from stickslip.mechanisms import Axis
+from stickslip.simulation import simulate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Creep", "Drift", "creep", "drift"]
+
+BIAS, RIPPLE, FREQUENCY = 0.5, 0.4, 10.0
+"""Constant and swinging part of the force over the lowest level; frequency [Hz]."""
+SETTLED, LONG, WINDOW = 2.0, 8.0, 0.5
+"""When drift begins to count, how long it counts, and over how long positions are means [s]."""
+SAMPLES = 2000
+FOREVER = 1e9
+STILL = 1e-3
+"""Drift over the presliding length that counts as none."""
+SLOWEST = 1e-9
+"""Speed that counts as none over the one at which friction changes."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Drift(Characteristic):
+    """The motion of a body under a force that swings and never reaches break-away."""
+
+    test: ClassVar[str] = "drift"
+    title: ClassVar[str] = "Drift below break-away"
+
+    t: Array
+    """Times (n,) [s]."""
+    position: Array
+    """Position (n,) [m]."""
+    distance: float
+    """How far the mean position moves in the time that counts [m]."""
+    lasts: float
+    """That time [s]."""
+    length: float
+    """Displacement that counts as large here: the presliding length [m]."""
+
+    @property
+    def rate(self) -> float:
+        """Speed of the drift [m/s]."""
+        return self.distance / self.lasts
+
+    @property
+    @override
+    def sentence(self) -> str:
+        if abs(self.distance) <= STILL * self.length:
+            return "It does not drift: under a load below break-away the body stays in its place."
+        return (
+            f"It drifts: {quantity(abs(self.distance), 'm')} in {quantity(self.lasts, 's')} under a"
+            " load that never reaches break-away."
+        )
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return time and position as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame({"t": self.t, "position": self.position})
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s", "position": "m"}
+
+
+def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = None) -> Drift:
+    """Push a body with a constant force and a ripple that together stay below break-away.
+
+    Parameters
+    ----------
+    bench : Bench
+        The law and its sizes.
+    bias : float, optional
+        Constant force [N]; half of the lowest level if not given.
+    ripple : float, optional
+        Amplitude of the ripple [N]; 0.4 of the lowest level if not given.
+
+    Returns
+    -------
+    Drift
+        The motion.
+
+    Raises
+    ------
+    InputError
+        If both together reach break-away.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> law = Dahl(kinetic_coefficient=1.5, bristle_stiffness=1e5, viscous_coefficient=0.4)
+    >>> print(drift(Bench(law=law), bias=0.5, ripple=0.4).sentence)
+    It drifts: 0.623 mm in 8 s under a load that never reaches break-away.
+    """
+    low, high = bench.levels
+    bias = BIAS * low if bias is None else bias
+    ripple = RIPPLE * low if ripple is None else ripple
+    if not abs(bias) + abs(ripple) < high:
+        raise InputError(
+            f"bias and ripple must stay below break-away at {quantity(high, 'N')}, got"
+            f" {quantity(bias, 'N')} and {quantity(ripple, 'N')}."
+        )
+    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
+    end = SETTLED + LONG
+    run = simulate(
+        Axis(inertia=bench.mass, drive=force, load=bench.load),
+        bench.law,
+        t_end=end,
+        y0=bench.undeflected,
+    )
+
+    def mean(until: float) -> float:
+        times = np.linspace(until - WINDOW, until, SAMPLES)
+        return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
+
+    t = np.linspace(0.0, end, SAMPLES + 1)
+    return Drift(
+        t=t,
+        position=run.at(np.minimum(t, run.span[1]))["x"],
+        distance=mean(end) - mean(SETTLED),
+        lasts=LONG,
+        length=bench.reach,
+        conditions=(
+            f"{quantity(bench.mass, 'kg')} under {quantity(bias, 'N')} and a ripple of"
+            f" {quantity(ripple, 'N')} at {quantity(FREQUENCY, 'Hz')}; break-away at"
+            f" {quantity(high, 'N')}."
+        ),
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Creep(Characteristic):
+    """The speed of a body under a constant force below the level of sliding."""
+
+    test: ClassVar[str] = "creep"
+    title: ClassVar[str] = "Creep below the level"
+
+    force: float
+    """The force [N]."""
+    t: Array
+    """Times (n,) [s]."""
+    position: Array
+    """Position (n,) [m]."""
+    speed: float
+    """Speed at the end of the run [m/s]."""
+    predicted: float
+    """Speed at which steady friction equals the force [m/s]; 0 where it is held at rest."""
+    scale: float
+    """Speed at which friction changes [m/s]."""
+
+    @property
+    @override
+    def sentence(self) -> str:
+        if abs(self.speed) <= SLOWEST * self.scale:
+            return "It does not creep: a constant force below break-away is held."
+        if self.predicted > 0.0:
+            return (
+                f"It creeps: {quantity(self.speed, 'm/s')} under half the level of sliding, so that"
+                " a load that is parked does not stay."
+            )
+        return (
+            f"It still moves at {quantity(self.speed, 'm/s')} after"
+            f" {quantity(float(self.t[-1]), 's')}, and comes to rest by and by."
+        )
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return time and position as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame({"t": self.t, "position": self.position})
+
+    @override
+    def _over(self) -> str:
+        return "t"
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"t": "s", "position": "m"}
+
+
+def creep(bench: Bench, *, force: float | None = None, t_end: float = 10.0) -> Creep:
+    """Push a body with a constant force below the level of sliding.
+
+    Parameters
+    ----------
+    bench : Bench
+        The law and its sizes.
+    force : float, optional
+        The force [N]; half of the lowest level if not given.
+    t_end : float
+        How long [s].
+
+    Returns
+    -------
+    Creep
+        The motion, and the speed at which steady friction equals the force.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> print(creep(Bench(law=Coulomb(kinetic_coefficient=1.0))).sentence)
+    It does not creep: a constant force below break-away is held.
+    """
+    force = BIAS * bench.levels[0] if force is None else force
+    axis = Axis(
+        inertia=bench.mass, drive=Pulse(level=force, duration=FOREVER), load=bench.load
+    )
+    run = simulate(axis, bench.law, t_end=t_end, y0=bench.undeflected)
+    t = np.linspace(0.0, t_end, SAMPLES + 1)
+    seen = run.at(np.minimum(t, run.span[1]))
+    return Creep(
+        force=force,
+        t=t,
+        position=seen["x"],
+        speed=float(seen["v"][-1]),
+        predicted=_balanced(bench, force),
+        scale=bench.speed,
+        conditions=(
+            f"{quantity(bench.mass, 'kg')} under a constant {quantity(force, 'N')} for"
+            f" {quantity(t_end, 's')}."
+        ),
+    )
+
+
+def _balanced(bench: Bench, force: float) -> float:
+    """Return the least speed at which steady friction equals a force; 0 where rest holds it."""
+    from scipy.optimize import brentq
+
+    def excess(speed: float) -> float:
+        return float(bench.law.steady(speed, bench.load)) - force
+
+    speeds = bench.speed * np.geomspace(1e-9, 1e6, 301)
+    if float(bench.law.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
+        return 0.0
+    above = [speed for speed in speeds if excess(speed) >= 0.0]
+    if not above:
+        return float("inf")
+    return float(brentq(excess, speeds[0], above[0], xtol=1e-300, rtol=1e-13))
