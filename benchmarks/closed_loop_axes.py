@@ -180,7 +180,6 @@ def judge(seed: int, number: int, *, candidates: Sequence[str], route: str) -> d
 
 def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Measurement) -> float:
     """Return the root mean square error [N] of friction along a fresh motion, without its noise."""
-    from stickslip.friction import BristleLaw
     from stickslip.identification.force_map.bristle_integration import Path, follow
 
     t, x = np.asarray(fresh.time), np.asarray(fresh.values("position"))
@@ -188,9 +187,9 @@ def friction_error(rig: ControlledAxis, fit: RecordFit, fresh: Measurement) -> f
     path = Path(time=t, velocity=v, load=np.ones_like(t), travel=np.diff(x))
 
     def friction(law: FrictionLaw) -> Array:
-        if isinstance(law, BristleLaw):
+        if law.states:
             states = follow(law, path, np.zeros((1, 1)))[..., 0]
-            return np.asarray(law.force(v, tuple(states), 1.0))
+            return np.asarray(law.force(v, 1.0, tuple(states)))
         return np.asarray(law.force(v, 1.0))  # type: ignore[attr-defined]
 
     def total(law: FrictionLaw, offset: float) -> Array:

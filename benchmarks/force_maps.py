@@ -21,7 +21,6 @@ from scipy.signal import lfilter
 from benchmarks.rigs import Array, Random, between
 from stickslip import Axis, CoulombViscous, Dahl, FrictionLaw, Measurement, Stribeck, select
 from stickslip.errors import StickslipError
-from stickslip.friction import BristleLaw
 from stickslip.identification.force_map.bristle_integration import Path as Motion
 from stickslip.identification.force_map.bristle_integration import follow
 
@@ -82,10 +81,10 @@ def _position(kind: str, random: Random, t: Array, speed: float) -> Array:
 
 def _friction(law: FrictionLaw, t: Array, x: Array, v: Array, random: Random) -> Array:
     load = np.ones(len(t))
-    if isinstance(law, BristleLaw):
+    if law.states:
         path = Motion(time=t, velocity=v, load=load, travel=np.diff(x))
         z = follow(law, path, np.zeros((1, 1)))[..., 0]
-        return np.asarray(law.force(v, tuple(z), load))
+        return np.asarray(law.force(v, load, tuple(z)))
     sign = np.sign(v) * (np.abs(v) > 1e-9)
     moving = np.asarray(law.force(np.where(sign == 0.0, 1.0, v), load))
     rest = sign == 0.0

@@ -23,7 +23,6 @@ from stickslip import (
 )
 from stickslip.drives import Sampled
 from stickslip.errors import SimulationError
-from stickslip.friction import BristleLaw
 
 Array: TypeAlias = NDArray[np.float64]
 Random: TypeAlias = np.random.Generator
@@ -231,7 +230,7 @@ def pushing(rig: Rig, t: Array, random: Random) -> Array:
     """Return the force (n,) that moves the undisturbed axis on its way, held between samples."""
     v = ramped(rig, t, random) if rig.ramps else waving(rig, t, random)
     a = np.gradient(v, t)
-    if isinstance(rig.law, BristleLaw):
+    if rig.law.states:
         friction = [float(rig.law.steady(speed, 1.0)) for speed in v.tolist()]
     else:
         friction = [float(rig.law.force(speed, 1.0)) for speed in v.tolist()]  # type: ignore[attr-defined]

@@ -33,7 +33,7 @@ from stickslip import (
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Ramp, Sine, SineSwing, Square, ThreePhase
 from stickslip.formulation import Model, formulate
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import (
     Lining,
     Link,
@@ -49,10 +49,10 @@ from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-RIGID = [law for law in LAWS.values() if not issubclass(law, BristleLaw)]
+RIGID = [law for law in LAWS.values() if not law.states]
 """Laws without bristles, the same in both directions or not."""
 SET_VALUED = [law for law in LAWS.values() if issubclass(law, SetValuedLaw)]
-BRISTLE = [law for law in LAWS.values() if issubclass(law, BristleLaw)]
+BRISTLE = [law for law in LAWS.values() if law.states]
 
 DECADES: Mapping[str, tuple[float, float]] = {
     "1": (-1.3, 0.0),
@@ -158,7 +158,7 @@ def mirrors(run: Any, image: Any, kind: type[FrictionLaw], *, sums: bool = False
 
 def held_by(law: FrictionLaw, friction: Any, load: Any) -> Any:
     """Return the break-away level of the direction in which friction is overcome."""
-    ahead, back = (towards(law, side).break_away(load) for side in (1, -1))
+    ahead, back = (law.towards(side).break_away(load) for side in (1, -1))
     return np.where(np.asarray(friction) > 0, ahead, back)
 
 

@@ -58,10 +58,8 @@ CONSTRUCTED = (
 )
 """Packages of whose classes with quantities the constructors are declared."""
 EQUATIONS = {
-    "bristles": "tuple[_Scalar, ...]",
-    "bristle_rates": "tuple[_Scalar, ...]",
-    "direction": "int",
-    "towards": "_SetValuedLaw",
+    "states": "tuple[_Scalar, ...]",
+    "rates": "tuple[_Scalar, ...]",
 }
 """Types of arguments and results of the equations of laws that are no scalars."""
 GIVEN = "stickslip.quantities", "Given"
@@ -269,9 +267,8 @@ class Declaration:
         for name in sorted(getattr(base, "__abstractmethods__", ())):
             asked = list(inspect.signature(getattr(base, name)).parameters)[1:]
             taken = "".join(f", {one}: {EQUATIONS.get(one, '_Scalar')}" for one in asked)
+            taken += " = ..." * (name == "force")
             gives = EQUATIONS.get(name, "_Scalar")
-            if gives.startswith("_") and gives != "_Scalar":
-                self.imports |= {gives: ("stickslip.friction.base", gives[1:])}
             self.methods += ["    @_override", f"    def {name}(self{taken}) -> {gives}: ..."]
 
     def _spelt(self, annotation: ast.expr, owner: type) -> str:

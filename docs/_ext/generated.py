@@ -48,7 +48,7 @@ def law_table() -> Iterator[str]:
         (
             f"[{law.title}](#law-{name})",
             f"`{name}`",
-            "bristles" if issubclass(law, BristleLaw) else "set-valued",
+            "bristles" if law.states else "set-valued",
             ", ".join(symbol(quantity.symbol) for quantity in fields_of(law).values()),
         )
         for name, law in LAWS.items()

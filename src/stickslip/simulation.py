@@ -384,7 +384,7 @@ def initial_state(
         If `y0` is no mapping or sequence, or has the wrong length.
     """
     if isinstance(law, PrintedForm):
-        bristles = law.bristles
+        bristles = law.states
     else:
         bristles = bristle_names(tuple(one.name for one in mechanism.contacts()), law)
     names = (*mechanism.coordinates, *mechanism.rates, *bristles)

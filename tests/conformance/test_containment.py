@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip.friction import BristleLaw, FrictionLaw, contained_laws, laws
+from stickslip.friction import FrictionLaw, contained_laws, laws
 from stickslip.identification.travels.start_values import starting_law
 
 PAIRS = [(kind, one) for kind in laws().values() for one in kind.contained]
@@ -12,7 +12,7 @@ LARGE = 1e12
 
 
 def steady(law: FrictionLaw, velocity: float) -> float:
-    if isinstance(law, BristleLaw):
+    if law.states:
         return float(law.steady(velocity, 7.0))
     return float(law.force(velocity, 7.0))  # type: ignore[attr-defined]
 

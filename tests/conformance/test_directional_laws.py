@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.support import decade, examples, laws, mirrored_law
 
-from stickslip.friction import LAWS, DirectionalLaw, SetValuedLaw
+from stickslip.friction import LAWS, SetValuedLaw
 
-DIRECTIONAL = [law for law in LAWS.values() if issubclass(law, DirectionalLaw)]
+DIRECTIONAL = [law for law in LAWS.values() if law.directional]
 each_law = pytest.mark.parametrize("kind", DIRECTIONAL, ids=lambda kind: kind.name)
 FEW = examples(50)
 

@@ -12,7 +12,7 @@ from tests.support import RIGS, SHOWN, Generated, example_of, examples, pairs
 
 from stickslip import simulate
 from stickslip.drives import Drive
-from stickslip.friction import LAWS, BristleLaw
+from stickslip.friction import LAWS
 from stickslip.mechanisms import MECHANISMS, Motor
 
 each_mechanism = pytest.mark.parametrize("name", MECHANISMS)
@@ -104,7 +104,7 @@ def test_energy_changes_by_the_power_supplied_less_the_power_taken(rig, kind):
 def test_a_run_has_every_column_and_a_certificate(rig, kind):
     law = example_of(kind)
     run = simulate(rig, law, t_end=1.5)
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    bristles = law.states if law.states else ()
     efforts = [guide.effort for guide in rig.guided().values()]
     assert sorted(run.names) == sorted(
         (*rig.coordinates, *rig.rates, *bristles, *efforts, "friction", "normal_force", "mode")

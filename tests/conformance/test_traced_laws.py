@@ -8,7 +8,7 @@ import pytest
 from tests.support import Generated, example_of
 
 from stickslip import Axis
-from stickslip.friction import LAWS, BristleLaw
+from stickslip.friction import LAWS
 from stickslip.quantities import fields_of
 
 FRACTIONAL = 1.5
@@ -32,14 +32,14 @@ each_law = pytest.mark.parametrize("law", list(variants()))
 
 
 def deflections(law, share):
-    if not isinstance(law, BristleLaw):
+    if not law.states:
         return ()
-    reach = law.break_away(1.0) / law.force(0.0, (1.0,) * len(law.bristles), 1.0)
-    return (reach * share,) * len(law.bristles)
+    reach = law.break_away(1.0) / law.force(0.0, 1.0, (1.0,) * len(law.states))
+    return (reach * share,) * len(law.states)
 
 
 def friction(law, v, z, load):
-    return law.force(v, z, load) if isinstance(law, BristleLaw) else law.force(v, load)
+    return law.force(v, load, z) if law.states else law.force(v, load)
 
 
 def states(law):
@@ -77,7 +77,7 @@ def test_generated_equations_agree_with_the_law_in_floats(law):
         assert normal == LOAD
         assert math.isclose(level, law.break_away(LOAD), rel_tol=ROUNDING)
         if z:
-            for rate, true in zip(rates, law.bristle_rates(v, z, LOAD), strict=True):
+            for rate, true in zip(rates, law.rates(v, LOAD, z), strict=True):
                 assert abs(rate - true) <= ROUNDING * max(abs(v), abs(true))
 
 
@@ -92,8 +92,8 @@ def test_arrays_give_what_floats_give(law):
     sizes = np.array([size_of(law, one, each) for one, each in cases])
     assert np.all(np.abs(force - expected) <= 1e-14 * sizes)
     if z:
-        rates = law.bristle_rates(v, z, LOAD)
-        true = np.array([law.bristle_rates(one, each, LOAD) for one, each in cases]).T
+        rates = law.rates(v, LOAD, z)
+        true = np.array([law.rates(one, LOAD, each) for one, each in cases]).T
         assert np.all(np.abs(np.array(rates) - true) <= 1e-14 * (np.abs(v) + np.abs(true)))
 
 

@@ -55,23 +55,23 @@ class TwoBristles(BristleLaw):
     formula: ClassVar[str] = r"F = (\sigma_a z_a + \sigma_b z_b) N"
     sources: ClassVar[tuple[str, ...]] = ()
     fit_order: ClassVar[tuple[str, ...]] = ()
-    bristles: ClassVar[tuple[str, ...]] = ("force", "x1")
+    states: ClassVar[tuple[str, ...]] = ("force", "x1")
 
     soft: Annotated[float, Quantity("sigma_a", "1/m", above=0)] = 200.0
     stiff: Annotated[float, Quantity("sigma_b", "1/m", above=0)] = 3000.0
     level: Annotated[float, Quantity("mu", above=0)] = 0.12
 
     @override
-    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
-        return (self.soft * bristles[0] + self.stiff * bristles[1]) * load
+    def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        return (self.soft * states[0] + self.stiff * states[1]) * load
 
     @override
-    def bristle_rates(
-        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    def rates(
+        self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...]
     ) -> tuple[Scalar, ...]:
         return tuple(
             velocity - abs(velocity) * stiffness * z / self.level
-            for stiffness, z in zip((self.soft, self.stiff), bristles, strict=True)
+            for stiffness, z in zip((self.soft, self.stiff), states, strict=True)
         )
 
     @override
@@ -108,7 +108,7 @@ LOADS: Final = (0.0, 7.0)
 
 def bristle_states(law: FrictionLaw, share: float) -> tuple[float, ...]:
     """Return deflections that carry a share of the friction level."""
-    if not isinstance(law, BristleLaw):
+    if not law.states:
         return ()
-    reach = law.break_away(1.0) / law.force(0.0, (1.0,) * len(law.bristles), 1.0)
-    return (reach * share,) * len(law.bristles)
+    reach = law.break_away(1.0) / law.force(0.0, 1.0, (1.0,) * len(law.states))
+    return (reach * share,) * len(law.states)

@@ -12,7 +12,6 @@ from stickslip import Axis, Coulomb, LuGre, Stribeck, Viscous, export, simulate
 from stickslip.control import compensation
 from stickslip.drives import Sampled
 from stickslip.exports.equations import equations_of
-from stickslip.friction import BristleLaw, towards
 
 LOAD, MASS = 9.81, 2.0
 RELATIVE = 1e-12
@@ -37,7 +36,7 @@ def step_of(compiled, name):
 
 
 def friction(law, v, z, load):
-    return law.force(v, z, load) if isinstance(law, BristleLaw) else law.force(v, load)
+    return law.force(v, load, z) if law.states else law.force(v, load)
 
 
 @each_law
@@ -50,7 +49,7 @@ def test_compiled_functions_agree_with_the_law_to_roundings(compiled, name):
     for load in LOADS:
         for side in (1, -1):
             assert math.isclose(
-                level(side, load), towards(law, side).break_away(load), rel_tol=RELATIVE
+                level(side, load), law.towards(side).break_away(load), rel_tol=RELATIVE
             )
         wanted = compensation(law, width=0.01, factor=0.9, load=load)
         for v in (0.0, *SPEEDS, *(-one for one in SPEEDS)):
@@ -63,9 +62,7 @@ def test_compiled_functions_agree_with_the_law_to_roundings(compiled, name):
             )
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, one in LAWS_EXPORTED.items() if isinstance(one, BristleLaw)]
-)
+@pytest.mark.parametrize("name", [n for n, one in LAWS_EXPORTED.items() if one.states])
 def test_compiled_rates_and_steady_forces_agree_with_the_law(compiled, name):
     law = LAWS_EXPORTED[name]
     states = equations_of(law).bristles
@@ -77,7 +74,7 @@ def test_compiled_rates_and_steady_forces_agree_with_the_law(compiled, name):
         found = [one(v, *z, LOAD)] if len(z) == 1 else list(several(v, *z, LOAD).values())
         # the rate is a difference of terms as large as the velocity
         np.testing.assert_allclose(
-            found, law.bristle_rates(v, z, LOAD), rtol=RELATIVE, atol=RELATIVE * abs(v)
+            found, law.rates(v, LOAD, z), rtol=RELATIVE, atol=RELATIVE * abs(v)
         )
         assert math.isclose(steady(v, LOAD), law.steady(v, LOAD), rel_tol=RELATIVE)
 

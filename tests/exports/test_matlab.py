@@ -13,7 +13,6 @@ from tests.exports.laws import LAWS_EXPORTED, bristle_states
 from stickslip import Coulomb, export
 from stickslip.control import compensation
 from stickslip.exports.equations import equations_of
-from stickslip.friction import BristleLaw, towards
 
 LOAD, MASS, PERIOD = 7.0, 2.0, 0.01
 VELOCITIES = (0.0, 1e-7, 3e-3, 0.04, 2.0, -1e-7, -3e-3, -0.04, -2.0)
@@ -111,15 +110,15 @@ def test_octave_gives_what_the_law_and_the_compiled_step_give(printed, compiled,
     step = numbers(compiled, f"{name}_step", results)
     push = compensation(law, width=0.01, factor=0.9, load=LOAD)
     for v, z in arguments(name):
-        bristles = isinstance(law, BristleLaw)
-        true = law.force(v, z, LOAD) if bristles else law.force(v, LOAD)
+        bristles = law.states
+        true = law.force(v, LOAD, z) if bristles else law.force(v, LOAD)
         assert math.isclose(next(found), true, rel_tol=1e-12, abs_tol=1e-12)
         assert math.isclose(next(found), push(0.0, {"v": v}), rel_tol=1e-12, abs_tol=1e-12)
         moved = list(step(3.0, v, *z, LOAD, MASS, PERIOD).values())
         # roots in brackets end at slightly different roundings of exp and power
         np.testing.assert_allclose([next(found) for _ in moved], moved, rtol=1e-9, atol=1e-10)
     for side in (1, -1):
-        assert math.isclose(next(found), towards(law, side).break_away(LOAD), rel_tol=1e-12)
+        assert math.isclose(next(found), law.towards(side).break_away(LOAD), rel_tol=1e-12)
     assert math.isnan(next(found))
     assert math.isnan(next(found))
     assert list(found) == []

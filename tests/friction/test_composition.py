@@ -83,10 +83,10 @@ def test_text_for_floats_gives_the_bits_of_the_equations(text):
     one = starting_law(law(text))
     equations = equations_of(law(text).made_of, None)
     for v in (-0.3, 2e-3, 0.7):
-        if "force" in equations:
-            z = tuple(1e-5 * (i + 1) for i in range(len(one.bristles)))
-            assert one.force(v, z, 2.0) == equations["force"](one, v, z, 2.0)
-            assert one.bristle_rates(v, z, 2.0) == equations["bristle_rates"](one, v, z, 2.0)
+        if one.states:
+            z = tuple(1e-5 * (i + 1) for i in range(len(one.states)))
+            assert one.force(v, 2.0, z) == equations["force"](one, v, 2.0, z)
+            assert one.rates(v, 2.0, z) == equations["rates"](one, v, 2.0, z)
         elif hasattr(one, "sliding"):
             assert one.sliding(abs(v), 2.0) == equations["sliding"](one, abs(v), 2.0)
 
@@ -124,11 +124,11 @@ def test_smooth_laws_take_the_values_that_their_formulas_print():
 def test_elements_of_maxwell_slip_yield_one_after_the_other_up_to_the_level():
     one = law("maxwell[3](level)")(kinetic_coefficient=6.0, bristle_stiffness=900.0)
     # each element has a third of the stiffness; levels 1 : 2 : 3 with the sum of the law's
-    assert one.bristle_rates(0.5, (0.0, 0.0, 0.0), 1.0) == (0.5, 0.5, 0.5)
+    assert one.rates(0.5, 1.0, (0.0, 0.0, 0.0)) == (0.5, 0.5, 0.5)
     slack = [2.0 * i / 4.0 * 6.0 / 900.0 for i in (1, 2, 3)]
-    assert one.bristle_rates(0.5, tuple(slack), 1.0) == (0.0, 0.0, 0.0)
-    assert one.force(0.5, tuple(slack), 1.0) == pytest.approx(6.0, rel=1e-15)
-    assert one.bristle_rates(-0.5, tuple(slack), 1.0) == (-0.5, -0.5, -0.5)
+    assert one.rates(0.5, 1.0, tuple(slack)) == (0.0, 0.0, 0.0)
+    assert one.force(0.5, 1.0, tuple(slack)) == pytest.approx(6.0, rel=1e-15)
+    assert one.rates(-0.5, 1.0, tuple(slack)) == (-0.5, -0.5, -0.5)
 
 
 def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lugre_does():

@@ -26,9 +26,9 @@ viscous_coefficient = "0.7 N s/m"
 @pytest.mark.parametrize("v", [0.3, -0.3, 0.0])
 def test_the_force_is_the_sum_of_both_parts(v):
     z = (1e-3,)
-    assert WET.force(v, z, 5.0) == PLAIN.force(v, z, 5.0) + 0.7 * v
+    assert WET.force(v, 5.0, z) == PLAIN.force(v, 5.0, z) + 0.7 * v
     assert WET.steady(v, 5.0) == PLAIN.steady(v, 5.0) + 0.7 * v
-    assert WET.bristle_rates(v, z, 5.0) == PLAIN.bristle_rates(v, z, 5.0)
+    assert WET.rates(v, 5.0, z) == PLAIN.rates(v, 5.0, z)
     assert WET.break_away(5.0) == PLAIN.break_away(5.0)
 
 

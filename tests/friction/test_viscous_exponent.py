@@ -37,18 +37,18 @@ def test_the_viscous_part_is_the_power_and_nothing_else_changes(law, p, v):
     own, z = thinned(law, p), (1e-3,)
     power = math.copysign(0.7 * abs(v) ** p, v)
     # sums of the same numbers, rounded
-    assert own.force(v, z, 5.0) == pytest.approx(dry.force(v, z, 5.0) + power, rel=1e-14)
+    assert own.force(v, 5.0, z) == pytest.approx(dry.force(v, 5.0, z) + power, rel=1e-14)
     assert own.steady(v, 5.0) == pytest.approx(dry.steady(v, 5.0) + power, rel=1e-14)
-    assert own.bristle_rates(v, z, 5.0) == law.bristle_rates(v, z, 5.0)
+    assert own.rates(v, 5.0, z) == law.rates(v, 5.0, z)
     assert own.break_away(5.0) == law.break_away(5.0)
 
 
 @each
 def test_below_the_plateau_it_is_a_straight_line(law):
     own = thinned(law, 0.5)
-    edge = own.force(PLATEAU, (0.0,), 0.0)
+    edge = own.force(PLATEAU, 0.0, (0.0,))
     assert edge == pytest.approx(0.7 * PLATEAU**0.5, rel=1e-14)
-    assert own.force(-0.25 * PLATEAU, (0.0,), 0.0) == pytest.approx(-0.25 * edge, rel=1e-14)
+    assert own.force(-0.25 * PLATEAU, 0.0, (0.0,)) == pytest.approx(-0.25 * edge, rel=1e-14)
 
 
 @each

@@ -106,7 +106,7 @@ def solved(t: Array, law: BristleLaw) -> Array:
 
     def slope(time: float, z: Array) -> list[float]:
         now = float(motion(np.array([time]))[1][0])
-        return [float(law.bristle_rates(now, (float(z[0]),), 10.0)[0])]
+        return [float(law.rates(now, 10.0, (float(z[0]),))[0])]
 
     # short steps, since it does not know where the motion turns
     return solve_ivp(
@@ -119,9 +119,9 @@ def record_of(law: FrictionLaw, *, end: float = 12.0, rate: float = 500.0) -> Me
     t = np.arange(0.0, end, 1.0 / rate)
     x, v = motion(t)
     load = 10.0 + 2.0 * np.sin(0.5 * t)
-    if isinstance(law, BristleLaw):
+    if law.states:
         z = yielding(x, law) if isinstance(law, Dahl) else solved(t, law)
-        force = law.force(v, (z,), load)
+        force = law.force(v, load, (z,))
     else:
         force = law.force(v, load)  # type: ignore[attr-defined]
     offset = 0.0 if isinstance(law, DirectionDependent) else OFFSET
@@ -250,21 +250,21 @@ class TwoDahls(BristleLaw):
     formula: ClassVar[str] = ""
     sources: ClassVar[tuple[str, ...]] = ()
     fit_order: ClassVar[tuple[str, ...]] = ("kinetic_coefficient", "soft_coefficient")
-    bristles: ClassVar[tuple[str, ...]] = ("z", "w")
+    states: ClassVar[tuple[str, ...]] = ("z", "w")
 
     kinetic_coefficient: Annotated[float, Quantity("mu_k", above=0)]
     soft_coefficient: Annotated[float, Quantity("mu_w", above=0)]
 
     @override
-    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
-        z, w = bristles
+    def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        z, w = states
         return (1e4 * z + 1e3 * w) * load
 
     @override
-    def bristle_rates(
-        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    def rates(
+        self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...]
     ) -> tuple[Scalar, ...]:
-        z, w = bristles
+        z, w = states
         return (
             velocity - 1e4 / self.kinetic_coefficient * abs(velocity) * z,
             velocity - 1e3 / self.soft_coefficient * abs(velocity) * w,

@@ -106,7 +106,7 @@ def test_equation_4_is_what_its_terms_say():
         mu = KINETIC * s
         load = WEIGHT - m * length * (alpha * math.sin(theta) + omega**2 * math.cos(theta))
         pull = m * length * (alpha * math.cos(theta) - omega**2 * math.sin(theta))
-        x_ddot = (pull - form.force(v, (), load, 0.0)) / total
+        x_ddot = (pull - form.force(v, load, (), 0.0)) / total
         residual = (
             total * x_ddot
             - m * length * alpha * (mu * math.sin(theta) + math.cos(theta))

@@ -22,7 +22,7 @@ from tests.support import (
 
 from stickslip import Coulomb, Dahl, EventDriven, LuGre, PowerViscous, SpringBlock, simulate
 from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
-from stickslip.friction import LAWS, BristleLaw
+from stickslip.friction import LAWS
 from stickslip.quantities import Parametrised, fields_of
 
 each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
@@ -168,7 +168,7 @@ def test_a_rig_a_million_times_larger_or_smaller_moves_alike_to_the_last_bit(
 def test_a_run_can_be_continued_from_any_of_its_states(kind, data, share):
     law = data.draw(laws(kind))
     rig = dataclasses.replace(data.draw(spring_blocks), drive=None)
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    bristles = law.states if law.states else ()
     names = ("x", "v", *bristles)
     run = simulate(rig, law, t_end=T_END)
     middle = run.at(share * T_END)
@@ -193,7 +193,7 @@ def test_every_run_is_certified(kind, data, rig, y0):
     assert run.status.complete
     assert run.certificate.problems == ()
     # for the tolerances of the solver see there; energies add up over some hundred steps
-    assert run.certificate.energy_error <= (1e-5 if isinstance(law, BristleLaw) else 1e-8)
+    assert run.certificate.energy_error <= (1e-5 if law.states else 1e-8)
     assert run.certificate.guard_violation <= 1e-9
     assert run.certificate.stick_drift == 0
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import heyoka as hy
 
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, towards
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import shadow
 
@@ -149,7 +149,7 @@ def equations(mechanism: Mechanism, law: FrictionLaw) -> Equations:
     rub = stuck * acceleration[contact.slip] + (1.0 - stuck) * (F - sliding)
     solved = _solved(press, rub, N, F)
     ahead, back = (
-        hy.subs(plain(towards(friction_twin, side).break_away(Symbol(N, tracing))), solved)
+        hy.subs(plain(friction_twin.towards(side).break_away(Symbol(N, tracing))), solved)
         for side in (1, -1)
     )
 
@@ -215,15 +215,15 @@ def _friction(
 ) -> tuple[hy.expression, list[hy.expression]]:
     """Return the friction of a slipping contact and the rates of the bristles."""
     velocity, load = Symbol(v, tracing), Symbol(N, tracing)
-    if not isinstance(law, BristleLaw):
+    if not law.states:
         forward = tracing.number("direction")
         speed = Symbol(forward * v, tracing)
-        ahead, back = (plain(towards(law, side).sliding(speed, load)) for side in (1, -1))
+        ahead, back = (plain(law.towards(side).sliding(speed, load)) for side in (1, -1))
         chosen = 0.5 * (1.0 + forward) * ahead + 0.5 * (1.0 - forward) * back
-        return forward * (chosen if isinstance(law, DirectionalLaw) else ahead), []
+        return forward * (chosen if law.directional else ahead), []
     bristles = tuple(Symbol(e, tracing) for e in z)
-    rates = law.bristle_rates(velocity, bristles, load)
-    return plain(law.force(velocity, bristles, load)), [plain(rate) for rate in rates]
+    rates = law.rates(velocity, load, bristles)
+    return plain(law.force(velocity, load, bristles)), [plain(rate) for rate in rates]
 
 
 def _solved(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tests.reference.heyoka_equations import Equations, equations
 
 from stickslip.drives import Drive
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters
 
@@ -102,8 +102,8 @@ class Oracle:
         self.model = equations(mechanism, law)
         self.integrator, self.look = _machines(self.model)
         self.drives = mechanism.drives()
-        self.bristles = isinstance(law, BristleLaw)
-        self.can_stick = not isinstance(law, BristleLaw) or law.static_switch
+        self.bristles = law.states
+        self.can_stick = not law.states or law.static_switch
         self.numbers = dict.fromkeys(self.model.numbers, 0.0)  # in the order of their indices
         for root, prefix in ((mechanism, "mechanism"), (law, "friction")):
             self.numbers |= {path: value for path, _, value in parameters(root, prefix)}

@@ -13,7 +13,7 @@ from tests.support import EXAMPLES, example_of
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, SpringBlock, TowedBlock, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Sine
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.results import Trajectory
@@ -142,7 +142,7 @@ def variants(kind: type[FrictionLaw]) -> Iterator[FrictionLaw]:
                 yield dataclasses.replace(law, **{field.name: other})
         elif quantity is not None and field.default is None:
             yield dataclasses.replace(law, **{field.name: None})
-    if issubclass(kind, BristleLaw):
+    if kind.states:
         yield dataclasses.replace(law, static_switch=True)
 
 
@@ -198,7 +198,7 @@ def shaken(root: Any, dice: random.Random) -> Any:
 
 
 def start_of(setup: Setup, law: FrictionLaw) -> list[float]:
-    bristles = law.bristles if isinstance(law, BristleLaw) else ()
+    bristles = law.states if law.states else ()
     names = (*setup.mechanism.coordinates, *setup.mechanism.rates, *bristles)
     return [setup.y0.get(name, 0.0) for name in names]
 
@@ -240,7 +240,7 @@ def excess(run: Trajectory, expected: Reference) -> dict[str, float]:
 
 def limit(setup: Setup, law: FrictionLaw) -> float:
     """Return what `excess` may be."""
-    if isinstance(law, BristleLaw):
+    if law.states:
         return ALLOWED * SOLVER.stiff_tolerance
     switches = Oracle(setup.mechanism, law).model.switches
     layered = any(switch.events is None for switch in switches)

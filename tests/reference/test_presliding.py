@@ -43,7 +43,7 @@ def test_friction_lags_behind_the_speed(w, slowing, speeding):
         return 1e-3 * (1.5 + math.cos(w * t))
 
     run = solve_ivp(
-        lambda t, z: LUGRE.bristle_rates(speed(t), tuple(z), 1.0),
+        lambda t, z: LUGRE.rates(speed(t), 1.0, tuple(z)),
         (0.0, 6 * math.tau / w),
         [0.0],
         method="Radau",
@@ -53,7 +53,7 @@ def test_friction_lags_behind_the_speed(w, slowing, speeding):
     )
     # cos(w t) = -1/2 at 1 mm/s, first on the way down
     times = (5 * math.tau + math.tau / 3) / w, (5 * math.tau + 2 * math.tau / 3) / w
-    forces = [LUGRE.force(speed(t), tuple(run.sol(t)), 1.0) for t in times]
+    forces = [LUGRE.force(speed(t), 1.0, tuple(run.sol(t))) for t in times]
     np.testing.assert_allclose(forces, [slowing, speeding], rtol=0, atol=6e-6)  # known digits
 
 
@@ -173,8 +173,8 @@ def test_the_classical_lugre_parameters_generate_energy_in_a_cycle():
         """Return the bristle deflection and the work done against friction."""
         run = solve_ivp(
             lambda _, s: [
-                *LUGRE.bristle_rates(v, (s[0],), 1.0),
-                LUGRE.force(v, (s[0],), 1.0) * v,
+                *LUGRE.rates(v, 1.0, (s[0],)),
+                LUGRE.force(v, 1.0, (s[0],)) * v,
             ],
             (0.0, duration),
             [z, 0.0],

@@ -25,7 +25,7 @@ def record(response=None, *, law=None, drift=0.0, seed=0):
         friction = LEVEL * np.sign(v) + VISCOUS * v
     else:
         path = Path(time=t, velocity=v, load=np.ones(len(t)), travel=np.diff(x))
-        friction = law.force(v, tuple(follow(law, path, np.zeros((1, 1)))[..., 0]), 1.0)
+        friction = law.force(v, 1.0, tuple(follow(law, path, np.zeros((1, 1)))[..., 0]))
     if response is not None:
         friction = response.shown(t, friction)
     rng = np.random.default_rng(seed)

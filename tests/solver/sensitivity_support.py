@@ -17,7 +17,6 @@ from scipy.integrate import solve_ivp
 
 from stickslip import Axis, EventDriven, SpringBlock, simulate
 from stickslip.drives import Sum
-from stickslip.friction import BristleLaw, towards
 from stickslip.maths import cos, sin, where
 from stickslip.quantities import parameters, shadow, vary
 
@@ -108,7 +107,7 @@ class Case:
 
     def states(self) -> tuple[str, ...]:
         """Return the names of the states."""
-        bristles = self.law.bristles if isinstance(self.law, BristleLaw) else ()
+        bristles = self.law.states if self.law.states else ()
         return (*self.rig.coordinates, *self.rig.rates, *bristles)
 
     def paths(self) -> dict[str, float]:
@@ -153,7 +152,7 @@ class Oracle:
         self.law = shadow(case.law, "friction", seeds.__getitem__)
         self.start = [seeds[f"initial.{state}"] for state in case.states()]
         (self.drive,) = self.rig.drives().values() or (None,)
-        self.can_stick = not isinstance(case.law, BristleLaw) or case.law.static_switch
+        self.can_stick = not case.law.states or case.law.static_switch
         parts = self.drive.parts if isinstance(self.drive, Sum) else (self.drive,)
         self.tables = [part.pieces(case.t_end) for part in parts if part is not None]
         starts = [piece.start for table in self.tables for piece in table]
@@ -196,17 +195,17 @@ class Oracle:
             return [0.0 * part for part in y]
         mass = self.rig.inertia if isinstance(self.case.rig, Axis) else self.rig.mass
         x_dot, load = y[1], self.load()
-        if isinstance(self.case.law, BristleLaw):
-            force = self.law.force(x_dot, tuple(y[2:]), load)
-            rates = self.law.bristle_rates(x_dot, tuple(y[2:]), load)
+        if self.case.law.states:
+            force = self.law.force(x_dot, load, tuple(y[2:]))
+            rates = self.law.rates(x_dot, load, tuple(y[2:]))
         else:
-            force, rates = mode * towards(self.law, mode).sliding(mode * x_dot, load), ()
+            force, rates = mode * self.law.towards(mode).sliding(mode * x_dot, load), ()
         return [x_dot, (self.push(t, y, piece) - force) / mass, *rates]
 
     def to_break_away(self, t: float, y: list[Dual], piece: int) -> Any:
         """Return what is left of the break-away level."""
         push = self.push(t, y, piece)
-        return towards(self.law, 1 if value(push) > 0.0 else -1).break_away(self.load()) - abs(push)
+        return self.law.towards(1 if value(push) > 0.0 else -1).break_away(self.load()) - abs(push)
 
     def mode_from_rest(self, t: float, y: list[Dual], piece: int) -> int:
         """Return what a body at rest does."""
@@ -216,7 +215,7 @@ class Oracle:
 
     def leaving(self, t: float, y, piece: int) -> int:
         """Return the direction in which a body leaves rest."""
-        if isinstance(self.case.law, BristleLaw):
+        if self.case.law.states:
             return 1 if value(self.field(t, y, 1, piece)[1]) > 0.0 else -1
         return 1 if value(self.push(t, y, piece)) > 0.0 else -1
 
@@ -238,7 +237,7 @@ class Oracle:
         ends.terminal, ends.direction = True, -mode or -1  # type: ignore[attr-defined]
         flat = np.concatenate([[part.x, *part.d] for part in y])
         # where bristles relax, steps as long as stability allows have a poor interpolation
-        longest = 1e-3 if isinstance(self.case.law, BristleLaw) else 0.05
+        longest = 1e-3 if self.case.law.states else 0.05
         return solve_ivp(
             rhs, span, flat, method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True,
             events=ends, max_step=longest,

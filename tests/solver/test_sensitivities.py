@@ -24,7 +24,7 @@ from stickslip import (
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import LAWS, PRINTED_FORMS, BristleLaw
+from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 
 PULSE = Pulse(level=6.0, duration=0.4, start=0.1)
@@ -48,7 +48,7 @@ RIGS["spring-block, uphill, square"] = SpringBlock(
     drive=Square(high=6.0, low=-2.0, period=0.37, duty=0.4, start=0.02),
 )  # fmt: skip
 SMOOTH_LAWS = {name: example_of(law) for name, law in LAWS.items()}
-BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if isinstance(law, BristleLaw)}
+BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states}
 SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if n not in BRISTLE_LAWS}
 SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], exponent=n) for n in (1.0, 1.5)}
 BRISTLE_LAWS |= {

@@ -212,11 +212,11 @@ class Brush(BristleLaw):
     mu: Annotated[float, Quantity("mu", above=0, scale="level", bounds=(0, 9), start=1)] = 0.2
     stiffness: Annotated[float, Quantity("sigma", "1/m", above=0)] = 1e3
 
-    def force(self, velocity, bristles, load):
-        return self.stiffness * bristles[0] * load
+    def force(self, velocity, load, states=()):
+        return self.stiffness * states[0] * load
 
-    def bristle_rates(self, velocity, bristles, load):
-        return (velocity - self.stiffness * abs(velocity) / self.mu * bristles[0],)
+    def rates(self, velocity, load, states):
+        return (velocity - self.stiffness * abs(velocity) / self.mu * states[0],)
 
     def steady(self, velocity, load):
         return self.mu * load * np.sign(velocity)
@@ -266,8 +266,8 @@ WRONG_LAWS = {
     "the generated equations agree with the law": changed(Plain, sliding=of_floats),
     "friction never increases the energy": changed(
         Brush,
-        force=lambda self, velocity, bristles, load: (
-            (self.stiffness * bristles[0] - 0.5 * velocity) * load
+        force=lambda self, velocity, load, states=(): (
+            (self.stiffness * states[0] - 0.5 * velocity) * load
         ),
     ),
     "runs satisfy the energy balance": changed(
@@ -298,9 +298,9 @@ STRONGER = {
     ),
     "as bristles": changed(
         Brush,
-        bristle_rates=lambda self, velocity, bristles, load: (
+        rates=lambda self, velocity, load, states: (
             velocity
-            - self.stiffness * abs(velocity) / (self.mu * (1.0 + abs(velocity))) * bristles[0],
+            - self.stiffness * abs(velocity) / (self.mu * (1.0 + abs(velocity))) * states[0],
         ),
         steady=lambda self, velocity, load: (
             self.mu * (1.0 + abs(velocity)) * load * np.sign(velocity)
@@ -331,8 +331,8 @@ def test_each_check_of_laws_finds_what_it_is_there_for(check, wrong):
     [
         changed(Plain, break_away=lambda self, load: self.mu * load + 1.0),
         changed(Plain, break_away=lambda self, load: -self.mu * load),
-        changed(Brush, bristle_rates=lambda self, velocity, bristles, load: (1.0 + velocity,)),
-        changed(Brush, bristle_rates=lambda self, velocity, bristles, load: (velocity,)),
+        changed(Brush, rates=lambda self, velocity, load, states: (1.0 + velocity,)),
+        changed(Brush, rates=lambda self, velocity, load, states: (velocity,)),
     ],
     ids=["level without load", "negative level", "bristles creep at rest", "bristles know no end"],
 )

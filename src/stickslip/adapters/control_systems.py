@@ -15,14 +15,10 @@ from stickslip.drives import Sampled
 from stickslip.errors import InputError
 from stickslip.formulation import Model, formulate
 from stickslip.friction import (
-    BristleLaw,
-    DirectionalLaw,
     Friction,
     FrictionLaw,
     Laws,
     PrintedForm,
-    SetValuedLaw,
-    bristles_of,
 )
 from stickslip.kernels.state_layout import CAN_STICK, NUMBERS, SLIP
 from stickslip.mechanisms import Mechanism
@@ -80,7 +76,7 @@ class _FieldOfContacts:
 
     def __init__(self, mechanism: Mechanism, laws: Laws, model: Model, drive: str, speed: float):
         for contact, law in laws.members:
-            if isinstance(law, BristleLaw) and law.static_switch:
+            if law.states and law.holds:
                 raise InputError(
                     "to_nonlinear_system has no states in which a body is held, and the law of"
                     f" {contact!r} has static_switch=True: leave it out, or run it with simulate or"
@@ -89,7 +85,7 @@ class _FieldOfContacts:
         self._mechanism, self._laws, self._speed = mechanism, dict(laws.members), speed
         self._dynamics = DynamicsOfContacts(mechanism, [drive])
         self._bristles = {
-            contact: [model.states.index(f"{one}:{contact}") for one in bristles_of(law)]
+            contact: [model.states.index(f"{one}:{contact}") for one in law.states]
             for contact, law in laws.members
         }
 
@@ -127,17 +123,16 @@ class _FieldOfContacts:
         found[n : 2 * n] = here.accelerations(constant + factor * free, u)
         for i, contact in enumerate(here.contacts):
             law = self._laws.get(contact)
-            if isinstance(law, BristleLaw):
+            if law is not None and law.states:
                 pressed = max(float(free[i]), 0.0)
-                rates = law.bristle_rates(float(slips[i]), bristles[contact], pressed)
+                rates = law.rates(float(slips[i]), pressed, bristles[contact])
                 found[self._bristles[contact]] = [float(rate) for rate in rates]
         return found
 
     def _force(self, law: FrictionLaw, v: float, z: tuple[float, ...], load: float) -> float:
         """Return the friction force, below the least speed on a line between both directions."""
-        if isinstance(law, BristleLaw):
-            return float(law.force(v, z, load))
-        assert isinstance(law, SetValuedLaw | DirectionalLaw)  # what else has no bristles
+        if law.states:
+            return float(law.force(v, load, z))
         band = self._speed
         if abs(v) >= band:
             return float(law.force(v, load))
@@ -244,12 +239,12 @@ class DescribingFunction(control.DescribingFunctionNonlinearity):  # type: ignor
     array([5.092958+0.j])
     """
 
-    def __init__(self, law: SetValuedLaw | DirectionalLaw, load: float) -> None:
+    def __init__(self, law: FrictionLaw, load: float) -> None:
         """Take a law; `to_describing_function` checks it.
 
         Parameters
         ----------
-        law : SetValuedLaw or DirectionalLaw
+        law : FrictionLaw
             The law.
         load : float
             Normal force [N]; 1 if the levels of the law are forces.
@@ -336,13 +331,13 @@ def to_describing_function(law: Friction, *, load: float = 1.0) -> DescribingFun
     >>> round(slope.describing_function(0.2), 12)
     3.0
     """
-    if isinstance(law, BristleLaw):
+    if not isinstance(law, FrictionLaw):
+        raise InputError(f"law must be a friction law such as Coulomb(...), got {law!r}.")
+    if law.states:
         raise InputError(
             f"{type(law).__name__} has bristles, which remember the motion: its describing function"
             " depends on the frequency too. Give a law without bristles."
         )
-    if not isinstance(law, SetValuedLaw | DirectionalLaw):
-        raise InputError(f"law must be a friction law such as Coulomb(...), got {law!r}.")
     if not (math.isfinite(load) and load >= 0.0):
         raise InputError(f"load [N] must not be below 0, got {load!r}.")
     return DescribingFunction(law, load)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.characterization.presliding import presliding_length
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
@@ -93,14 +94,7 @@ class Bench(Parametrised):
     @functools.cached_property
     def length(self) -> float:
         """Displacement at which the first stiffness reaches break-away [m]; 0 without deflection."""
-        if not self.law.states:
-            return 0.0
-        rest = tuple(0.0 for _ in self.law.states)
-        moved = tuple(float(one) / NEAR for one in self.law.rates(NEAR, self.load, rest))
-        small = tuple(NEAR * one for one in moved)
-        pulled = float(self.law.force(0.0, self.load, small))
-        stiffness = (pulled - float(self.law.force(0.0, self.load, rest))) / NEAR
-        return self.levels[1] / stiffness if stiffness > 0.0 else 0.0
+        return presliding_length(self.law, self.load) if self.law.states else 0.0
 
     @property
     def reach(self) -> float:

@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError
-from stickslip.friction import BristleLaw
+from stickslip.friction import FrictionLaw
 from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
@@ -58,12 +58,12 @@ class PreslidingLoop(OnAxes, Tabular):
         return Summary(sentence=f"Presliding loop of {len(self.friction)} points.", rows=rows)
 
 
-def presliding_length(law: BristleLaw, load: float = 1.0) -> float:
+def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     """Return the displacement [m] at which the first stiffness would reach break-away.
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         The law.
     load : float
         Normal force [N].
@@ -79,22 +79,22 @@ def presliding_length(law: BristleLaw, load: float = 1.0) -> float:
     >>> presliding_length(Dahl(kinetic_coefficient=0.25, bristle_stiffness=1000.0))
     0.00025
     """
-    rest = tuple(0.0 for _ in law.bristles)
-    rates = law.bristle_rates(SLOW, rest, load)
+    rest = tuple(0.0 for _ in law.states)
+    rates = law.rates(SLOW, load, rest)
     moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
     # The laws are affine in their deflection at a given speed, so any step gives the slope.
-    stiffness = float(law.force(0.0, moved, load)) - float(law.force(0.0, rest, load))
+    stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
     return float(law.break_away(load)) / stiffness
 
 
 def presliding_loop(
-    law: BristleLaw, amplitude: float, load: float = 1.0, *, swings: int = 3
+    law: FrictionLaw, amplitude: float, load: float = 1.0, *, swings: int = 3
 ) -> PreslidingLoop:
     """Move a contact slowly to and fro, each time farther, and record its friction.
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         The law; its bristles begin undeflected.
     amplitude : float
         Amplitude of the last swing [m].
@@ -132,20 +132,20 @@ def presliding_loop(
         path.append(np.linspace(start, end, POINTS + 1)[1:])
     x = np.concatenate(path)
     substeps = int(np.ceil(np.abs(np.diff(x)).max() / (SHARE_OF_LENGTH * presliding_length(law))))
-    z = np.zeros(len(law.bristles))
+    z = np.zeros(len(law.states))
     friction = np.zeros(len(x))
     for i, step in enumerate(np.diff(x)):
         v = SLOW * float(np.sign(step))
         z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1))
-        friction[i + 1] = law.force(v, tuple(map(float, z)), load)
+        friction[i + 1] = law.force(v, load, tuple(map(float, z)))
     return PreslidingLoop(displacement=x, friction=friction)
 
 
-def _moved(law: BristleLaw, v: float, z: Array, load: float, time: float, substeps: int) -> Array:
+def _moved(law: FrictionLaw, v: float, z: Array, load: float, time: float, substeps: int) -> Array:
     """Return the bristles after some time at a constant slip velocity."""
 
     def rate(state: Array) -> Array:
-        return np.asarray(law.bristle_rates(v, tuple(map(float, state)), load), dtype=np.float64)
+        return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)
 
     for _ in range(substeps):
         z = _runge_kutta(rate, z, time / substeps)

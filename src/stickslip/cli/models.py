@@ -15,7 +15,6 @@ from stickslip.friction import (
     PRINTED_EQUATIONS,
     PRINTED_FORMS,
     SOURCES,
-    BristleLaw,
     FrictionLaw,
     PrintedForm,
     RightEquation,
@@ -65,7 +64,7 @@ def _all(*, as_json: bool) -> None:
         [
             name,
             law.title,
-            "bristles" if issubclass(law, BristleLaw) else "set-valued",
+            "bristles" if law.states else "set-valued",
             ", ".join(quantity.symbol for quantity in fields_of(law).values()),
         ]
         for name, law in laws().items()
@@ -197,7 +196,7 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
     return {
         "name": law.name,
         "title": law.title,
-        "kind": "bristle" if issubclass(law, BristleLaw) else "set-valued",
+        "kind": "bristle" if law.states else "set-valued",
         "formula": law.formula,
         "parameters": _parameters(law),
         "sources": [SOURCES[key] for key in law.sources],

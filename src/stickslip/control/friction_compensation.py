@@ -7,7 +7,7 @@ from typing import Annotated, TypeAlias, final
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import FrictionLaw
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["FrictionCompensation", "Load", "compensation", "sliding_force"]
@@ -46,10 +46,8 @@ def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
     """
     if velocity == 0.0:
         return 0.0
-    if isinstance(law, BristleLaw):
+    if isinstance(law, FrictionLaw):
         return float(law.steady(velocity, load))
-    if isinstance(law, (SetValuedLaw, DirectionalLaw)):
-        return float(law.force(velocity, load))
     raise InputError(
         f"{type(law).__name__} is not a friction law that can be compensated: give"
         " one such as Coulomb(...)."

@@ -15,7 +15,6 @@ from stickslip.experiments.parameter_paths import PREFIX, canonical, quantity_at
 from stickslip.experiments.readers.reader_options import Reading
 from stickslip.experiments.travels import scale_of
 from stickslip.friction import (
-    BristleLaw,
     FrictionLaw,
     Laws,
     bristle_names,
@@ -489,12 +488,7 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
     >>> state_units(SpringBlock(mass=1.0))
     {'z': 'm', 'x': 'm', 'v': 'm/s'}
     """
-    units = {
-        bristle: "m"
-        for law in laws().values()
-        if issubclass(law, BristleLaw)
-        for bristle in law.bristles
-    }
+    units = {bristle: "m" for law in laws().values() for bristle in law.states}
     contacts = mechanism.contacts()
     if len(contacts) > 1:
         units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}

@@ -10,12 +10,7 @@ from stickslip.errors import InputError, TracingError
 from stickslip.exports.identifiers import identifiers
 from stickslip.formulation import Switchboard, Traced, collapsed, expression
 from stickslip.friction import (
-    BristleLaw,
-    DirectionalLaw,
     FrictionLaw,
-    SetValuedLaw,
-    bristles_of,
-    towards,
 )
 from stickslip.quantities import Quantity, parameters, shadow
 
@@ -112,13 +107,13 @@ def equations_of(law: FrictionLaw) -> Equations:
     >>> found.slip.ahead, found.slip.back, found.slip.rest
     ((load*mu_k + sigma_2*velocity,), (-(load*mu_k - sigma_2*velocity),), (0,))
     """
-    if not isinstance(law, SetValuedLaw | DirectionalLaw | BristleLaw):
+    if not isinstance(law, FrictionLaw):
         raise InputError(
             f"{law!r} is no friction law that can be exported: give one such as Coulomb(...), a"
             " fit, a verdict, or a rig with one law."
         )
     found = list(parameters(law, "friction"))
-    states = identifiers(bristles_of(law), LOCAL)
+    states = identifiers(law.states, LOCAL)
     taken = (*LOCAL, *states, *(form.format(z) for z in states for form in OF_BRISTLES))
     names = identifiers([quantity.symbol for _, quantity, _ in found], taken)
     symbols = {path: name for (path, _, _), name in zip(found, names, strict=True)}
@@ -136,10 +131,10 @@ def equations_of(law: FrictionLaw) -> Equations:
             bristles=states,
             slip=_by_sense(law, symbols, lambda twin, v, load: _slip(twin, v, _z(states, v), load)),
             steady=_by_sense(law, symbols, lambda twin, v, load: (twin.steady(v[0], load),))
-            if isinstance(law, BristleLaw)
+            if law.states
             else None,
             break_away=_levels(law, symbols),
-            holds=not isinstance(law, BristleLaw) or law.static_switch,
+            holds=law.holds,
         )
     except TracingError as error:
         raise InputError(
@@ -156,10 +151,8 @@ def _z(states: tuple[str, ...], at: At) -> tuple[Traced, ...]:
 
 
 def _slip(law: Any, at: At, bristles: tuple[Traced, ...], load: Traced) -> tuple[Any, ...]:
-    if not isinstance(law, BristleLaw):
-        return (law.force(at[0], load),)
-    rates = law.bristle_rates(at[0], bristles, load)
-    return (law.force(at[0], bristles, load), *rates)
+    arguments = at[0], load, bristles
+    return (law.force(*arguments), *law.rates(*arguments))
 
 
 def _by_sense(
@@ -183,7 +176,7 @@ def _levels(law: FrictionLaw, names: dict[str, str]) -> tuple[se.Expr, se.Expr]:
     board = Switchboard()
     twin = shadow(law, "friction", lambda path: Traced(se.Symbol(names[path]), board))
     load = Traced(LOAD, board)
-    ahead, back = (towards(twin, side).break_away(load) for side in (1, -1))
+    ahead, back = (twin.towards(side).break_away(load) for side in (1, -1))
     return _closed(expression(ahead), board), _closed(expression(back), board)
 
 

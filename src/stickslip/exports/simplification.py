@@ -15,7 +15,7 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.experiments import Rig
 from stickslip.exports.subject import Subject
 from stickslip.formatting import quantity
-from stickslip.friction import BristleLaw, SetValuedLaw, bristles_of, towards
+from stickslip.friction import SetValuedLaw
 from stickslip.maths import Scalar
 from stickslip.mechanisms import slip_names
 from stickslip.quantities import Quantity, turned
@@ -108,9 +108,8 @@ def steady_force(
     """
     law = subject.law
     assert subject.equations is not None  # refuses what is no law
-    of = law.steady if isinstance(law, BristleLaw) else law.force  # type: ignore[attr-defined]  # all others have it
     try:
-        force = np.asarray([float(of(float(v), load)) for v in velocity])
+        force = np.asarray([float(law.steady(float(v), load)) for v in velocity])
     except OverflowError:
         force = np.full(velocity.shape, np.inf)
     if not np.all(np.isfinite(force)):
@@ -193,7 +192,7 @@ def _lost(
     back = -steady_force(subject, -speed, load)
     scale = max(float(np.abs(ahead).max()), float(np.abs(back).max()), joint.level)
     same = np.allclose(ahead, back, rtol=SAME, atol=SAME * scale)
-    levels = [float(towards(law, side).break_away(load)) for side in (1, -1)]
+    levels = [float(law.towards(side).break_away(load)) for side in (1, -1)]
     for level in dict.fromkeys(levels):
         if abs(level - joint.level) > SAME * scale:
             yield (
@@ -210,9 +209,9 @@ def _lost(
     if not same:
         most = float(np.abs(ahead - back).max())
         yield f"Different friction in the two directions: by up to {quantity(most, unit)}."
-    if bristles_of(law):
+    if law.states:
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
-    if float(towards(law, 1).break_away(2.0 * load)) > levels[0]:
+    if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
         yield about_load(subject, load)
 
 

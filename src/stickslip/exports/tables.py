@@ -10,7 +10,6 @@ from stickslip.exports.base import Export, Target
 from stickslip.exports.programs import commented
 from stickslip.exports.simplification import steady_force
 from stickslip.exports.subject import Subject
-from stickslip.friction import BristleLaw, towards
 from stickslip.quantities import fields_of, turned
 
 __all__ = ["CsvTable", "JsonDocument"]
@@ -43,10 +42,10 @@ class CsvTable(Target):
         what = "torque" if subject.rotary else "force"
         notes = [
             *subject.header(),
-            f"Friction of {'long' if isinstance(law, BristleLaw) else 'any'} sliding"
+            f"Friction of {'long' if law.states else 'any'} sliding"
             + (f" at a load of {load!r} N." if subject.levels == "per load" else "."),
             *(
-                f"Break-away {words}: {float(towards(law, side).break_away(load))!r} {unit}."
+                f"Break-away {words}: {float(law.towards(side).break_away(load))!r} {unit}."
                 for words, side in (("forward", 1), ("backward", -1))
             ),
             f"Velocity 0 has no row: there friction is any {what} up to break-away. A table that is"

@@ -19,12 +19,9 @@ from stickslip.formulation.modes import PAINLEVE
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switchboard, Traced, collapsed
 from stickslip.friction import (
-    BristleLaw,
-    DirectionalLaw,
     FrictionLaw,
     Laws,
     bristle_names,
-    bristles_of,
 )
 from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
@@ -89,7 +86,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
     first = 4 * len(mechanism.drives()) + 1
     index = {path: first + i for i, path in enumerate(paths)}
     twin = shadow(mechanism, "mechanism", lambda p: Traced(se.Symbol(f"p{index[p]}"), board))
-    bristles = [len(bristles_of(one)) for one in own.laws]
+    bristles = [len(one.states) for one in own.laws]
     constants = frozenset(f"p{i}" for i in index.values())
     symbols = symbols_of(twin, sum(bristles), constants, board)
     parts = derive_parts(
@@ -102,7 +99,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         _motion(symbols, len(own.contacts)),
         board,
     )
-    laws = [law_parts(one, len(bristles_of(one))) for one in own.structures]
+    laws = [law_parts(one, len(one.states)) for one in own.structures]
     equations = _Equations(symbols, parts, board)
     quantities = len(paths) + sum(len(list(parameters(one, p))) for p, one in own.distinct)
     along: list[se.Symbol | None] = []
@@ -321,8 +318,8 @@ def _sizes(
         shared=own.shared,
         numbers=tuple(len(list(parameters(one, prefix))) for prefix, one in own.distinct),
         bristles_of=tuple(bristles),
-        holds=tuple(not isinstance(one, BristleLaw) or one.static_switch for one in own.laws),
-        directional=tuple(isinstance(one, DirectionalLaw) for one in own.laws),
+        holds=tuple(one.holds for one in own.laws),
+        directional=tuple(one.directional for one in own.laws),
         reacts=parts.reacts,
         held=len(parts.held),
         channels=len(parts.efforts),

@@ -13,12 +13,12 @@ import symengine as se
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation.hard_stops import Wall, derive_walls
 from stickslip.formulation.linearity import linear_where
-from stickslip.formulation.load_factor import load_factor, unknown_kind
+from stickslip.formulation.load_factor import load_factor
 from stickslip.formulation.mechanics import Rows, lagrange_rows
 from stickslip.formulation.prescribed_motion import guides_of, own_limits
 from stickslip.formulation.slip_directions import SlipDirections, direction_of, slip_directions
 from stickslip.formulation.trace import Switchboard, Traced, collapsed, expression
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.friction import FrictionLaw
 from stickslip.kernels.header import LAW_NUMBERS
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import parameters, shadow
@@ -397,22 +397,15 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     variables = [speed, *(se.Symbol(f"y{place[path]}") for path in paths), *states, own_load]
     numbers, slopes = {}, {}
     for side in (1, -1):
-        one = towards(twin, side)
-        rates: list[se.Expr] = []
-        if isinstance(one, SetValuedLaw):
-            board.signs = {"y0": 1}
-            friction = expression(one.sliding(Traced(speed, board), Traced(load, board)))
-        elif isinstance(one, BristleLaw):
-            board.signs = {"y0": 1}
-            arguments = (
-                Traced(side * speed, board),
-                tuple(Traced(z, board) for z in states),
-                Traced(load, board),
-            )
-            friction = side * expression(one.force(*arguments))
-            rates = [expression(rate) for rate in one.bristle_rates(*arguments)]
-        else:
-            raise unknown_kind(law)
+        one = twin.towards(side)
+        board.signs = {"y0": 1}
+        arguments = (
+            Traced(side * speed, board),
+            Traced(load, board),
+            tuple(Traced(z, board) for z in states),
+        )
+        friction = side * expression(one.force(*arguments))
+        rates = [expression(rate) for rate in one.rates(*arguments)]
         board.signs = {}
         level = expression(one.break_away(Traced(load, board)))
         factor, level_factor = (load_factor(law, part, load) for part in (friction, level))

@@ -1,4 +1,4 @@
-"""What the equations ask of a law: that its kind is known, and its friction affine in the load."""
+"""What the equations ask of a law: that its friction is affine in the load."""
 
 import symengine as se
 
@@ -6,7 +6,7 @@ from stickslip.errors import TracingError
 from stickslip.formulation.trace import collapsed
 from stickslip.friction import FrictionLaw
 
-__all__ = ["load_factor", "unknown_kind"]
+__all__ = ["load_factor"]
 
 
 def load_factor(law: FrictionLaw, friction: se.Expr, load: se.Symbol) -> se.Expr:
@@ -38,8 +38,3 @@ def load_factor(law: FrictionLaw, friction: se.Expr, load: se.Symbol) -> se.Expr
             " derivative with respect to N is not zero"
         )
     return factor
-
-
-def unknown_kind(law: FrictionLaw) -> TracingError:
-    """Return the error of a law of a kind that no equations are known for."""
-    return TracingError(f"{type(law).__name__} is neither a SetValuedLaw nor a BristleLaw")

@@ -14,7 +14,7 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switch, Switchboard, Traced
-from stickslip.friction import FrictionLaw, Laws, bristles_of
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
 from stickslip.mechanisms import Mechanism
@@ -95,7 +95,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         title=f"{type(mechanism).__name__} with {type(law).__name__}",
         sizes=sizes,
         text=text,
-        states=(*mechanism.coordinates, *mechanism.rates, *bristles_of(law)),
+        states=(*mechanism.coordinates, *mechanism.rates, *law.states),
         parameter_paths=tuple(index),
         places=tuple(sizes.first_parameter + i for i in range(len(index))),
         drives=tuple(symbols.drives),
@@ -117,7 +117,7 @@ def _derived(
 
     twin = shadow(mechanism, "mechanism", symbol)
     constants = frozenset(f"p{i}" for i in index.values())
-    symbols = symbols_of(twin, len(bristles_of(law)), constants, board)
+    symbols = symbols_of(twin, len(law.states), constants, board)
     mechanics = derive_mechanics(
         twin,
         symbols.t,

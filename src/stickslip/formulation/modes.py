@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import symengine as se
 
-from stickslip.formulation.load_factor import load_factor, unknown_kind
+from stickslip.formulation.load_factor import load_factor
 from stickslip.formulation.mechanics import Mechanics, Motion
 from stickslip.formulation.prescribed_motion import own_limits
 from stickslip.formulation.trace import Switchboard, Traced, expression
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.friction import FrictionLaw
 from stickslip.kernels.enums import BREAK_BACKWARD, BREAK_FORWARD, LIFT_OFF, STOP, SWITCH
 
 __all__ = ["PAINLEVE", "Mode", "ModeEquations", "mode_equations"]
@@ -66,7 +66,7 @@ class _Context:
         return Traced(value, self.board)
 
     def level(self, normal: se.Expr, direction: int) -> se.Expr:
-        return expression(towards(self.law, direction).break_away(self.traced(normal)))
+        return expression(self.law.towards(direction).break_away(self.traced(normal)))
 
     def varies(self, e: se.Expr) -> bool:
         return bool({str(s) for s in e.free_symbols} - self.constants)
@@ -133,7 +133,7 @@ def mode_equations(
         board.signs = {str(velocity): int(mode)}
         modes[mode] = _with_switches(_slip(context, mode), context)
         board.signs = {}
-    if not isinstance(law, BristleLaw) or law.static_switch:
+    if law.holds:
         modes[Mode.STICK] = _with_switches(_stick(context), context)
     for wall in mechanics.walls:
         if wall.coordinate == mechanics.slip:
@@ -144,19 +144,12 @@ def mode_equations(
 
 
 def _slip(context: _Context, mode: Mode) -> ModeEquations:
-    law, v = towards(context.law, int(mode)), context.velocity
+    law, v = context.law.towards(int(mode)), context.velocity
     load = se.Symbol("N")
-    if isinstance(law, SetValuedLaw):
-        speed = context.traced(v * int(mode))
-        friction = int(mode) * expression(law.sliding(speed, context.traced(load)))
-        bristle_rates: list[se.Expr] = []
-    elif isinstance(law, BristleLaw):
-        z = tuple(context.traced(symbol) for symbol in context.bristles)
-        arguments = context.traced(v), z, context.traced(load)
-        friction = expression(law.force(*arguments))
-        bristle_rates = [expression(rate) for rate in law.bristle_rates(*arguments)]
-    else:
-        raise unknown_kind(law)
+    z = tuple(context.traced(symbol) for symbol in context.bristles)
+    arguments = context.traced(v), context.traced(load), z
+    friction = expression(law.force(*arguments))
+    bristle_rates = [expression(rate) for rate in law.rates(*arguments)]
     factor = load_factor(law, friction, load)
     constant = friction.subs({load: 0})
     motion = context.mechanics.slipping(constant, factor)
@@ -215,11 +208,11 @@ def _pressed(context: _Context, side: int) -> ModeEquations:
     equations = _stick(context)
     friction, normal, needed, level = equations.contact
     rates, held = equations.rates, {context.velocity: 0}
-    if isinstance(context.law, BristleLaw) and not context.law.static_switch:
+    if not context.law.holds:
         z = tuple(context.traced(symbol) for symbol in context.bristles)
-        arguments = context.traced(context.velocity), z, context.traced(normal)
+        arguments = context.traced(context.velocity), context.traced(normal), z
         friction = expression(context.law.force(*arguments)).subs(held)
-        relaxing = [expression(rate).subs(held) for rate in context.law.bristle_rates(*arguments)]
+        relaxing = [expression(rate).subs(held) for rate in context.law.rates(*arguments)]
         rates = [*rates[: len(rates) - len(z)], *relaxing]
         missing = side * (needed - friction)
     else:

@@ -21,7 +21,6 @@ HOMES = {
     "BristleLaw": "base",
     "CandidateSpec": "registry",
     "Containment": "base",
-    "DirectionalLaw": "base",
     "Evolution": "rate_state",
     "Friction": "by_contact",
     "FrictionLaw": "base",
@@ -36,14 +35,13 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
-    "bristles_of": "base",
+    "bound": "base",
     "contained_laws": "registry",
     "containment_of": "base",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "towards": "base",
     "usual_specifications": "registry",
 }
 

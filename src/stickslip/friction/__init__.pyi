@@ -5,15 +5,13 @@ from typing import final
 from stickslip.friction.base import BristleLaw as BristleLaw
 from stickslip.friction.base import BristleLaw as _BristleLaw
 from stickslip.friction.base import Containment as Containment
-from stickslip.friction.base import DirectionalLaw as DirectionalLaw
-from stickslip.friction.base import DirectionalLaw as _DirectionalLaw
 from stickslip.friction.base import FrictionLaw as FrictionLaw
+from stickslip.friction.base import FrictionLaw as _FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
-from stickslip.friction.base import bristles_of as bristles_of
+from stickslip.friction.base import bound as bound
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
-from stickslip.friction.base import towards as towards
 from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
@@ -120,15 +118,15 @@ class Dahl(_BristleLaw):
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...
     @_override
-    def bristle_rates(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> tuple[_Scalar, ...]: ...
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
     @_override
-    def force(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> _Scalar: ...
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
-class DirectionDependent(_DirectionalLaw):
+class DirectionDependent(_FrictionLaw):
     forward_kinetic_coefficient: float
     backward_kinetic_coefficient: float
     forward_viscous_coefficient: float = ...
@@ -142,7 +140,9 @@ class DirectionDependent(_DirectionalLaw):
         backward_viscous_coefficient: _Given = ...,
     ) -> None: ...
     @_override
-    def towards(self, direction: int) -> _SetValuedLaw: ...
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -171,9 +171,9 @@ class LuGre(_BristleLaw):
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...
     @_override
-    def bristle_rates(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> tuple[_Scalar, ...]: ...
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
     @_override
-    def force(self, velocity: _Scalar, bristles: tuple[_Scalar, ...], load: _Scalar) -> _Scalar: ...
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
@@ -307,7 +307,6 @@ __all__ = [
     "CoulombViscousStatic",
     "Dahl",
     "DirectionDependent",
-    "DirectionalLaw",
     "Evolution",
     "Friction",
     "FrictionLaw",
@@ -327,13 +326,12 @@ __all__ = [
     "SetValuedLaw",
     "Stribeck",
     "Viscous",
-    "bristles_of",
+    "bound",
     "contained_laws",
     "containment_of",
     "law",
     "law_type",
     "laws",
     "specification",
-    "towards",
     "usual_specifications",
 ]

@@ -1,29 +1,28 @@
 """What a friction law is: set-valued at rest, or carried by the deflection of bristles."""
 
+import copy
 import dataclasses
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, ClassVar, Self, final
+from typing import Any, ClassVar, Self, TypeVar, final
 
 from typing_extensions import override
 
-from stickslip.errors import UndeclaredError
-from stickslip.maths import Scalar, sign, where
+from stickslip.errors import InputError, UndeclaredError
+from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = [
     "BristleLaw",
     "Containment",
-    "DirectionalLaw",
     "FrictionLaw",
     "SetValuedLaw",
-    "bristles_of",
+    "bound",
     "containment_of",
     "force_parameters",
-    "towards",
 ]
 
 
@@ -147,6 +146,12 @@ class FrictionLaw(Parametrised, ABC):
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()
     """Simpler laws that it is for some values of its parameters, the nearest first."""
+    states: ClassVar[tuple[str, ...]] = ()
+    """States of the contact by name, such as deflections of bristles; none without memory."""
+    directional: ClassVar[bool] = False
+    """Whether the directions of slip have parameters of their own."""
+    inputs: ClassVar[tuple[str, ...]] = ()
+    """What it asks of the contact beside velocity and load, by name, such as a temperature."""
 
     @classmethod
     def from_forces(cls, *, load: float, **parameters: Any) -> Self:
@@ -187,9 +192,33 @@ class FrictionLaw(Parametrised, ABC):
                 values[name] = quantity.check(cls.__name__, key, value) / load
         return cls(**values)
 
+    @property
+    def holds(self) -> bool:
+        """Whether a body at rest is held by a force of any size up to break-away."""
+        return not self.states
+
+    @abstractmethod
+    def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        """Return the friction force at a slip velocity; without memory it is 0 at rest.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact, of laws that have them; deflections are in [m].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity in steady sliding [N].
+        """
+
     @abstractmethod
     def break_away(self, load: Scalar) -> Scalar:
-        """Return the largest force the contact holds at rest.
+        """Return the largest force the contact holds at rest, in the direction that holds less.
 
         Parameters
         ----------
@@ -201,6 +230,119 @@ class FrictionLaw(Parametrised, ABC):
         float or array
             Break-away level [N].
         """
+
+    def rates(
+        self,
+        velocity: Scalar,  # noqa: ARG002
+        load: Scalar,  # noqa: ARG002
+        states: tuple[Scalar, ...],  # noqa: ARG002
+    ) -> tuple[Scalar, ...]:
+        """Return the time derivatives of the states of the contact, arguments as in `force`.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact; deflections are in [m].
+
+        Returns
+        -------
+        tuple of float or array
+            Rates in the order of the states; those of deflections are in [m/s].
+        """
+        return ()
+
+    def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
+        """Return the friction force [N] after long sliding at a constant velocity [m/s].
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+
+        Returns
+        -------
+        float or array
+            Friction force, with the sign of the velocity [N].
+        """
+        return self.force(velocity, load)
+
+    def towards(self, direction: int) -> "FrictionLaw":  # noqa: ARG002
+        """Return the law that holds in one direction of slip; most hold in both.
+
+        Parameters
+        ----------
+        direction : int
+            1 forwards, -1 backwards.
+
+        Returns
+        -------
+        FrictionLaw
+            The law itself, unless it is `directional`.
+        """
+        return self
+
+    def contact(self, name: str) -> Scalar:
+        """Return an input of the contact, for the equations of a law that has `inputs`.
+
+        Parameters
+        ----------
+        name : str
+            One of `inputs`.
+
+        Raises
+        ------
+        InputError
+            If the law has not been bound to its inputs, see `bound`.
+        """
+        try:
+            return vars(self)[BOUND][name]
+        except KeyError:
+            raise InputError(
+                f"the friction law {self.name} depends on {name}, which is not given here: ask"
+                f" bound(law, {{{name!r}: ...}}), or give it to the rig."
+            ) from None
+
+
+BOUND = "_contact"
+"""Where a law keeps the inputs of its contact."""
+L = TypeVar("L", bound=FrictionLaw)
+
+
+def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
+    """Return a law whose equations see inputs of the contact, such as its temperature.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    inputs : mapping of str to float or array
+        Its `inputs` by name, in SI units; arrays along a record.
+
+    Returns
+    -------
+    FrictionLaw
+        A law with the same parameters, equal to the other one.
+
+    Raises
+    ------
+    InputError
+        If an input of the law is not given.
+    """
+    for name in law.inputs:
+        if name not in inputs:
+            given = ", ".join(inputs) or "none"
+            raise InputError(f"the friction law {law.name} depends on {name}; given: {given}.")
+    if not law.inputs:
+        return law
+    twin = copy.copy(law)
+    vars(twin)[BOUND] = {name: inputs[name] for name in law.inputs}
+    return twin
 
 
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
@@ -253,7 +395,8 @@ class SetValuedLaw(FrictionLaw, ABC):
         """
 
     @final
-    def force(self, velocity: Scalar, load: Scalar) -> Scalar:
+    @override
+    def force(self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
         """Return the friction force at a slip velocity, 0 at rest.
 
         Parameters
@@ -262,6 +405,8 @@ class SetValuedLaw(FrictionLaw, ABC):
             Slip velocity [m/s].
         load : float or array
             Normal force [N].
+        states : tuple
+            Empty: the law has no memory.
 
         Returns
         -------
@@ -278,62 +423,10 @@ class SetValuedLaw(FrictionLaw, ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DirectionalLaw(FrictionLaw, ABC):
-    """A law that is one function of the slip speed forwards and another one backwards."""
-
-    @abstractmethod
-    def towards(self, direction: int) -> SetValuedLaw:
-        """Return the law of one direction.
-
-        Parameters
-        ----------
-        direction : int
-            1 forwards, -1 backwards.
-        """
-
-    @final
-    @override
-    def break_away(self, load: Scalar) -> Scalar:
-        ahead, back = (self.towards(side).break_away(load) for side in (1, -1))
-        return where(ahead < back, ahead, back)
-
-    @final
-    def force(self, velocity: Scalar, load: Scalar) -> Scalar:
-        """Return the friction force at a slip velocity, 0 at rest.
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        load : float or array
-            Normal force [N].
-
-        Returns
-        -------
-        float or array
-            Friction force, with the sign of the velocity [N].
-
-        Examples
-        --------
-        >>> from stickslip import DirectionDependent
-        >>> law = DirectionDependent(
-        ...     forward_kinetic_coefficient=20.0,
-        ...     backward_kinetic_coefficient=22.0,
-        ...     forward_viscous_coefficient=160.0,
-        ...     backward_viscous_coefficient=240.0,
-        ... )
-        >>> law.force(0.1, load=1.0), law.force(-0.1, load=1.0)
-        (36.0, -46.0)
-        """
-        ahead, back = (self.towards(side).force(velocity, load) for side in (1, -1))
-        return where(velocity < 0.0, back, ahead)
-
-
-@dataclass(frozen=True, kw_only=True)
 class BristleLaw(FrictionLaw, ABC):
     """A law whose contact deflects before it slips: bristles are states of their own."""
 
-    bristles: ClassVar[tuple[str, ...]] = ("z",)
+    states: ClassVar[tuple[str, ...]] = ("z",)
     """Names of the bristle states."""
 
     static_switch: bool = False
@@ -343,28 +436,15 @@ class BristleLaw(FrictionLaw, ABC):
     and so changes results; the bristles are frozen while the body is held.
     """
 
-    @abstractmethod
-    def force(self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
-        """Return the friction force [N] at a slip velocity and a bristle state.
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        bristles : tuple of float or array
-            Bristle states; deflections are in [m].
-        load : float or array
-            Normal force [N].
-
-        Returns
-        -------
-        float or array
-            Friction force, with the sign of the velocity in steady sliding [N].
-        """
+    @property
+    @override
+    def holds(self) -> bool:
+        return self.static_switch
 
     @abstractmethod
-    def bristle_rates(
-        self, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar
+    @override
+    def rates(
+        self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...]
     ) -> tuple[Scalar, ...]:
         """Return the time derivatives of the bristle states, arguments as in `force`.
 
@@ -372,10 +452,10 @@ class BristleLaw(FrictionLaw, ABC):
         ----------
         velocity : float or array
             Slip velocity [m/s].
-        bristles : tuple of float or array
-            Bristle states; deflections are in [m].
         load : float or array
             Normal force [N].
+        states : tuple of float or array
+            Bristle states; deflections are in [m].
 
         Returns
         -------
@@ -384,6 +464,7 @@ class BristleLaw(FrictionLaw, ABC):
         """
 
     @abstractmethod
+    @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s].
 
@@ -399,29 +480,6 @@ class BristleLaw(FrictionLaw, ABC):
         float or array
             Friction force, with the sign of the velocity [N].
         """
-
-
-def towards(law: FrictionLaw, direction: int) -> FrictionLaw:
-    """Return the law that holds in one direction of slip; most hold in both.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    direction : int
-        1 forwards, -1 backwards.
-
-    Returns
-    -------
-    FrictionLaw
-        The law itself, unless it depends on the direction.
-    """
-    return law.towards(direction) if isinstance(law, DirectionalLaw) else law
-
-
-def bristles_of(law: FrictionLaw) -> tuple[str, ...]:
-    """Return the names of the bristle states that a law has; none where it is set-valued."""
-    return law.bristles if isinstance(law, BristleLaw) else ()
 
 
 def containment_of(kind: type[FrictionLaw], name: str) -> Containment | None:

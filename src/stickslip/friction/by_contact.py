@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias, TypeVar, final
 
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction.base import FrictionLaw, bristles_of
+from stickslip.friction.base import FrictionLaw
 from stickslip.quantities import Group
 
 __all__ = ["Friction", "Laws", "assigned", "bristle_names", "given_to"]
@@ -178,6 +178,6 @@ def bristle_names(contacts: tuple[str, ...], law: FrictionLaw | Laws) -> tuple[s
     """
     if len(contacts) == 1:
         own = law_of(contacts[0], law)
-        return () if own is None else bristles_of(own)
+        return () if own is None else own.states
     laws = [(name, law_of(name, law)) for name in contacts]
-    return tuple(f"{z}:{name}" for name, one in laws if one is not None for z in bristles_of(one))
+    return tuple(f"{z}:{name}" for name, one in laws if one is not None for z in one.states)

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import TypeVar, final
 
-from stickslip.friction.base import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
 from stickslip.friction.containment import Contained
 from stickslip.friction.equations import equations_of, one_way
@@ -48,20 +48,19 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
             if field.default is not dataclasses.MISSING and field.name not in vars(kind):
                 setattr(kind, field.name, field.default)
         kind.__annotations__ = {field.name: field.hint for field in fields}
-        directional = composition.directional and composition.memory is None
-        ahead = class_of(one_way(composition.term)) if directional else None
-        equations = equations_of(composition, ahead)
+        equations = equations_of(composition, lambda: class_of(one_way(composition.term)))
         for name, equation in equations.items():
             if name not in vars(kind):
                 setattr(kind, name, equation)
         kind.composition, kind.made_of = composition.term, composition
+        kind.directional = composition.directional
         kind.contained = Contained(composition, KNOWN)  # type: ignore[assignment]  # a descriptor
         if "formula" not in vars(kind):
             kind.formula = formula_of(composition)
         abc.update_abstractmethods(kind)
         made = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
         for name, arguments in FLOATS.items():
-            if name in equations:
+            if name in equations and (composition.memory is not None or not made.directional):
                 setattr(made, name, for_floats(made, name, equations[name], arguments))
         if made.__module__ != HOME:
             KNOWN.setdefault(canonical(composition.term), made)
@@ -72,8 +71,8 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
 
 FLOATS = {
     "sliding": ("speed", "load"),
-    "force": ("velocity", "bristles", "load"),
-    "bristle_rates": ("velocity", "bristles", "load"),
+    "force": ("velocity", "load", "states"),
+    "rates": ("velocity", "load", "states"),
     "steady": ("velocity", "load"),
 }
 """Equations that have a text of their own for floats, with their arguments."""
@@ -90,7 +89,7 @@ def _by_text(text: str) -> type[FrictionLaw]:
     named = KNOWN.get(canonical(c.term))
     if named is not None:
         return named
-    base = BristleLaw if c.memory is not None else DirectionalLaw if c.directional else SetValuedLaw
+    base = BristleLaw if c.memory is not None else FrictionLaw if c.directional else SetValuedLaw
     space = {
         "__module__": HOME,
         "__qualname__": text,

@@ -1,9 +1,10 @@
 """The equations of a composition: sums over its parts, for numbers and symbols alike."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
+from stickslip.errors import InputError
 from stickslip.friction.composition import SIDES, Choose, Composition, Leaf
 from stickslip.friction.notation import Around, Name, Sum, Term, summed, terms_of
 from stickslip.friction.parts.base import Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
@@ -13,25 +14,25 @@ from stickslip.quantities import unchecked
 __all__ = ["equations_of", "one_way"]
 
 
-def equations_of(c: Composition, one_way: type[Any] | None) -> dict[str, Any]:
+def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, Any]:
     """Return the methods of the class of a composition, by name.
 
     Parameters
     ----------
     c : Composition
         The composition.
-    one_way : type or None
-        Class of its law in one direction, where that differs between the directions and has no
-        memory.
+    one_way : callable
+        Gives the class of its law in one direction, of one that differs between the directions.
 
     Returns
     -------
     dict of str to callable
         Methods; of laws with memory the names of the states as well.
     """
-    if c.memory is not None:
-        return _with_memory(c, c.memory)
-    return _set_valued(c) if one_way is None else _directional(c, one_way)
+    if c.memory is None and not c.directional:
+        return _set_valued(c)
+    towards = {"towards": _towards(c, one_way)} if c.directional else {}
+    return towards | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
 def one_way(term: Term) -> Term:
@@ -120,19 +121,26 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         scaled = None if level is None else sign(slip.along) * level * load
         return _total([scaled, _flow(c.outside, self, slip, choose)])
 
-    def force(self: Any, velocity: Scalar, bristles: tuple[Scalar, ...], load: Scalar) -> Scalar:
+    names = memory.states(c.argument)
+
+    def force(self: Any, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...] = ()) -> Scalar:
+        if len(states) != len(names):
+            raise InputError(
+                f"the friction law {self.name} has {len(names)} states ({', '.join(names)}): give"
+                f" force(velocity, load, states), got {len(states)} states."
+            )
         slip, choose, g = at(self, velocity)
-        held = memory.force(leaf.values(self, choose), slip, bristles, g)
+        held = memory.force(leaf.values(self, choose), slip, states, g)
         return _total([held * load, beside(self, slip, choose, load)])
 
-    def bristle_rates(
+    def rates(
         self: Any,
         velocity: Scalar,
-        bristles: tuple[Scalar, ...],
         load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
     ) -> tuple[Scalar, ...]:
         slip, choose, g = at(self, velocity)
-        return memory.rates(leaf.values(self, choose), slip, bristles, g)
+        return memory.rates(leaf.values(self, choose), slip, states, g)
 
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
@@ -142,24 +150,44 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         return _rest(c.inside, self, _least) * load
 
     return {
-        "bristles": memory.states(c.argument),
+        "states": names,
         "force": force,
-        "bristle_rates": bristle_rates,
+        "rates": rates,
         "steady": steady,
         "break_away": break_away,
     }
 
 
-def _directional(c: Composition, kind: type[Any]) -> dict[str, Any]:
-    """Return the equations of a law without memory that is of another type in one direction."""
+def _directional() -> dict[str, Any]:
+    """Return the equations of a law without memory that differs between the directions."""
+
+    def force(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,
+        states: tuple[Scalar, ...] = (),  # noqa: ARG001
+    ) -> Scalar:
+        ahead, back = (self.towards(side).force(velocity, load) for side in (1, -1))
+        return where(velocity < 0.0, back, ahead)
+
+    def break_away(self: Any, load: Scalar) -> Scalar:
+        return _least(*(self.towards(side).break_away(load) for side in (1, -1)))
+
+    return {"force": force, "break_away": break_away}
+
+
+def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:
+    """Return the method that gives the law of one direction."""
 
     def towards(self: Any, direction: int) -> Any:
-        prefix = SIDES[1 if direction > 0 else -1][0]
+        kind, prefix = one_way(), SIDES[1 if direction > 0 else -1][0]
         mine = {meaning: field for field, meaning in c.meanings.items()}
         values: dict[str, Any] = {}
         for name, meaning in kind.made_of.meanings.items():
             own = mine.get(prefix + meaning, mine.get(meaning))
             values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
+        if kind.states:
+            values["static_switch"] = self.static_switch
         return unchecked(kind, **values)
 
-    return {"towards": towards}
+    return towards

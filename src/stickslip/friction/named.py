@@ -4,7 +4,7 @@ from typing import Annotated
 
 from typing_extensions import Doc
 
-from stickslip.friction.base import BristleLaw, DirectionalLaw, SetValuedLaw
+from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.classes import composed
 from stickslip.friction.coefficients import StaticCoefficient
 from stickslip.quantities import Quantity
@@ -87,7 +87,7 @@ class CoulombViscousStatic(SetValuedLaw):
 
 
 @composed("both_ways(level + viscous)")
-class DirectionDependent(DirectionalLaw):
+class DirectionDependent(FrictionLaw):
     """Separate levels and viscous parts for each direction: screws, cable drives, preloaded guides.
 
     A constant force is not told apart from half the difference of the levels: give the mechanism

@@ -83,11 +83,11 @@ class PrintedForm(Parametrised, ABC):
     right: ClassVar[str] = ""
     """What the equation has right where its neighbours err, in words."""
     corrected: ClassVar[type[FrictionLaw]]
-    bristles: ClassVar[tuple[str, ...]] = ()
+    states: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         """Return the friction force [N] that the printed equation gives.
 
@@ -95,10 +95,10 @@ class PrintedForm(Parametrised, ABC):
         ----------
         velocity : float
             Slip velocity [m/s].
-        bristles : tuple of float
-            Bristle deflection [m] of the forms that have one.
         load : float
             Normal force [N].
+        states : tuple of float
+            Bristle deflection [m] of the forms that have one.
         applied : float
             Sum of the other forces on the body [N], the paper's F_x, which some forms use at rest.
 
@@ -110,19 +110,17 @@ class PrintedForm(Parametrised, ABC):
         """
 
     @abstractmethod
-    def bristle_rates(
-        self, velocity: float, bristles: tuple[float, ...], load: float
-    ) -> tuple[float, ...]:
+    def rates(self, velocity: float, load: float, states: tuple[float, ...]) -> tuple[float, ...]:
         """Return the rates of the bristle states, empty where there are none.
 
         Parameters
         ----------
         velocity : float
             Slip velocity [m/s].
-        bristles : tuple of float
-            Bristle deflection [m] of the forms that have one.
         load : float
             Normal force [N].
+        states : tuple of float
+            Bristle deflection [m] of the forms that have one.
 
         Returns
         -------
@@ -135,9 +133,7 @@ class PrintedForm(Parametrised, ABC):
 class _Memoryless(PrintedForm, ABC):
     @final
     @override
-    def bristle_rates(
-        self, velocity: float, bristles: tuple[float, ...], load: float
-    ) -> tuple[float, ...]:
+    def rates(self, velocity: float, load: float, states: tuple[float, ...]) -> tuple[float, ...]:
         return ()
 
 
@@ -148,14 +144,14 @@ class _Switched(PrintedForm, ABC):
     @final
     @override
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         if velocity == 0:
             return applied
-        return float(self.unsigned(velocity, bristles, load) * sign(velocity))
+        return float(self.unsigned(velocity, load, states) * sign(velocity))
 
     @abstractmethod
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
         """Return what sgn v multiplies [N]."""
 
 
@@ -180,7 +176,7 @@ class PrintedCoulomb(_Memoryless):
 
     @override
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         return float(self.kinetic_coefficient * load * sign(velocity))
 
@@ -225,7 +221,7 @@ class PrintedImprovedCoulomb(_Memoryless):
 
     @override
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         mu = self.kinetic_coefficient * sign(velocity if velocity != 0 else applied)
         return float(mu * load * sign(velocity))
@@ -264,7 +260,7 @@ class PrintedCartDynamics(_Memoryless):
 
     @override
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         mu = self.kinetic_coefficient
         if self.signed:
@@ -310,7 +306,7 @@ class PrintedStribeck(_Memoryless):
 
     @override
     def force(
-        self, velocity: float, bristles: tuple[float, ...], load: float, applied: float
+        self, velocity: float, load: float, states: tuple[float, ...], applied: float
     ) -> float:
         f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
         if velocity == 0:
@@ -337,7 +333,7 @@ class PrintedDahl(_Switched):
     )
     cure: ClassVar[str] = "$F$ = $sigma_0$ $z$, at rest too, which ends at $F_c$"
     corrected: ClassVar[type[FrictionLaw]] = Dahl
-    bristles: ClassVar[tuple[str, ...]] = ("z",)
+    states: ClassVar[tuple[str, ...]] = ("z",)
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""
@@ -345,14 +341,12 @@ class PrintedDahl(_Switched):
     """Force of the bristles over their deflection."""
 
     @override
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
-        return self.bristle_stiffness * bristles[0]
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
+        return self.bristle_stiffness * states[0]
 
     @override
-    def bristle_rates(
-        self, velocity: float, bristles: tuple[float, ...], load: float
-    ) -> tuple[float, ...]:
-        (z,) = bristles
+    def rates(self, velocity: float, load: float, states: tuple[float, ...]) -> tuple[float, ...]:
+        (z,) = states
         f_c = self.kinetic_coefficient * load
         return (velocity - self.bristle_stiffness * abs(velocity) * z / f_c,)
 
@@ -377,7 +371,7 @@ class PrintedCoulombSwitch(_Switched, _Memoryless):
     """Friction force of sliding over the normal force."""
 
     @override
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
         return self.kinetic_coefficient * load
 
 
@@ -401,7 +395,7 @@ class PrintedViscousSwitch(_Switched, _Memoryless):
     """Viscous force over the velocity."""
 
     @override
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
         return self.viscous_coefficient * velocity
 
 
@@ -437,7 +431,7 @@ class PrintedLuGre(_Switched):
         " $sigma_1$, $sigma_2$ here"
     )
     corrected: ClassVar[type[FrictionLaw]] = LuGre
-    bristles: ClassVar[tuple[str, ...]] = ("z",)
+    states: ClassVar[tuple[str, ...]] = ("z",)
 
     kinetic_coefficient: Mu
     """F_c over the normal force."""
@@ -455,17 +449,15 @@ class PrintedLuGre(_Switched):
     """Exponent of the Stribeck curve."""
 
     @override
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
-        (z,) = bristles
-        (z_dot,) = self.bristle_rates(velocity, bristles, load)
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
+        (z,) = states
+        (z_dot,) = self.rates(velocity, load, states)
         total = self.bristle_stiffness * z + self.bristle_damping * z_dot
         return total + self.viscous_coefficient * velocity
 
     @override
-    def bristle_rates(
-        self, velocity: float, bristles: tuple[float, ...], load: float
-    ) -> tuple[float, ...]:
-        (z,) = bristles
+    def rates(self, velocity: float, load: float, states: tuple[float, ...]) -> tuple[float, ...]:
+        (z,) = states
         f_c, f_s = self.kinetic_coefficient * load, self.static_coefficient * load
         fading = exp(-(abs(velocity / self.stribeck_velocity) ** self.exponent))
         g = f_c + (f_s - f_c) * fading
@@ -497,7 +489,7 @@ class PrintedCoulombViscousSwitch(_Switched, _Memoryless):
     """Viscous force over the velocity."""
 
     @override
-    def unsigned(self, velocity: float, bristles: tuple[float, ...], load: float) -> float:
+    def unsigned(self, velocity: float, load: float, states: tuple[float, ...]) -> float:
         return self.kinetic_coefficient * load + self.viscous_coefficient * velocity
 
 

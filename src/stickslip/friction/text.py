@@ -124,8 +124,8 @@ def _dispatching(
             values[name] = value
         twin: Any = unchecked(kind, **values)
         given = [
-            tuple(Written(f"{name}[{i}]") for i in range(len(law.bristles)))
-            if name == "bristles"
+            tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
+            if name == "states"
             else Written(name)
             for name in arguments
         ]
@@ -137,7 +137,7 @@ def _dispatching(
         function: Callable[..., Scalar] = space["made"]
         return function
 
-    floats = " and ".join(f"type({name}) is float" for name in arguments if name != "bristles")
+    floats = " and ".join(f"type({name}) is float" for name in arguments if name != "states")
     # what shapes the equations: a whole exponent, a level that is not given
     shape = "".join(
         f"law.{name} if law.{name}.is_integer() else None, "
@@ -146,13 +146,14 @@ def _dispatching(
         for name in shaping
     )
     given = ", ".join(arguments)
+    signature = given.replace("states", "states=()")
     space: dict[str, Any] = {"made": made, "equation": equation, "known": known}
-    exec(DISPATCH.format(given=given, floats=floats, shape=shape), space)
+    exec(DISPATCH.format(given=given, signature=signature, floats=floats, shape=shape), space)
     return functools.wraps(equation)(space["evaluated"])
 
 
 DISPATCH = """
-def evaluated(law, {given}):
+def evaluated(law, {signature}):
     if {floats}:
         try:
             shape = ({shape})
@@ -160,7 +161,7 @@ def evaluated(law, {given}):
             if function is None:
                 function = known[shape] = made(law)
             return function(law, {given})
-        except (AttributeError, TypeError, ValueError):
+        except (AttributeError, IndexError, TypeError, ValueError):
             pass  # parameters are arrays or symbols
     return equation(law, {given})
 """

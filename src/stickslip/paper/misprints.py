@@ -194,7 +194,7 @@ def _twins(values: PaperValues) -> dict[str, FrictionLaw]:
 
 def _outcome(form: PrintedForm, twin: FrictionLaw, key: str, test: _Test) -> Outcome:
     start = {"v": test.velocity}
-    dt = BRISTLE_STEP if form.bristles else STEP
+    dt = BRISTLE_STEP if form.states else STEP
     solver = FixedStep(dt=dt, method="heun", stick_rule=True)
     printed = simulate(test.mechanism, form, t_end=SECONDS, y0=start, solver=solver, throw=False)
     corrected = simulate(test.mechanism, twin, t_end=SECONDS, y0=start)

@@ -14,7 +14,7 @@ from stickslip.experiments import (
     refuse_same,
     refuse_unused,
 )
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import TIMELESS, inside
 from stickslip.mechanisms import Mechanism
 
@@ -116,4 +116,4 @@ def unsuited_by(measurement: Measurement, law: FrictionLaw | type[FrictionLaw]) 
     """
     kind = law if isinstance(law, type) else type(law)
     timeless = all(record.time is None for record in measurement.records())
-    return TIMELESS if timeless and issubclass(kind, BristleLaw) else ""
+    return TIMELESS if timeless and kind.states else ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
@@ -138,22 +138,22 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
     >>> round(largest_step(block, law, run), 9)  # 2 F_c / (sigma_0 v)
     0.0004
     """
-    if not isinstance(law, BristleLaw):
+    if not law.states:
         return None
     slip = slip_of(mechanism)
     rate = mechanism.rates[mechanism.coordinates.index(slip)]
     seen = run.at(np.union1d(np.linspace(*run.span, GRID), run.t))
-    deflections = [seen[name] for name in law.bristles]
+    deflections = [seen[name] for name in law.states]
     fastest = 0.0
     for i, z in enumerate(deflections):
         nudge = NUDGE * float(np.abs(z).max())
         if nudge == 0.0:
             continue
         above, below = (
-            law.bristle_rates(
+            law.rates(
                 seen[rate],
-                (*deflections[:i], z + side * nudge, *deflections[i + 1 :]),
                 seen["normal_force"],
+                (*deflections[:i], z + side * nudge, *deflections[i + 1 :]),
             )[i]
             for side in (1.0, -1.0)
         )

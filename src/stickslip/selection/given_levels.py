@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import levels_at
 from stickslip.formatting import number, quantity
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import RecordFit, Trial, balanced
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, parameters, vary
@@ -130,7 +130,7 @@ def refuted_by_travels(
     'The given $mu_s$ = 0.9 contradicts the readings: the body moved, though friction ...'
     """
     name = given_level(law, held)
-    if not name or isinstance(law, BristleLaw):  # bristles move before they break away
+    if not name or law.states:  # bristles move before they break away
         return ""
     least, where = math.inf, ""
     for trial in trials:
@@ -172,7 +172,7 @@ def refuted_by_record(fit: RecordFit) -> str:
     free = {estimate.path for estimate in fit.estimates}
     paths = [path for path, _, _ in parameters(law, "friction") if path not in free]
     name = given_level(law, [path.rpartition(".")[2] for path in paths])
-    if not name or isinstance(law, BristleLaw) or fit.friction_was_measured or stops_of(mechanism):
+    if not name or law.states or fit.friction_was_measured or stops_of(mechanism):
         return ""
     try:
         segments = balanced(mechanism, fit.measurement, hold="first")

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, cast, final
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Finding, Measurement
 from stickslip.formatting import Scale
-from stickslip.friction import BristleLaw, FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification import (
     LAW,
     FittedLaw,
@@ -90,7 +90,7 @@ def joint_specifications(laws: AnyLaws) -> tuple[CandidateSpec, ...]:
 
 def _has_bristles(one: CandidateSpec) -> bool:
     kind = one.law if isinstance(one.law, type) else type(one.law)
-    return issubclass(kind, BristleLaw)
+    return bool(kind.states)
 
 
 def select_joints(

@@ -11,7 +11,6 @@ from typing import TypeAlias, final
 
 from stickslip.errors import StickslipError
 from stickslip.formatting import scale_of, with_unit, within
-from stickslip.friction import BristleLaw
 from stickslip.identification import (
     LateSensor,
     ModelError,
@@ -84,12 +83,12 @@ def late_force(
     ModelError or None
         With the sizes of both errors; None for a law without memory, or where presliding is better.
     """
-    if closest.fit is None or not isinstance(closest.fit.law, BristleLaw):
+    if closest.fit is None or not closest.fit.law.states:
         return None
     promises = [
         (c.residual**2 * (1.0 - min(late.share, 1.0)), number, c, late)
         for number, c in enumerate(scored)
-        if c.fit is not None and not isinstance(c.fit.law, BristleLaw)
+        if c.fit is not None and not c.fit.law.states
         for late in late_sensors(c.fit)
         if late.share >= LEAST
     ]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from stickslip.friction import BristleLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import FittedLaw
 from stickslip.selection.candidates import CandidateSpec, Watch, contains
 
@@ -162,9 +162,9 @@ def _contained(
     return tuple(law for law in simpler if law is not None)
 
 
-def takes_long(law: object) -> bool:
+def takes_long(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
     """Whether fits of a law, or of a type of law, take several times as long as those of most."""
-    return issubclass(law if isinstance(law, type) else type(law), BristleLaw)
+    return law is not None and bool(law.states)
 
 
 def _residual(candidate: Tried) -> float:

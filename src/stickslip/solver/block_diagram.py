@@ -10,13 +10,9 @@ from typing_extensions import override
 from stickslip.drives import Profile
 from stickslip.formulation import formulate
 from stickslip.friction import (
-    BristleLaw,
     Coulomb,
-    DirectionalLaw,
     FrictionLaw,
     PrintedForm,
-    SetValuedLaw,
-    towards,
 )
 from stickslip.kernels.state_layout import SLIP
 from stickslip.mechanisms import Mechanism
@@ -249,7 +245,7 @@ class Diagram(BlockDiagram):
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
-        bristles = _bristles(law)
+        bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
         return cls(
             equations, law, states, bristles, (model.sizes.header[SLIP],), leads_of(mechanism, y0)
@@ -323,11 +319,8 @@ class Diagram(BlockDiagram):
             return needed, normal
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
-            return self.law.force(v, z, normal, needed), normal
-        if isinstance(self.law, BristleLaw):
-            return self.law.force(v, z, normal), normal
-        assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
-        return self.law.force(v, normal), normal
+            return self.law.force(v, normal, z, needed), normal
+        return self.law.force(v, normal, z), normal
 
     @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -337,10 +330,10 @@ class Diagram(BlockDiagram):
         normal, needed = self._open(t, y)
         if isinstance(self.law, PrintedForm):
             _, z = self._split(y)
-            return self.law.force(0.0, z, normal, needed) == needed
-        if isinstance(self.law, BristleLaw) and not self.law.static_switch:
+            return self.law.force(0.0, normal, z, needed) == needed
+        if not self.law.holds:
             return False
-        level = towards(self.law, 1 if needed > 0.0 else -1).break_away(normal)
+        level = self.law.towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
     @override
@@ -352,10 +345,8 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if stuck:
             accelerations[self.slip - n] = 0.0
-        bristle_rates: tuple[float, ...] = (0.0,) * len(z)
-        if z and not stuck and isinstance(self.law, BristleLaw | PrintedForm):
-            bristle_rates = _bristle_rates(self.law, v, z, normal)
-        return [*y[n : 2 * n], *accelerations, *bristle_rates]
+        moved = (0.0,) * len(z) if stuck else self.law.rates(v, normal, z)
+        return [*y[n : 2 * n], *accelerations, *moved]
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:
@@ -402,15 +393,3 @@ def leads_of(mechanism: Mechanism, y0: Sequence[float]) -> tuple[Lead, ...]:
             ahead, faster = y0[place] - position, y0[n + place] - speed
             found.append(Lead(place, n + place, profile, ahead, faster))
     return tuple(found)
-
-
-def _bristles(law: FrictionLaw | PrintedForm) -> tuple[str, ...]:
-    return law.bristles if isinstance(law, (BristleLaw, PrintedForm)) else ()
-
-
-def _bristle_rates(
-    law: FrictionLaw | PrintedForm, v: float, z: tuple[float, ...], load: float
-) -> tuple[float, ...]:
-    assert isinstance(law, (BristleLaw, PrintedForm))
-    rates: tuple[float, ...] = law.bristle_rates(v, z, load)
-    return rates

@@ -11,7 +11,7 @@ from typing_extensions import override
 from stickslip.errors import InputError, ParameterError
 from stickslip.formatting import number
 from stickslip.formulation import PAINLEVE, Model, formulate, mass_fault, mass_vanishes
-from stickslip.friction import BristleLaw, FrictionLaw, Laws, PrintedForm
+from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.kernels import enums
 from stickslip.kernels.reducers import happened
 from stickslip.kernels.state_layout import EVENT_COLUMNS, EVENTS, STATUS, STEPS
@@ -119,7 +119,7 @@ class EventDriven(Solver):
     def tolerance_for(self, law: FrictionLaw | Laws) -> float:
         """Return the tolerance that holds for a law, or for several."""
         laws = [one for _, one in law.members] if isinstance(law, Laws) else [law]
-        stiff = any(isinstance(one, BristleLaw) for one in laws)
+        stiff = any(one.states for one in laws)
         return self.stiff_tolerance if stiff else self.tolerance
 
     @override

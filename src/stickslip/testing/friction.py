@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.formatting import number
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw, towards
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import Axis
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
@@ -35,14 +35,11 @@ class _Case:
 
     def steady(self, velocity: float, load: float) -> float:
         """Return the friction force after long sliding [N]."""
-        if isinstance(self.law, BristleLaw):
-            return float(self.law.steady(velocity, load))
-        assert isinstance(self.law, SetValuedLaw | DirectionalLaw)
-        return float(self.law.force(velocity, load))
+        return float(self.law.steady(velocity, load))
 
     def level(self, direction: int, load: float) -> float:
         """Return the break-away level in a direction [N]."""
-        return float(towards(self.law, direction).break_away(load))
+        return float(self.law.towards(direction).break_away(load))
 
     @property
     def rig(self) -> Axis:
@@ -92,7 +89,7 @@ def check_friction(
     <Stribeck: 19 checks passed>
     """
     if mirrored is None:
-        mirrored = not isinstance(law, DirectionalLaw)
+        mirrored = not law.directional
     case = _Case(law, load, speed, mirrored, t_end)
     then = {
         name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
@@ -146,17 +143,17 @@ def _breaks_away(case: _Case) -> Iterator[str]:
             )
         if case.level(sense, 0.0) != 0.0:
             yield f"without load the break-away level is {number(case.level(sense, 0.0))} N, not 0"
-        if isinstance(case.law, BristleLaw):
+        if case.law.states:
             yield from _bristles_break_away(case.law, case.load, level)
 
 
-def _bristles_break_away(law: BristleLaw, load: float, level: float) -> Iterator[str]:
+def _bristles_break_away(law: FrictionLaw, load: float, level: float) -> Iterator[str]:
     """Yield what bristles hold, or keep, at rest that they should not."""
-    z = (generated_equations.reach(law),) * len(law.bristles)
-    if any(rate != 0.0 for rate in law.bristle_rates(0.0, z, load)):
+    z = (generated_equations.reach(law),) * len(law.states)
+    if any(rate != 0.0 for rate in law.rates(0.0, load, z)):
         yield "the bristle deflections change at rest"
     beyond = tuple(1.01 * one for one in z)
-    if any(rate > 0.0 for rate in law.bristle_rates(1e-3, beyond, load)):
+    if any(rate > 0.0 for rate in law.rates(1e-3, load, beyond)):
         yield f"bristles at the break-away level of {number(level)} N deflect further"
 
 
@@ -179,11 +176,7 @@ def _odd(case: _Case) -> Iterator[str]:
 
 def _arrays(case: _Case) -> Iterator[str]:
     law, v = case.law, np.array([*case.speeds, *(-s for s in case.speeds)])
-    if isinstance(law, BristleLaw):
-        found = law.steady(v, case.load)
-    else:
-        assert isinstance(law, SetValuedLaw | DirectionalLaw)
-        found = law.force(v, case.load)
+    found = law.steady(v, case.load)
     one_by_one = np.array([case.steady(float(each), case.load) for each in v])
     # exp and pow of NumPy may differ from those of math in the last digit
     if not np.allclose(np.broadcast_to(found, v.shape), one_by_one, rtol=ROUNDING, atol=0.0):
@@ -194,14 +187,14 @@ def _traced(case: _Case) -> Iterator[str]:
     """Yield speeds at which the generated equations have another force than the law itself."""
     law = case.law
     equations = generated_equations.generated(case.rig, law)
-    share = generated_equations.reach(law) * 0.3 if isinstance(law, BristleLaw) else 0.0
+    share = generated_equations.reach(law) * 0.3 if law.states else 0.0
     for speed in case.speeds[::4]:
         for sense in (1, -1):
             v = sense * speed
-            if isinstance(law, BristleLaw):
-                z = (share,) * len(law.bristles)
+            if law.states:
+                z = (share,) * len(law.states)
                 y = [0.0, v, *z]
-                expected = float(law.force(v, z, case.load))
+                expected = float(law.force(v, case.load, z))
             else:
                 y, expected = [0.0, v], case.steady(v, case.load)
             force = equations("contact", sense, equations.flags(0.0, y), 0.0, y)[0]

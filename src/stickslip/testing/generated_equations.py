@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
 from stickslip.formulation import formulate
-from stickslip.friction import BristleLaw, FrictionLaw, bristle_names
+from stickslip.friction import FrictionLaw, bristle_names
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Parametrised, parameters, vary
 from stickslip.simulation import simulate
@@ -273,6 +273,6 @@ def _end(
     return float(other[slip][-1]) if same else math.nan
 
 
-def reach(law: BristleLaw) -> float:
+def reach(law: FrictionLaw) -> float:
     """Return the deflection [m] that carries the break-away level."""
-    return float(law.break_away(1.0) / law.force(0.0, (1.0,) * len(law.bristles), 1.0))
+    return float(law.break_away(1.0) / law.force(0.0, 1.0, (1.0,) * len(law.states)))

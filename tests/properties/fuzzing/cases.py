@@ -18,7 +18,7 @@ from tests.properties.fuzzing.rigs import OWN, PendulumCart
 from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, Laws, PowerViscous, towards
+from stickslip.friction import LAWS, FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
@@ -96,7 +96,7 @@ class Case:
     @property
     def has_bristles(self) -> bool:
         """Whether friction can give energy back."""
-        return any(isinstance(law, BristleLaw) for law in self.laws.values())
+        return any(law.states for law in self.laws.values())
 
     @property
     def may_jam(self) -> bool:
@@ -107,7 +107,7 @@ class Case:
         if not isinstance(self.mechanism, PendulumCart):
             return len(self.laws) > 1 and any(c.normal for c in self.mechanism.contacts())
         M, m = self.mechanism.mass, self.mechanism.ball
-        bristles = isinstance(self.law, BristleLaw)
+        bristles = self.law.states
         mu = max(level_of(self.law, 1.0, side) for side in (1, -1))
         return bristles or mu * m >= 2.0 * math.sqrt(M * (M + m))
 
@@ -220,7 +220,7 @@ def _mechanism(rng: Random, structure: Structure, size: Sizes, force: float, t_e
 
 def level_of(law: FrictionLaw, load: float, direction: int = 1) -> float:
     """Return the break-away level [N] of a direction."""
-    return float(towards(law, direction).break_away(load))
+    return float(law.towards(direction).break_away(load))
 
 
 STARTS = ("rest", "rest", "rest", "tiny", "usual", "usual", "large")
@@ -257,9 +257,9 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
         for name, unit in zip(mechanism.rates, mechanism.units, strict=True):
             rate = speed if unit == "m" else 1.0 / size.time
             start[name] = rng.choice((0.0, 1.0, 1.0)) * rng.uniform(-1, 1) * factor[how] * rate
-    if isinstance(law, BristleLaw):
+    if law.states:
         full = law.kinetic_coefficient / law.bristle_stiffness
-        for name in law.bristles:
+        for name in law.states:
             start[name] = full * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
     return start
 

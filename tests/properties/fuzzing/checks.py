@@ -14,7 +14,7 @@ from tests.properties.fuzzing.rigs import PendulumCart
 import stickslip.mechanisms
 from stickslip import EventDriven, Stribeck, TwoLinkArm
 from stickslip.drives import Drive
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.kernels.enums import UNLOADED
 from stickslip.mechanisms import MatrixMechanism
 from stickslip.results import Status, Trajectory
@@ -196,7 +196,7 @@ class Evidence:
     @cached_property
     def unnoticed(self) -> float:
         """Speed at which a reversal on bristles is not noticed."""
-        if not isinstance(self.law, BristleLaw):
+        if not self.law.states:
             return 0.0
         mechanism = self.case.mechanism
         rest = dict.fromkeys((*self.seen_coordinates, *self.held), 0.0)
@@ -362,7 +362,7 @@ def holds_no_more_than_break_away(e: Evidence) -> Found:
     """While stuck, friction stays within the level."""
     excess = np.abs(e.seen["friction"]) - e.level
     allowed = ROUNDED * e.force + BALANCED * e.balanced
-    if isinstance(e.law, BristleLaw):  # bristles are as accurate as states are
+    if e.law.states:  # bristles are as accurate as states are
         allowed += STATES * e.force
     wrong = (e.mode == 0) & (excess > allowed) & e.before_lift_off
     for i in np.flatnonzero(wrong):  # a time has the rounding of an event's
@@ -378,7 +378,7 @@ def holds_no_more_than_break_away(e: Evidence) -> Found:
 
 def takes_energy_while_sliding(e: Evidence) -> Found:
     """Friction of a law without bristles never drives."""
-    if isinstance(e.law, BristleLaw):
+    if e.law.states:
         return
     wrong = e.seen["friction"] * e.slip < -LOCATED * e.speed * e.force - LEAST
     wrong &= e.slides & e.before_lift_off & (e.seen["normal_force"] > 0.0)
@@ -421,10 +421,10 @@ def has_the_friction_of_its_law(e: Evidence) -> Found:
 
 
 def _by_law(e: Evidence, at: int, v: float, load: float, share: float) -> float:
-    if not isinstance(e.law, BristleLaw):
+    if not e.law.states:
         return e.law.force(v, load)
-    names = [f"{z}:{e.at_contact}" if e.at_contact else z for z in e.law.bristles]
-    return e.law.force(v, tuple(float(e.seen[name][at]) * share for name in names), load)
+    names = [f"{z}:{e.at_contact}" if e.at_contact else z for z in e.law.states]
+    return e.law.force(v, load, tuple(float(e.seen[name][at]) * share for name in names))
 
 
 def presses_on_the_ground(e: Evidence) -> Found:
@@ -598,7 +598,7 @@ def keeps_its_books(e: Evidence) -> Found:
     if not e.case.has_bristles and not taken >= -ROUNDED * size:
         yield f"friction has put in {-taken!r} J of {size!r} J"
     for name, work in trust.work.items():
-        if not isinstance(e.case.laws[name], BristleLaw) and not work >= -ROUNDED * size:
+        if not e.case.laws[name].states and not work >= -ROUNDED * size:
             yield f"friction at {name} has put in {-work!r} J of {size!r} J"
 
 

@@ -12,10 +12,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.friction import (
-    BristleLaw,
-    DirectionalLaw,
     FrictionLaw,
-    SetValuedLaw,
     is_composition,
     law_type,
     laws,
@@ -211,10 +208,6 @@ def _check_is_the_one_beside(module: ModuleType, where: str, folder: str | None)
 
 def _check_name(law: type[FrictionLaw], table: str, where: str) -> None:
     """Check that a law stands under its name, which no other law has."""
-    kinds = (SetValuedLaw, DirectionalLaw, BristleLaw)
-    if not issubclass(law, kinds):
-        names = ", ".join(kind.__name__ for kind in kinds)
-        raise InputError(f"{where}: {law.__name__} must be derived from one of {names}.")
     if law.name != table:
         raise InputError(
             f"{where}: the law {law.__name__} is named {law.name!r}: write [friction.{law.name}]."

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.formatting import number
-from stickslip.friction import DirectionalLaw, FrictionLaw, containment_of
+from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.quantities import fields_of
 
@@ -182,7 +182,7 @@ def _embedded(
     values = None if containment is None else containment.embed(one.law)
     if containment is None or values is None:
         return
-    if issubclass(kind, DirectionalLaw):
+    if kind.directional:
         constant = sum(one.values.get(path, 0.0) for path in CONSTANTS)
         for name in values:
             scale = fields_of(kind)[name].scale

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip import formatting
 from stickslip.formatting import fixed, number
-from stickslip.friction import DirectionalLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -288,9 +288,7 @@ def offset_left_out(
         fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
-    if not isinstance(law, DirectionalLaw) or any(
-        path in free_parameters.paths for path in constants
-    ):
+    if not law.directional or any(path in free_parameters.paths for path in constants):
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
     return (

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.quantities import parameters, shadow, vary
 
@@ -57,7 +57,7 @@ class PerturbedLaws:
     @property
     def bristles(self) -> int:
         """Number of bristles, for each of which there is one more copy."""
-        return len(bristles_of(self.base))
+        return len(self.base.states)
 
     @property
     def count(self) -> int:
@@ -107,7 +107,7 @@ class PerturbedLaws:
         sizes = [_size(float(values[i]), items[i].start, items[i].high) for i in own]
         moved = MOVED * np.array(sizes) if slopes else np.zeros(0)
         table = {
-            path: np.full(1 + len(moved) + len(bristles_of(base)), value)
+            path: np.full(1 + len(moved) + len(base.states), value)
             for path, value in numbers.items()
         }
         for k in range(len(moved)):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import BristleLaw
+from stickslip.friction import FrictionLaw
 
 __all__ = ["Path", "displaced", "follow"]
 
@@ -79,7 +79,7 @@ class Path:
 
 
 def follow(
-    law: BristleLaw,
+    law: FrictionLaw,
     path: Path,
     start: Array,
     guess: Array | None = None,
@@ -93,7 +93,7 @@ def follow(
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
     path : Path
         The motion.
@@ -139,12 +139,12 @@ def follow(
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
 
 
-def displaced(law: BristleLaw, states: Array, load: Array, way: float) -> Array:
+def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array:
     """Return bristle states after a small displacement, made so slowly that only its way counts.
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
     states : array (bristles, n, copies)
         States before.
@@ -181,7 +181,7 @@ def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
 
 
 def _swept(
-    law: BristleLaw, motion: tuple[Array, Array, Array], starts: Array
+    law: FrictionLaw, motion: tuple[Array, Array, Array], starts: Array
 ) -> tuple[Array, Array]:
     """Integrate all chunks from their starts (bristles, chunks, copies).
 
@@ -207,9 +207,9 @@ def _swept(
     return states, slopes
 
 
-def _rates(law: BristleLaw, v: Array, n: Array) -> Rates:
+def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:
     def rates(z: Array) -> Array:
-        found = law.bristle_rates(v, tuple(z), n)
+        found = law.rates(v, n, tuple(z))
         if len(found) == 1 and np.shape(found[0]) == z.shape[1:]:
             return np.asarray(found[0])[np.newaxis]
         return np.stack([np.broadcast_to(part, z.shape[1:]) for part in found])

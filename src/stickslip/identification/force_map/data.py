@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
 from stickslip.formatting import joined, number, quantity
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
@@ -317,7 +317,7 @@ def refuse_timeless(
     >>> refuse_timeless(Coulomb, stretches_of(Axis(inertia=1.0), table))
     """
     kind = law if isinstance(law, type) else type(law)
-    if issubclass(kind, BristleLaw) and not any(one.timed for one in stretches):
+    if kind.states and not any(one.timed for one in stretches):
         raise InputError(
             f"{kind.title} cannot be fitted to friction against velocity: {TIMELESS}. Fit a law"
             " without bristles, such as stribeck, or give friction and position in time."

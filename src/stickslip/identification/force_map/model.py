@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
-from stickslip.friction import BristleLaw, FrictionLaw, towards
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -340,7 +340,7 @@ def _friction(
     """Return friction (n, copies), bristles (b, n, copies), and by how much they were moved."""
     count = len(one.path.time)
     states, nudge = np.zeros((0, count, own.count)), 1.0
-    if isinstance(own.law, BristleLaw) and one.timed:
+    if own.law.states and one.timed:
         force, states, nudge = _with_memory(own, one, offset, before, change)
     else:
         force = _without_memory(own.law, one)
@@ -364,9 +364,7 @@ def _by_weight(own: PerturbedLaws, one: MotionSegment, states: Array, resting: A
     v, n = one.path.velocity, one.path.load
 
     def force(load: Array) -> Array:
-        if len(states):
-            return np.asarray(law.force(v, tuple(states), load))
-        found = law.steady(v, load) if isinstance(law, BristleLaw) else law.force(v, load)
+        found = law.force(v, load, tuple(states)) if len(states) else law.steady(v, load)
         return np.asarray(found)
 
     # friction is affine in the load, so that any difference is exact
@@ -381,7 +379,7 @@ def _without_memory(law: Any, one: MotionSegment) -> Array:
 
 def _in_slip(law: Any, v: Array | float, n: Array) -> Array:
     """Return friction in steady slip at velocities, under loads (n, 1)."""
-    return np.asarray(law.steady(v, n) if isinstance(law, BristleLaw) else law.force(v, n))
+    return np.asarray(law.steady(v, n))
 
 
 def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: float) -> Array:
@@ -398,11 +396,11 @@ def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: 
     n = one.path.load[rows, None]
     if len(states):
         low, high = (
-            law.force(0.0 * n, tuple(displaced(law, states[:, rows], n, way)), n)
+            law.force(0.0 * n, n, tuple(displaced(law, states[:, rows], n, way)))
             for way in (-one.resolution, one.resolution)
         )
     else:
-        low, high = (side * towards(law, side).break_away(n) for side in (-1, 1))
+        low, high = (side * law.towards(side).break_away(n) for side in (-1, 1))
         if one.slowness > 0.0:
             back, ahead = (_in_slip(law, side * one.slowness, n) for side in (-1, 1))
             low, high = np.minimum(low, back), np.maximum(high, ahead)
@@ -418,7 +416,6 @@ def _with_memory(
     """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
     if before is None:
         start = _first_state(own, one, offset)
-        assert isinstance(own.base, BristleLaw)
         guess = follow(own.base, one.path, start[:, None])[..., 0]
     else:
         start, guess = before.near(change), before.states
@@ -428,7 +425,7 @@ def _with_memory(
         starts[k, 1 + len(own.moved) + k] += nudge
     states = follow(own.law, one.path, starts, _extended(guess, len(one.path.time)))
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    return np.asarray(own.law.force(v, tuple(states), n)), states, nudge
+    return np.asarray(own.law.force(v, n, tuple(states))), states, nudge
 
 
 def _extended(states: Array, count: int) -> Array:
@@ -445,10 +442,10 @@ def _first_state(own: PerturbedLaws, one: MotionSegment, offset: float) -> Array
     level = float(law.break_away(n))
     wanted = min(max(float(one.friction[0]) - offset, -level), level)
     size = 1e-6
-    at_rest = law.force(v, (0.0,) * count, n)
+    at_rest = law.force(v, n, (0.0,) * count)
     slope = np.array(
         [
-            (law.force(v, tuple(size * (k == i) for i in range(count)), n) - at_rest) / size
+            (law.force(v, n, tuple(size * (k == i) for i in range(count))) - at_rest) / size
             for k in range(count)
         ]
     )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.force_map.data import MotionSegment, refuse_timeless, stretches_of
 from stickslip.identification.force_map.model import ForceMap
@@ -187,18 +187,11 @@ def map_along(
         If there is nothing to look for, or the law is none that can be mapped.
     """
     kind = law if isinstance(law, type) else type(law)
-    if not issubclass(kind, SetValuedLaw | DirectionalLaw | BristleLaw):
-        raise InputError(
-            f"a force map needs a set-valued, directional or bristle law; {kind.__name__} is none"
-            " of these."
-        )
+    if not issubclass(kind, FrictionLaw):
+        raise InputError(f"a force map needs a friction law such as Coulomb, got {kind.__name__}.")
     refuse_timeless(law, stretches)
     told = StartEstimate.of(stretches, offset=None)
-    sought = (
-        told.two_sided
-        and not issubclass(kind, DirectionalLaw)
-        and not {beside.path, "offset"} & set(held)
-    )
+    sought = told.two_sided and not kind.directional and not {beside.path, "offset"} & set(held)
     rough = told if sought else StartEstimate.of(stretches, offset=beside.value)
     start = rough.law(kind, known or {}) if isinstance(law, type) else law
     held = [*held, *(f"friction.{name}" for name in known or ())]

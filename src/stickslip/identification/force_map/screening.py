@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
-from stickslip.friction import BristleLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.perturbed_laws import with_arrays
@@ -121,7 +121,7 @@ def _best_of_each(
 
 
 def _has_memory(problem: ForceMap) -> bool:
-    return isinstance(problem.law, BristleLaw) and any(one.timed for one in problem.stretches)
+    return bool(problem.law.states) and any(one.timed for one in problem.stretches)
 
 
 def _grid_points(free_parameters: FreeParameters, *, memory: bool) -> list[dict[str, float]]:
@@ -193,7 +193,6 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
     values = np.array([_placed(free_parameters, point) for point in points])
     paths = [(k, p) for k, p in enumerate(free_parameters.paths) if p.startswith("friction.")]
     base = vary(coarse.law, "friction", {p: float(values[0, k]) for k, p in paths})
-    assert isinstance(base, BristleLaw)
     columns = {p: values[:, k] for k, p in paths}
     damping = [item.path for item in free_parameters.items if item.quantity.scale == "damping"]
     law = with_arrays(base, columns)
@@ -228,12 +227,12 @@ def _rated_with_memory(coarse: ForceMap, points: Sequence[dict[str, float]]) -> 
 
 
 def _forces(
-    laws: tuple[BristleLaw, BristleLaw], base: BristleLaw, one: MotionSegment, count: int
+    laws: tuple[FrictionLaw, FrictionLaw], base: FrictionLaw, one: MotionSegment, count: int
 ) -> tuple[Array, Array]:
     """Return the friction (n, count) of copies of two laws whose bristles move alike."""
-    states = follow(laws[0], one.path, np.zeros((len(base.bristles), count)), mismatch=MISMATCH)
+    states = follow(laws[0], one.path, np.zeros((len(base.states), count)), mismatch=MISMATCH)
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    first, second = (one.seen(np.asarray(law.force(v, tuple(states), n))) for law in laws)
+    first, second = (one.seen(np.asarray(law.force(v, n, tuple(states)))) for law in laws)
     return first, second
 
 

@@ -14,7 +14,6 @@ from stickslip.experiments import Measurement, all_paths, refuse_faults, refuse_
 from stickslip.formatting import joined, percent
 from stickslip.formulation import JointTorques
 from stickslip.friction import (
-    BristleLaw,
     CandidateSpec,
     FrictionLaw,
     Laws,
@@ -808,7 +807,7 @@ def _by_joint(residual: Array, joint: NDArray[np.intp], count: int) -> Array:
 
 
 def _has_bristles(law: FrictionLaw | type[FrictionLaw] | None) -> bool:
-    return law is not None and issubclass(law if isinstance(law, type) else type(law), BristleLaw)
+    return law is not None and bool(law.states)
 
 
 def _start(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.force_balance import balanced
@@ -217,7 +217,7 @@ def _measured(fit: Fitted, problem: ForceMap, order: int) -> Balance:
     seen = problem.linearise(np.array([fit.values[path] for path in problem.free_parameters.paths]))
     rows = np.concatenate([one.rows_of(None) for one in stretches])
     resting = np.concatenate([_resting(one) for one in stretches])
-    slips = rows if isinstance(fit.law, BristleLaw) else rows & ~resting
+    slips = rows if fit.law.states else rows & ~resting
     predicted = np.concatenate([one.friction for one in stretches])
     if not (rows.all() and len(seen.residual) == len(predicted)):
         raise InputError("not all rows are compared.")

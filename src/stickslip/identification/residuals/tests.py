@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from stickslip.errors import StickslipError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, percent
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.model_error import UNSAID, ModelError
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.model import ForceMap
@@ -263,7 +263,7 @@ def _sees(b: Balance, fit: Fitted) -> bool:
     order in its exponent follows: on the tribometer's record, 84 % of the white squares went with a
     lag, which took 2 % off the residuals of a fit with it.
     """
-    return not (len(b.memory) and isinstance(fit.law, BristleLaw))
+    return not (len(b.memory) and fit.law.states)
 
 
 def _all_tested(
@@ -367,7 +367,7 @@ def _of_channel(one: ScoreTest, fit: Fitted) -> str:
     known = fit.measured.stretches[0].response
     more = response_of(one.effect.kind, float(one.values[0]))
     late = SensorResponse(delay=known.delay + more.delay, lag=known.lag + more.lag)
-    presliding = "" if isinstance(fit.law, BristleLaw) else LIKE_PRESLIDING
+    presliding = "" if fit.law.states else LIKE_PRESLIDING
     return f"{presliding} {cure_of(late)}"
 
 

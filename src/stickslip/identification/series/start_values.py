@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, usual_top_speed
 from stickslip.formatting import number
-from stickslip.friction import DirectionalLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.series.applied_force import driven
@@ -348,7 +348,7 @@ def mechanism_unknowns(
         path: (quantity, value) for path, quantity, value in parameters(mechanism, "mechanism")
     }
     paths = [full_path(name, list(known)) for name in unknown]
-    if scales.two_sided and not isinstance(law, DirectionalLaw):
+    if scales.two_sided and not law.directional:
         paths += [f"mechanism.{n}" for n in NUISANCE if f"mechanism.{n}" in known]
     found = []
     for path in dict.fromkeys(path for path in paths if path not in held):

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.quantities import parameters, shadow
 
 __all__ = ["deflection_slopes", "first_deflection"]
@@ -49,7 +49,7 @@ def first_deflection(law: FrictionLaw, velocity: float, end: float) -> float:
     >>> round(1e6 * first_deflection(law, 0.1, 1.0), 1), first_deflection(law, 0.0, 1.0)
     (200.0, 0.0)
     """
-    if not isinstance(law, BristleLaw) or len(law.bristles) != 1 or velocity == 0.0:
+    if len(law.states) != 1 or velocity == 0.0:
         return 0.0
     return float(_deflections(law, np.array([velocity]), end)[0])
 
@@ -61,7 +61,7 @@ def deflection_slopes(
 
     Parameters
     ----------
-    law : BristleLaw
+    law : FrictionLaw
         A law with one bristle.
     velocity : float
         First slip velocity of a segment [m/s].
@@ -75,7 +75,6 @@ def deflection_slopes(
     (array (n,), float)
         Derivatives by the parameters [m per unit of each], and by the velocity [s].
     """
-    assert isinstance(law, BristleLaw)
     if velocity == 0.0:
         return np.zeros(len(paths)), BEFORE * end
     values = {path: value for path, _, value in parameters(law, "friction")}
@@ -93,11 +92,11 @@ def deflection_slopes(
     return slopes, float((z[-1] - z[0]) / (NUDGE * velocity))
 
 
-def _deflections(law: BristleLaw, velocity: Array, end: float) -> Array:
+def _deflections(law: FrictionLaw, velocity: Array, end: float) -> Array:
     """Return first deflections at velocities other than 0, of a law with one value or as many."""
     one = 1e-6  # force is linear in the deflection: any will do
     at_rest, moved = (
-        law.force(velocity, (z,), 1.0) for z in (0.0 * velocity, one + 0.0 * velocity)
+        law.force(velocity, 1.0, (z,)) for z in (0.0 * velocity, one + 0.0 * velocity)
     )
     steady = one * (law.steady(velocity, 1.0) - at_rest) / (moved - at_rest)
     # at the speed where damping outdoes stiffness both are 0: no deflection is told

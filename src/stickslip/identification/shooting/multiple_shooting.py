@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.containment import not_whole
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.problem import STEEPEST, RecordProblem, ResidualJacobian
@@ -434,7 +434,7 @@ def _differenced(
 
 def _start(mechanism: Mechanism, law: FrictionLaw, state: Array, end: float) -> list[float]:
     """Return the first states of a segment: coordinates, rates and bristles."""
-    bristles = len(law.bristles) if isinstance(law, BristleLaw) else 0
+    bristles = len(law.states)
     first = first_deflection(law, float(state[_slip_velocity(mechanism)]), end)
     begun = dict(zip(mechanism.coordinates, state.tolist(), strict=False))
     for stop in stops_of(mechanism):  # noise puts what rests at a stop beyond it

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import count, joined, number
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.travels.model import (
     TravelModel,
     Trial,
@@ -303,7 +303,7 @@ def compile_for(trials: Sequence[Trial], laws: Iterable[FrictionLaw]) -> None:
         Laws to fit.
     """
     cycles = under_cycles(trials)
-    slow = [law for law in laws if cycles or isinstance(law, BristleLaw)]
+    slow = [law for law in laws if cycles or law.states]
     if len(trials) < 2:
         return
     for law in slow:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw, bristles_of
+from stickslip.friction import FrictionLaw
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
@@ -81,7 +81,7 @@ class Trial:
     def start(self, law: FrictionLaw) -> Mapping[str, float]:
         """Return the initial states that a mechanism with a law has."""
         known = {*self.mechanism.coordinates, *self.mechanism.rates}
-        known.update(bristles_of(law))
+        known.update(law.states)
         return {name: value for name, value in self.initial.items() if name in known}
 
     def as_read(self, travel: float) -> str:

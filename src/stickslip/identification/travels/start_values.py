@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError, SimulationError
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification.estimation.ranges import Sizes, with_ranges
 from stickslip.identification.travels.model import TravelModel, Trial, is_rig
 from stickslip.identification.travels.single_travel import room_for
@@ -114,7 +114,7 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     centre |= {
         p: doubling_slope(model, trials, best) for p in others if quantities[p].scale == "slope"
     }
-    scanned = len(others) <= 1 and span is LEVELS and not isinstance(model.law, BristleLaw)
+    scanned = len(others) <= 1 and span is LEVELS and not model.law.states
     if scanned and _branched(table):
         return _best(*_dense(model, trials, (max(ends[0], low), min(ends[1], high)), centre))
     if not others:

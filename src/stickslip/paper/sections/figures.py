@@ -1,7 +1,7 @@
 """The paper's figures, drawn again under its captions."""
 
 from stickslip.formatting import fixed, percent, quantity, residue, significant, with_unit
-from stickslip.friction import BristleLaw, Stribeck
+from stickslip.friction import Stribeck
 from stickslip.paper.audit import PaperAudit, TableRow
 from stickslip.paper.excitations import PUSH_DURATION
 from stickslip.paper.stick_slip import SPEED
@@ -78,7 +78,7 @@ def phenomena_section(found: PaperAudit) -> Section:
     )
     printed = [row.law for row in found.table if row.published.travel is not None]
     laws = {law.title: law for law in printed}
-    bristle = {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+    bristle = {title: law for title, law in laws.items() if law.states}
     load = found.values.load
     figures = [
         Figure(

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from stickslip.characterization import PreslidingLoop, presliding_length, presliding_loop
 from stickslip.formatting import number, scale_of
-from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw, Stribeck, towards
+from stickslip.friction import FrictionLaw, Stribeck
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Target, on_axes
 from stickslip.plots.core.helpers import Array, Sizes
@@ -162,13 +162,13 @@ def draw_stribeck(law: Stribeck, load: float) -> Draw:
 
 
 def draw_presliding(
-    laws: Mapping[str, BristleLaw], *, load: float = 1.0, amplitude: float | None = None
+    laws: Mapping[str, FrictionLaw], *, load: float = 1.0, amplitude: float | None = None
 ) -> Draw:
     """Return a drawing of friction against a slow displacement to and fro, before full slip.
 
     Parameters
     ----------
-    laws : mapping of str to BristleLaw
+    laws : mapping of str to FrictionLaw
         Laws by title.
     load : float
         Normal force [N].
@@ -197,7 +197,7 @@ def draw_presliding(
     return draw
 
 
-def _loop(law: BristleLaw, load: float, amplitude: float | None) -> PreslidingLoop:
+def _loop(law: FrictionLaw, load: float, amplitude: float | None) -> PreslidingLoop:
     return presliding_loop(law, amplitude or LENGTHS * presliding_length(law, load), load)
 
 
@@ -240,7 +240,7 @@ def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, 
     # Closer towards zero, where a static surplus fades within millimetres a second.
     speed = v_max * np.concatenate([np.geomspace(1e-6, 0.02, 120), np.linspace(0.021, 1.0, 150)])
     (back, held_back), (ahead, held) = (
-        _one_way(towards(law, direction), speed, load) for direction in (-1, 1)
+        _one_way(law.towards(direction), speed, load) for direction in (-1, 1)
     )
     v = np.concatenate([-speed[::-1], [0.0, 0.0], speed])
     return v, np.concatenate([-back[::-1], [-held_back, held], ahead])
@@ -248,13 +248,8 @@ def characteristic(law: FrictionLaw, load: float, v_max: float) -> tuple[Array, 
 
 def _one_way(law: FrictionLaw, speed: Array, load: float) -> tuple[Array, float]:
     """Return the sizes of the force at slip speeds, and of what holds at rest."""
-    if isinstance(law, SetValuedLaw):
-        force = np.asarray(law.sliding(speed, load)) + np.zeros_like(speed)
-        return force, float(law.break_away(load))
-    if isinstance(law, BristleLaw):
-        force = np.asarray(law.steady(speed, load)) + np.zeros_like(speed)
-        return force, float(force[0])
-    return np.full_like(speed, np.nan), 0.0
+    force = np.asarray(law.steady(speed, load)) + np.zeros_like(speed)
+    return force, float(force[0] if law.states else law.break_away(load))
 
 
 def _say_break_away(axes: Axes, level: float) -> None:
@@ -302,7 +297,7 @@ def plot_law(law: FrictionLaw, ax: Target = None, *, load: float = 1.0, speed: f
 
 
 def plot_presliding(
-    loop: PreslidingLoop | BristleLaw,
+    loop: PreslidingLoop | FrictionLaw,
     ax: Target = None,
     *,
     load: float = 1.0,
@@ -312,7 +307,7 @@ def plot_presliding(
 
     Parameters
     ----------
-    loop : PreslidingLoop or BristleLaw
+    loop : PreslidingLoop or FrictionLaw
         A loop as `presliding_loop` returns, or the law that it is made of.
     ax : Axes, Figure or SubFigure, optional
         Where; a new figure if not given.
@@ -338,9 +333,9 @@ def plot_presliding(
     >>> plot_presliding(law, Figure().add_subplot(), load=10.0).get_xlabel()
     'displacement, mm'
     """
-    check_type("loop", loop, PreslidingLoop, BristleLaw)
+    check_type("loop", loop, PreslidingLoop, FrictionLaw)
     title, level = "", None
-    if isinstance(loop, BristleLaw):
+    if isinstance(loop, FrictionLaw):
         load = LOAD.check("plot_presliding", "load", load)
         title, level = loop.title, float(loop.break_away(load))
         loop = _loop(loop, load, amplitude)

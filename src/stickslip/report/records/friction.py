@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from stickslip.formatting import Scale, quantity, significant, with_unit
-from stickslip.friction import BristleLaw, DirectionDependent
+from stickslip.friction import DirectionDependent
 from stickslip.identification import RecordFit
 from stickslip.plots import (
     MAP_SIZES,
@@ -56,7 +56,7 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
     assert fit is not None
     law = fit.law
     if _off(fit, points) > REFUTED:
-        if isinstance(law, BristleLaw):
+        if law.states:
             return "The measured friction is not a function of velocity"
         return "Friction against velocity"
     if isinstance(law, DirectionDependent) and _viscous_parts_differ(fit):
@@ -120,7 +120,7 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: 
     others = [in_sentence(name) for name in laws if name != chosen]
     text += "; dashed: " + ", ".join(others) if laws else ""
     text = text.removesuffix("; dashed: ") + "."
-    if any(isinstance(one.law, BristleLaw) for one in laws.values()):
+    if any(one.law.states for one in laws.values()):
         text += " Bristle laws are drawn in steady sliding; their loops surround these curves."
     if points.load_varies:
         load = with_unit(significant(points.load, 3), "N")

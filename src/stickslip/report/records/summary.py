@@ -18,7 +18,6 @@ from stickslip.formatting import (
 from stickslip.friction import (
     Coulomb,
     CoulombViscous,
-    DirectionalLaw,
     DirectionDependent,
     QuadraticDrag,
     Viscous,
@@ -101,7 +100,7 @@ def levels_at_speed(fit: RecordFit) -> tuple[str, ...]:
     if points is None or together & moved_by_errors(fit):
         return ()
     ways: tuple[tuple[float, str, str], ...] = ((0.0, "friction.", ""),)
-    if isinstance(fit.law, DirectionalLaw):
+    if fit.law.directional:
         ways = ((1.0, "friction.forward", " forward"), (-1.0, "friction.backward", " in reverse"))
     lines = []
     for side, paths, way in ways:

@@ -13,7 +13,7 @@ from stickslip.formatting import (
     quantity,
     significant,
 )
-from stickslip.friction import BristleLaw, FrictionLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import trials_of
 from stickslip.plots import (
     FRICTION_SIZES,
@@ -120,8 +120,8 @@ def laws_section(verdict: TravelVerdict) -> Section | None:
     return Section(id="laws", nav="The laws", heading=heading, blocks=tuple(blocks))
 
 
-def _bristle(laws: Mapping[str, FrictionLaw]) -> dict[str, BristleLaw]:
-    return {title: law for title, law in laws.items() if isinstance(law, BristleLaw)}
+def _bristle(laws: Mapping[str, FrictionLaw]) -> dict[str, FrictionLaw]:
+    return {title: law for title, law in laws.items() if law.states}
 
 
 def _characteristics(
@@ -143,7 +143,7 @@ def _characteristics(
     )
 
 
-def _presliding(laws: Mapping[str, BristleLaw], load: float, guessed: Sequence[str]) -> Figure:
+def _presliding(laws: Mapping[str, FrictionLaw], load: float, guessed: Sequence[str]) -> Figure:
     svg = inline_svg(
         draw_presliding(laws, load=load),
         alt="Friction against slow oscillating displacement, before full slip",

@@ -1,7 +1,7 @@
 """Why a body moves back: the elastic deflection of its contact, or the mechanism."""
 
 from stickslip.characterization import presliding_length
-from stickslip.friction import BristleLaw, Coulomb, FrictionLaw
+from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.identification import trials_of
 from stickslip.selection import Criteria, TravelVerdict, criteria_of
 from stickslip.simulation import simulate
@@ -33,7 +33,7 @@ def elastic_returns(verdict: TravelVerdict) -> list[str]:
 
 
 def _is_elastic(verdict: TravelVerdict, law: FrictionLaw, seen: Criteria) -> bool:
-    if not isinstance(law, BristleLaw) or law.static_switch:
+    if law.holds:
         return False
     trial = trials_of(verdict.mechanism, verdict.measurement, verdict.t_end)[0]
     rigid = Coulomb(kinetic_coefficient=float(law.break_away(1.0)))

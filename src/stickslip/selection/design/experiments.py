@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from stickslip.drives import Sampled, Sine
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import number, scale_of
-from stickslip.friction import towards
 from stickslip.mechanisms import stops_of
 from stickslip.selection.design.predictors import (
     Coast,
@@ -377,7 +376,7 @@ def _presliding(
     chosen: Predictor, noise: float, terms: _Terms, reach: tuple[float, float]
 ) -> Sequence[_Plan]:
     """Push to and fro below break-away: how far it gives way."""
-    level = float(towards(chosen.law, 1).break_away(chosen.load))
+    level = float(chosen.law.towards(1).break_away(chosen.load))
     if level <= 0.0:
         return ()
     offset = -own_force(chosen.mechanism, 0.0)

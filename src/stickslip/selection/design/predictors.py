@@ -13,7 +13,7 @@ from stickslip.characterization import presliding_length
 from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
-from stickslip.friction import BristleLaw, DirectionalLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import FrictionLaw
 from stickslip.identification import with_drive
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
@@ -144,7 +144,7 @@ class Steady:
     def __call__(self, candidate: Predictor) -> float:
         """Return the force [N]."""
         law = candidate.law
-        if math.isfinite(self.distance) and isinstance(law, BristleLaw):
+        if math.isfinite(self.distance) and law.states:
             needed = SETTLED * presliding_length(law, candidate.load)
             if needed > self.distance:
                 raise InputError(
@@ -159,10 +159,7 @@ class Steady:
 
 def _after_long_sliding(law: FrictionLaw, velocity: float, load: float) -> float:
     """Return friction [N] when bristles have settled."""
-    if isinstance(law, BristleLaw):
-        return float(law.steady(velocity, load))
-    assert isinstance(law, SetValuedLaw | DirectionalLaw)
-    return float(law.force(velocity, load))
+    return float(law.steady(velocity, load))
 
 
 def own_force(mechanism: Mechanism, velocity: float) -> float:
