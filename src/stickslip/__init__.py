@@ -21,6 +21,7 @@ HOMES = {
     "RecordSettings": "identification",
     "Rig": "experiments",
     "animate": "plots",
+    "characterize": "characterization",
     "check": "experiments",
     "compare_trials": "identification",
     "ensemble": "simulation",

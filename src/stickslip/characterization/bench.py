@@ -1,11 +1,10 @@
-"""The bench on which laws are tried: sizes of a law, and a contact moved along a prescribed path."""
+"""The bench on which laws are tried: their sizes, and a contact on a prescribed path."""
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Self, final
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +26,10 @@ USUAL_SPEED = 1e-3
 """Speed that stands for the one at which friction changes where a law has none [m/s]."""
 RIGID = 1e-5
 """Displacement that stands for the presliding length where a law has none [m]."""
-STIFF = 1e5
-"""Stiffness of the load cell over that of the contact."""
-QUICK = 1e-6
-"""Time constant of the load cell [s]."""
+STIFF, QUICK = 1e5, 1e-6
+"""Stiffness of the load cell over that of the contact, and its time constant [s]."""
+SOFT, SLUGGISH = 1e2, 1e-4
+"""The same where the contact has no state that only the path may move."""
 NEAR = 1e-9
 """Share of the presliding length at which states begin: some laws switch at exactly 0."""
 
@@ -71,15 +70,15 @@ class Bench(Parametrised):
 
     @functools.cached_property
     def levels(self) -> tuple[float, float]:
-        """The lowest and the highest level of the law [N]: of sliding, and of rest."""
+        """The lowest and the highest level of forward motion [N]: of sliding, and of rest."""
         scales = {name: one.scale for name, one in fields_of(type(self.law)).items()}
         found = [
             float(value) * self.load
             for name, scale in scales.items()
-            if scale.rstrip("+-") == "level" and (value := getattr(self.law, name)) is not None
+            if scale in ("level", "level+") and (value := getattr(self.law, name)) is not None
         ]
         found = [one for one in found if one > 0.0]
-        held = float(self.law.break_away(self.load))
+        held = float(self.law.towards(1).break_away(self.load))
         slow = abs(float(self.law.steady(USUAL_SPEED, self.load)))
         found = found or ([held] if held > 0.0 else [slow])
         return min(found), max(*found, held)
@@ -93,7 +92,7 @@ class Bench(Parametrised):
 
     @functools.cached_property
     def length(self) -> float:
-        """Displacement at which the first stiffness reaches break-away [m]; 0 without deflection."""
+        """Presliding length [m]; 0 where nothing deflects."""
         return presliding_length(self.law, self.load) if self.law.states else 0.0
 
     @property
@@ -111,20 +110,30 @@ class Bench(Parametrised):
         rate : float
             Its velocity at time 0 [m/s].
         """
-        stiffness = STIFF * self.levels[1] / self.reach
+        ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
+        stiffness = ratio * self.levels[1] / self.reach
         return GuidedContact(
-            mass=stiffness * QUICK * QUICK,
+            mass=stiffness * time * time,
             stiffness=stiffness,
-            damping=2.0 * stiffness * QUICK,
+            damping=2.0 * stiffness * time,
             path=path,
             rate=rate,
             load=self.load,
         )
 
     @property
-    def undeflected(self) -> dict[str, float]:
-        """States of the law at the beginning of a run."""
-        return {name: NEAR * self.reach for name in self.law.states}
+    def sticks(self) -> bool:
+        """Whether some force leaves a body at rest."""
+        return float(self.law.break_away(self.load)) > 0.0
+
+    @property
+    def threshold(self) -> str:
+        """What a force below the levels stays below, in words."""
+        return "break-away" if self.sticks else "its level of sliding"
+
+    def deflected(self, share: float = NEAR) -> dict[str, float]:
+        """Return states of the law at a share of the presliding length."""
+        return dict.fromkeys(self.law.states, share * self.reach)
 
 
 @final
@@ -188,7 +197,7 @@ class GuidedContact(Mechanism):
 
 
 def there_and_back(
-    places: Sequence[float], speed: float, pauses: Sequence[float] = ()
+    places: Sequence[float], speed: float | Sequence[float], pauses: Sequence[float] = ()
 ) -> tuple[Drive, Array]:
     """Return the acceleration that goes from place to place, and the times of arrival (n,) [s].
 

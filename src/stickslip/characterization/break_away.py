@@ -10,9 +10,11 @@ from typing_extensions import override
 from stickslip.characterization.base import Characteristic
 from stickslip.characterization.bench import Array, Bench, there_and_back
 from stickslip.drives import Ramp
+from stickslip.errors import SimulationError
 from stickslip.formatting import quantity
 from stickslip.mechanisms import Axis
 from stickslip.simulation import simulate
+from stickslip.solver import EventDriven
 from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -28,6 +30,10 @@ FINE = 4001
 """Times at which a peak is looked at."""
 ALIKE = 0.01
 """Share by which peaks have to differ to depend on anything."""
+MOST_STEPS = 100_000
+"""Steps after which a run with a rest is given up: some laws switch without end at rest."""
+FALL = 0.005
+"""Share of the largest force by which it has to fall after a peak."""
 GONE = 20.0
 """Presliding lengths that a body slides before it rests, and after."""
 
@@ -47,7 +53,8 @@ class BreakAway(Characteristic):
     dwell: Array
     """Times at rest (m,) [s]."""
     force_after: Array
-    """Peak of friction after each (m,) [N]; NaN where friction has none."""
+    """Peak of friction after each (m,) [N]; NaN where friction has none, or switches without end at
+    rest."""
 
     @property
     @override
@@ -57,9 +64,10 @@ class BreakAway(Characteristic):
                 "Friction has no peak at break-away: the body creeps or deflects into sliding, and"
                 " no threshold is met."
             )
-        seen = self.force[~np.isnan(self.force)]
+        peaked = ~np.isnan(self.force)
+        seen = self.force[peaked]
         if np.ptp(seen) > ALIKE * seen.max():
-            slow, fast = (quantity(self.rate[i], "N/s") for i in (0, -1))
+            slow, fast = (quantity(self.rate[peaked][i], "N/s") for i in (0, -1))
             verb = "falls" if seen[-1] < seen[0] else "rises"
             by_rate = (
                 f"Break-away {verb} from {quantity(seen[0], 'N', 4)} at {slow} to"
@@ -138,6 +146,8 @@ def break_away(
 
 def _pulled(bench: Bench, rate: float) -> float:
     """Return the first peak of friction under a force that grows."""
+    if not bench.sticks:
+        return float("nan")
     axis = Axis(inertia=bench.mass, drive=Ramp(rate=rate), load=bench.load)
     run = simulate(axis, bench.law, t_end=2.0 * bench.levels[1] / rate)
     for event in run.events:
@@ -148,10 +158,21 @@ def _pulled(bench: Bench, rate: float) -> float:
 
 def _rested(bench: Bench, dwell: float) -> float:
     """Return the peak of friction as a body goes on that was stopped."""
+    if not bench.sticks:
+        return float("nan")
     way = GONE * bench.reach
     speeds = (10.0 * bench.speed, 0.1 * bench.speed)
     path, arrivals = there_and_back([way, 2.0 * way], speeds, [dwell, 0.0])
-    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.undeflected)
+    try:
+        run = simulate(
+            bench.guided(path),
+            bench.law,
+            t_end=arrivals[-1],
+            y0=bench.deflected(),
+            solver=EventDriven(max_steps=MOST_STEPS),
+        )
+    except SimulationError:
+        return float("nan")
     again = arrivals[0] + dwell
     for event in run.events:
         if event.reason == "break-away" and event.t >= again:
@@ -166,7 +187,8 @@ def _first_peak(run: Trajectory, times: Array) -> float:
     force = run.at(times)["friction"]
     least = 1e-9 * np.abs(force).max()
     inner = (force[1:-1] > force[:-2] + least) & (force[1:-1] >= force[2:])
-    falls = np.minimum.accumulate(force[::-1])[::-1][2:] < force[1:-1] - 1e-6 * np.abs(force).max()
+    lowest_later = np.minimum.accumulate(force[::-1])[::-1][2:]
+    falls = lowest_later < force[1:-1] - FALL * np.abs(force).max()
     found = np.flatnonzero(inner & falls)
     if not len(found):
         return float("nan")

@@ -14,6 +14,7 @@ from stickslip.errors import InputError
 from stickslip.formatting import quantity
 from stickslip.mechanisms import Axis
 from stickslip.simulation import simulate
+from stickslip.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,8 +29,6 @@ SAMPLES = 2000
 FOREVER = 1e9
 STILL = 1e-3
 """Drift over the presliding length that counts as none."""
-SLOWEST = 1e-9
-"""Speed that counts as none over the one at which friction changes."""
 
 
 @final
@@ -50,6 +49,8 @@ class Drift(Characteristic):
     """That time [s]."""
     length: float
     """Displacement that counts as large here: the presliding length [m]."""
+    threshold: str
+    """What the load stays below."""
 
     @property
     def rate(self) -> float:
@@ -63,7 +64,7 @@ class Drift(Characteristic):
             return "It does not drift: under a load below break-away the body stays in its place."
         return (
             f"It drifts: {quantity(abs(self.distance), 'm')} in {quantity(self.lasts, 's')} under a"
-            " load that never reaches break-away."
+            f" load that never reaches {self.threshold}."
         )
 
     @override
@@ -116,32 +117,22 @@ def drift(bench: Bench, *, bias: float | None = None, ripple: float | None = Non
     ripple = RIPPLE * low if ripple is None else ripple
     if not abs(bias) + abs(ripple) < high:
         raise InputError(
-            f"bias and ripple must stay below break-away at {quantity(high, 'N')}, got"
+            f"bias and ripple must stay below {bench.threshold} at {quantity(high, 'N')}, got"
             f" {quantity(bias, 'N')} and {quantity(ripple, 'N')}."
         )
-    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
     end = SETTLED + LONG
-    run = simulate(
-        Axis(inertia=bench.mass, drive=force, load=bench.load),
-        bench.law,
-        t_end=end,
-        y0=bench.undeflected,
-    )
-
-    def mean(until: float) -> float:
-        times = np.linspace(until - WINDOW, until, SAMPLES)
-        return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
-
+    run = _pushed(bench, bias, ripple, end)
     t = np.linspace(0.0, end, SAMPLES + 1)
     return Drift(
         t=t,
         position=run.at(np.minimum(t, run.span[1]))["x"],
-        distance=mean(end) - mean(SETTLED),
+        distance=_mean(run, end) - _mean(run, SETTLED),
         lasts=LONG,
         length=bench.reach,
+        threshold=bench.threshold,
         conditions=(
             f"{quantity(bench.mass, 'kg')} under {quantity(bias, 'N')} and a ripple of"
-            f" {quantity(ripple, 'N')} at {quantity(FREQUENCY, 'Hz')}; break-away at"
+            f" {quantity(ripple, 'N')} at {quantity(FREQUENCY, 'Hz')}; {bench.threshold}:"
             f" {quantity(high, 'N')}."
         ),
     )
@@ -162,16 +153,16 @@ class Creep(Characteristic):
     position: Array
     """Position (n,) [m]."""
     speed: float
-    """Speed at the end of the run [m/s]."""
+    """Mean speed in the second half of the run [m/s]."""
     predicted: float
     """Speed at which steady friction equals the force [m/s]; 0 where it is held at rest."""
-    scale: float
-    """Speed at which friction changes [m/s]."""
+    length: float
+    """Displacement that counts as large here: the presliding length [m]."""
 
     @property
     @override
     def sentence(self) -> str:
-        if abs(self.speed) <= SLOWEST * self.scale:
+        if abs(self.speed * self.t[-1]) <= STILL * self.length:
             return "It does not creep: a constant force below break-away is held."
         if self.predicted > 0.0:
             return (
@@ -179,8 +170,8 @@ class Creep(Characteristic):
                 " a load that is parked does not stay."
             )
         return (
-            f"It still moves at {quantity(self.speed, 'm/s')} after"
-            f" {quantity(float(self.t[-1]), 's')}, and comes to rest by and by."
+            f"It still swings after {quantity(float(self.t[-1]), 's')}: a constant force below"
+            " break-away is held, but the deflected contact is hardly damped."
         )
 
     @override
@@ -223,24 +214,34 @@ def creep(bench: Bench, *, force: float | None = None, t_end: float = 10.0) -> C
     It does not creep: a constant force below break-away is held.
     """
     force = BIAS * bench.levels[0] if force is None else force
-    axis = Axis(
-        inertia=bench.mass, drive=Pulse(level=force, duration=FOREVER), load=bench.load
-    )
-    run = simulate(axis, bench.law, t_end=t_end, y0=bench.undeflected)
+    run = _pushed(bench, force, 0.0, t_end)
     t = np.linspace(0.0, t_end, SAMPLES + 1)
     seen = run.at(np.minimum(t, run.span[1]))
     return Creep(
         force=force,
         t=t,
         position=seen["x"],
-        speed=float(seen["v"][-1]),
+        speed=2.0 * (_mean(run, t_end) - _mean(run, 0.5 * t_end)) / t_end,
         predicted=_balanced(bench, force),
-        scale=bench.speed,
+        length=bench.reach,
         conditions=(
             f"{quantity(bench.mass, 'kg')} under a constant {quantity(force, 'N')} for"
             f" {quantity(t_end, 's')}."
         ),
     )
+
+
+def _pushed(bench: Bench, bias: float, ripple: float, end: float) -> Trajectory:
+    """Return the run of a body under a constant force and a ripple."""
+    force = Pulse(level=bias, duration=FOREVER) + Sine(amplitude=ripple, frequency=FREQUENCY)
+    axis = Axis(inertia=bench.mass, drive=force, load=bench.load)
+    return simulate(axis, bench.law, t_end=end, y0=bench.deflected())
+
+
+def _mean(run: Trajectory, until: float) -> float:
+    """Return the mean position in the half second before a time."""
+    times = np.linspace(until - WINDOW, until, SAMPLES)
+    return float(run.at(np.minimum(times, run.span[1]))["x"].mean())
 
 
 def _balanced(bench: Bench, force: float) -> float:

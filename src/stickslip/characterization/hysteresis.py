@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Presliding", "presliding"]
 
-SLOW = 1e-4
-"""Highest speed on the path over the one at which friction changes: only the path matters."""
+SLOW, SLOW_ENOUGH = 1e-4, 1e-2
+"""Highest speed on the path over the one at which friction changes, so that only the path matters;
+the second where the contact has no states."""
 TURNS = (1.0, -1.0, 0.5, -0.25, 0.5, -1.0, 1.0)
 """Where the path turns, over its amplitude; the inner loop goes from the third and back to it."""
 INNER = (0.8, 0.4, 0.8)
@@ -49,10 +50,17 @@ class Presliding(Characteristic):
     """Force after a closed inner loop less the force before, on first loading [N]."""
     memory: Literal["local", "non-local", "none"]
     """Whether the force returns after a closed inner loop; none if nothing deflects."""
+    sticks: bool
+    """Whether some force leaves the body at rest."""
 
     @property
     @override
     def sentence(self) -> str:
+        if not self.sticks:
+            return (
+                "It neither deflects nor holds: at small velocities there is next to no friction,"
+                " so that reversals are smoother than measured ones."
+            )
         if self.memory == "none":
             return (
                 "It does not deflect: below break-away the contact is rigid, so that no force"
@@ -112,10 +120,11 @@ def presliding(
     ('local', -0.292)
     """
     reach = 2.0 * bench.reach if amplitude is None else amplitude
-    speed = SLOW * bench.speed
+    speed = (SLOW if bench.law.states else SLOW_ENOUGH) * bench.speed
     turns = reach * np.array(TURNS)
     x, force = _followed(bench, turns, speed)
-    change, memory = 0.0, "none"
+    change = 0.0
+    memory: Literal["local", "non-local", "none"] = "none"
     if bench.length > 0.0:
         begins, to = inner or (INNER[0] * bench.length, INNER[1] * bench.length)
         change = _changed(bench, begins, to, speed)
@@ -128,6 +137,7 @@ def presliding(
         length=bench.length,
         change=change,
         memory=memory,
+        sticks=bench.sticks,
         conditions=(
             f"{quantity(reach, 'm')} to and fro at no more than {quantity(speed, 'm/s')}, normal"
             f" force {quantity(bench.load, 'N')}."
@@ -138,12 +148,10 @@ def presliding(
 def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
     """Return displacement and friction along a path."""
     path, arrivals = there_and_back([*turns], speed)
-    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.undeflected)
+    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
     share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, POINTS))  # even steps of displacement
     starts = np.concatenate([[0.0], arrivals[:-1]])
-    times = np.concatenate(
-        [a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)]
-    )
+    times = np.concatenate([a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)])
     seen = run.at(np.minimum(times, run.span[1]))
     return seen["x"], seen["friction"]
 
@@ -151,6 +159,6 @@ def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
 def _changed(bench: Bench, begins: float, to: float, speed: float) -> float:
     """Return by how much a closed inner loop changes the force."""
     path, arrivals = there_and_back([begins, to, begins], speed)
-    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.undeflected)
+    run = simulate(bench.guided(path), bench.law, t_end=arrivals[-1], y0=bench.deflected())
     before, after = run.at(np.minimum(arrivals[[0, 2]], run.span[1]))["friction"]
     return float(after - before)

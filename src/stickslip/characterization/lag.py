@@ -116,15 +116,23 @@ def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:
     swing = SWING * bench.speed
     for frequency in frequencies:
         omega = 2.0 * np.pi * frequency
+        slowing = np.arccos((1.0 - MEAN) / SWING) / (2.0 * np.pi)
+        if not bench.law.states:  # friction is a function of the velocity: no run is needed
+            shares = np.concatenate([np.linspace(0.0, 1.0, POINTS), [slowing, 1.0 - slowing]])
+            v = bench.speed * (MEAN + SWING * np.cos(2.0 * np.pi * shares))
+            force = np.asarray(bench.law.steady(v, bench.load)) + np.zeros_like(v)
+            velocities.append(v[:-2])
+            forces.append(force[:-2])
+            levels.append(force[-2:])
+            continue
         path = Sine(amplitude=swing * omega, frequency=frequency, phase=np.pi)
         start = (MEAN + SWING) * bench.speed
         contact = bench.guided(path, rate=start)
         period = 1.0 / frequency
-        run = simulate(contact, bench.law, t_end=CYCLES * period, y0=bench.undeflected)
+        run = simulate(contact, bench.law, t_end=CYCLES * period, y0=bench.deflected(0.5))
         seen = run.at(np.linspace((CYCLES - 1) * period, run.span[1], POINTS))
         velocities.append(seen["v"])
         forces.append(seen["friction"])
-        slowing = np.arccos((1.0 - MEAN) / SWING) / (2.0 * np.pi)
         times = (CYCLES - 1 + slowing) * period, (CYCLES - slowing) * period
         levels.append(run.at(times)["friction"])
     slow, fast = (quantity(one * bench.speed, "m/s") for one in (MEAN - SWING, MEAN + SWING))
