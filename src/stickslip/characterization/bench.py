@@ -47,9 +47,13 @@ class Bench(Parametrised):
     """Mass of the body."""
     stiffness: Annotated[float, Quantity("k", "N/m", above=0)] = 100.0
     """Stiffness of the spring that pulls it, where it is pulled by one."""
+    first: "Bench | None" = None
+    """The bench of the law that this one stands beside: speeds and forces of tests are its own."""
 
     @classmethod
-    def of(cls, law: FrictionLaw, load: float, rig: Mechanism | None) -> Self:
+    def of(
+        cls, law: FrictionLaw, load: float, rig: Mechanism | None, first: Self | None = None
+    ) -> Self:
         """Return the bench of a law, with mass and stiffness of a mechanism if there is one.
 
         Raises
@@ -58,7 +62,7 @@ class Bench(Parametrised):
             If the mechanism is none of which mass and stiffness are those of one body.
         """
         if rig is None:
-            return cls(law=law, load=load)
+            return cls(law=law, load=load, first=first)
         if not isinstance(rig, Axis | SpringBlock | TowedBlock):
             raise InputError(
                 "rig must be an Axis, SpringBlock or TowedBlock, whose mass and stiffness are"
@@ -66,7 +70,7 @@ class Bench(Parametrised):
             )
         mass = rig.inertia if isinstance(rig, Axis) else rig.mass
         stiffness = rig.stiffness or 100.0 * mass
-        return cls(law=law, load=load, mass=mass, stiffness=stiffness)
+        return cls(law=law, load=load, mass=mass, stiffness=stiffness, first=first)
 
     @functools.cached_property
     def levels(self) -> tuple[float, float]:
@@ -83,9 +87,16 @@ class Bench(Parametrised):
         found = found or ([held] if held > 0.0 else [slow])
         return min(found), max(*found, held)
 
+    @property
+    def force(self) -> float:
+        """Force that settings of tests count in [N]: the highest level."""
+        return (self.first or self).levels[1]
+
     @functools.cached_property
     def speed(self) -> float:
         """Speed at which friction changes [m/s]: the Stribeck velocity, or one like it."""
+        if self.first is not None:
+            return self.first.speed
         names = [name for name, one in fields_of(type(self.law)).items() if one.scale == "speed"]
         found = [float(getattr(self.law, name)) for name in names if getattr(self.law, name)]
         return min(found, default=USUAL_SPEED)

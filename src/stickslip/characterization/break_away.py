@@ -129,7 +129,7 @@ def break_away(
     >>> [round(float(one), 6) for one in break_away(Bench(law=law), rates=(1.0, 30.0)).force]
     [1.5, 1.5]
     """
-    top = bench.levels[1]
+    top = bench.force
     rates = [top * one for one in RATES] if rates is None else rates
     return BreakAway(
         rate=np.array(rates, dtype=np.float64),
@@ -137,8 +137,8 @@ def break_away(
         dwell=np.array(dwells, dtype=np.float64),
         force_after=np.array([_rested(bench, dwell) for dwell in dwells]),
         conditions=(
-            f"{quantity(bench.mass, 'kg')} pulled by a growing force; at rest for up to"
-            f" {quantity(max(dwells), 's')} after sliding, then moved at up to"
+            f"{quantity(bench.mass, 'kg')} pulled by a growing force; normal force"
+            f" {quantity(bench.load, 'N')}. After rest: moved at up to"
             f" {quantity(0.1 * bench.speed, 'm/s')}."
         ),
     )

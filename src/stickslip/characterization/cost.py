@@ -92,7 +92,7 @@ def cost(bench: Bench) -> Cost:
     >>> cost(Bench(law=Coulomb(kinetic_coefficient=0.5))).largest_rate
     0.0
     """
-    force = FORCE * bench.levels[1]
+    force = FORCE * bench.force
     axis = Axis(
         inertia=bench.mass, drive=Sine(amplitude=force, frequency=FREQUENCY), load=bench.load
     )

@@ -110,7 +110,7 @@ def hunting(bench: Bench, *, t_end: float = LONG) -> Hunting:
         The motion, and the cycle after its beginning.
     """
     proportional, integral, derivative = (bench.mass * one for one in GAINS)
-    target = FAR * bench.levels[1] / proportional
+    target = FAR * bench.force / proportional
     loop = closed_loop(
         Axis(inertia=bench.mass, load=bench.load),
         bench.law,

@@ -171,17 +171,22 @@ def _moved(
         return tuple(one + step * rate for one, rate in zip(z, by, strict=True))
 
     work = np.zeros_like(v)
-    before = np.asarray(law.force(v, load, z)) * v
+    before, k1 = np.asarray(law.force(v, load, z)) * v, rates(z)
     for _ in range(count):
-        k1 = rates(z)
         k2 = rates(after(0.5 * h, k1))
         k3 = rates(after(0.5 * h, k2))
         k4 = rates(after(h, k3))
-        middle = np.asarray(law.force(v, load, after(0.5 * h, k2))) * v
+        start, first = z, k1
         z = tuple(
             one + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
             for one, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
         )
+        k1 = rates(z)
+        half = tuple(  # of the cubic through both ends
+            0.5 * (a + b) + h / 8.0 * (c - d)
+            for a, b, c, d in zip(start, z, first, k1, strict=True)
+        )
+        middle = np.asarray(law.force(v, load, half)) * v
         now = np.asarray(law.force(v, load, z)) * v
         work = work + h / 6.0 * (before + 4.0 * middle + now)
         before = now

@@ -35,6 +35,8 @@ LATE = 0.6
 """Share of a run from which on its motion counts."""
 RATIO = 4.0
 """Ratio of durations up to which runs are made together."""
+DAMPING = 0.02
+"""Damping ratio of the spring: without, what a start leaves behind would never die out."""
 STUCK = 0.1
 """Least speed over that of the belt below which the body sticks."""
 HALVINGS = 8
@@ -65,6 +67,9 @@ class StickSlipMap(Characteristic):
     linear: Array
     """Highest speed at which steady sliding is unstable, by linearisation (m,) [m/s]; 0 where none
     is, infinity where it is at the highest speed of the map."""
+    closed_form: Array
+    """The boundary in closed form (m,) [m/s], where there is one: of laws with a static level above
+    a sliding level that is the same at all speeds; else NaN."""
     uncertified: int
     """Runs that are not certified and count as sliding."""
 
@@ -83,8 +88,8 @@ class StickSlipMap(Characteristic):
                 " a drive that is faster or stiffer than these."
             )
         if not np.isfinite(limit):
-            slides = "does not stick" if np.isnan(limit) else "sticks at every speed"
-            return f"At {at} it {slides}; the boundary crosses the map elsewhere."
+            what = "nowhere sticks and slips" if np.isnan(limit) else "sticks and slips everywhere"
+            return f"On a spring of {at} it {what} at the speeds of the map."
         linear = self.linear[place]
         beyond = ""
         if np.isfinite(linear) and 0.0 < linear < 0.9 * limit:
@@ -177,10 +182,12 @@ def stick_slip_map(
         sticks=sticks,
         boundary=boundary,
         linear=np.array([_linear_limit(bench, one, v) for one in k]),
+        closed_form=_closed_form(bench, k),
         uncertified=bad,
         conditions=(
-            f"{quantity(bench.mass, 'kg')} pulled without a damper, from rest with the spring"
-            f" stretched to the level of sliding; normal force {quantity(bench.load, 'N')}."
+            f"{quantity(bench.mass, 'kg')} pulled by a spring with a damping ratio of {DAMPING:g},"
+            " from rest with the spring stretched to the level of sliding; normal force"
+            f" {quantity(bench.load, 'N')}."
         ),
     )
 
@@ -188,7 +195,7 @@ def stick_slip_map(
 def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, int]:
     """Return amplitudes of speed over the belt's, who sticks, and how many runs are uncertified."""
     low, high = bench.levels
-    rig = TowedBlock(mass=bench.mass, stiffness=1.0, speed=1.0, load=bench.load)
+    rig = TowedBlock(mass=bench.mass, stiffness=1.0, speed=1.0, damping=1.0, load=bench.load)
     stretched = high / (stiffness * np.abs(speed))
     needed = STRETCHES * stretched + PERIODS * 2.0 * np.pi * np.sqrt(bench.mass / stiffness)
     amplitude, sticks = np.zeros(len(speed)), np.zeros(len(speed), dtype=bool)
@@ -197,7 +204,11 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
     for one in np.unique(group):
         chosen = np.flatnonzero(group == one)
         end = float(needed[chosen].max())
-        varied = {"mechanism.speed": speed[chosen], "mechanism.stiffness": stiffness[chosen]}
+        varied = {
+            "mechanism.speed": speed[chosen],
+            "mechanism.stiffness": stiffness[chosen],
+            "mechanism.damping": _damper(bench, stiffness[chosen]),
+        }
         runs = ensemble(
             rig,
             bench.law,
@@ -212,6 +223,36 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
         amplitude[chosen] = np.where(good, 0.5 * (fast - slow), np.nan)
         sticks[chosen] = good & (slow < STUCK) & (fast > 1.0 + STUCK)
     return amplitude, sticks, bad
+
+
+def _damper(bench: Bench, stiffness: Array | float) -> Array:
+    """Return the damper beside a spring [N s/m]."""
+    return np.asarray(2.0 * DAMPING * np.sqrt(bench.mass * stiffness))
+
+
+def _closed_form(bench: Bench, stiffness: Array) -> Array:
+    """Return the boundary of a law with two levels; NaN of others.
+
+    While the body slips, its velocity relative to the belt is a damped swing; it sticks again if
+    the next maximum reaches the belt's speed.
+    """
+    from scipy.optimize import brentq
+
+    law, load = bench.law, bench.load
+    speeds = bench.speed * np.geomspace(1e-3, 1e3, 61)
+    sliding = np.asarray(law.steady(speeds, load)) + np.zeros_like(speeds)
+    surplus = float(law.towards(1).break_away(load)) - float(sliding[0])
+    if law.states or np.ptp(sliding) > 1e-9 * sliding.max() or not surplus > 0.0:
+        return np.full(len(stiffness), np.nan)
+    share = np.sqrt(1.0 - DAMPING * DAMPING)
+
+    def excess(ratio: float) -> float:
+        phase = 2.0 * np.pi - np.arctan2(ratio * share, 1.0 - DAMPING * ratio)
+        wave = np.cos(phase) + (DAMPING - ratio) / share * np.sin(phase)
+        return float(np.exp(-DAMPING * phase / share) * wave - 1.0)
+
+    critical = float(brentq(excess, 1e-6, 1e3))
+    return np.asarray(surplus / (np.sqrt(stiffness * bench.mass) * critical))
 
 
 def _linear_limit(bench: Bench, stiffness: float, speeds: Array) -> float:
@@ -236,6 +277,7 @@ def _grows(bench: Bench, stiffness: float, speed: float) -> bool:
     matrix[0, 1] = 1.0  # the body's place
     matrix[1, 0] = -stiffness / bench.mass
     matrix[1:, 1:] = inner
+    matrix[1, 1] -= float(_damper(bench, stiffness)) / bench.mass
     values = np.linalg.eigvals(matrix)
     return bool(values.real.max() > 1e-9 * np.abs(values).max())
 

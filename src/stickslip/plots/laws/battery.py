@@ -99,7 +99,7 @@ def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
             _line(axes, [0, 0], [-one.break_away[0], one.break_away[1]], style[title])
     slow = factor * 10.0 * min(np.abs(one.velocity).min() for one in results.values())
     fast = factor * max(one.velocity.max() for one in results.values())
-    decades = 10.0 ** np.arange(np.ceil(np.log10(slow)), np.log10(fast) + 0.01, 2)
+    decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
     axes.set_xscale("symlog", linthresh=slow, linscale=0.5)
     ticks = [*-decades[::-1], 0.0, *decades]
     axes.set_xticks(ticks, [number(one) for one in ticks])
@@ -150,6 +150,9 @@ def _map(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
             if linear.any():
                 x, y = factor * one.linear[linear], one.stiffness[linear]
                 axes.plot(x, y, ":", color=MUTED, label="steady sliding is stable beyond")
+            if np.isfinite(one.closed_form).any():
+                x = factor * one.closed_form
+                axes.plot(x, one.stiffness, "--", color=C2, label="closed form")
             axes.legend(fontsize="small", loc="upper right")
     if not first.sticks.any():
         axes.text(0.5, 0.5, "nowhere", transform=axes.transAxes, color=MUTED, ha="center")
