@@ -9,9 +9,11 @@ from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import FrictionLaw as _FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
+from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
+from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
@@ -36,6 +38,7 @@ from stickslip.friction.registry import is_composition as is_composition
 from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
+from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
