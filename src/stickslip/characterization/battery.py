@@ -21,10 +21,11 @@ from stickslip.characterization.lag import Lag, lag
 from stickslip.characterization.passivity import Passivity, passivity
 from stickslip.characterization.steady import SteadyCurve, steady_curve
 from stickslip.characterization.stick_slip import StickSlipMap, stick_slip_map
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, SimulationError, UnknownNameError
-from stickslip.formatting import capital, joined, number
-from stickslip.friction import FrictionLaw, bound, law_type
+from stickslip.formatting import capital, joined, number, unit_text
+from stickslip.friction import FrictionLaw, law_type
 from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, fields_of
@@ -209,17 +210,18 @@ def characterize(
         for i, one in enumerate(given[1:], 1):
             given[i], notes[i] = _matched(one, given[0])
     tried = [
-        (title, twin, note)
+        (title, twin, at, note)
         for one, note in zip(given, notes, strict=True)
-        for title, twin in _levels(one, inputs or {})
+        for title, twin, at in _levels(one, inputs or {})
     ]
     _refuse_unused(inputs or {}, given)
-    titles = _distinct([title for title, _, _ in tried])
-    first = Bench.of(tried[0][1], load, rig)
-    rest = [Bench.of(one, load, rig, first if match else None) for _, one, _ in tried[1:]]
+    titles = _distinct([title for title, *_ in tried])
+    benches: list[Bench] = []
+    for _, one, at, _ in tried:
+        benches.append(Bench.of(one, load, rig, at, benches[0] if benches and match else None))
     count, done = len(chosen) * len(tried), itertools.count(1)
     found: list[Characterization] = []
-    for title, bench, (_, one, note) in zip(titles, (first, *rest), tried, strict=True):
+    for title, bench, (_, one, _, note) in zip(titles, benches, tried, strict=True):
         results: dict[str, Any] = {}
         failed: dict[str, str] = {}
         for name in chosen:
@@ -293,8 +295,8 @@ def _matched(law: FrictionLaw, first: FrictionLaw) -> tuple[FrictionLaw, str]:
 
 def _levels(
     law: FrictionLaw, inputs: Mapping[str, float | Sequence[float]]
-) -> Iterator[tuple[str, FrictionLaw]]:
-    """Return the law at each combination of values of its inputs, with its title."""
+) -> Iterator[tuple[str, FrictionLaw, dict[str, float]]]:
+    """Return the law at each combination of values of its inputs, with its title and the values."""
     missing = [name for name in law.inputs if name not in inputs]
     if missing:
         raise InputError(
@@ -305,8 +307,14 @@ def _levels(
     choices = [np.atleast_1d(np.asarray(inputs[name], dtype=float)) for name in law.inputs]
     for values in itertools.product(*choices):
         at = {name: float(one) for name, one in zip(law.inputs, values, strict=True)}
-        told = "".join(f", {name} = {number(one, 4)}" for name, one in at.items())
-        yield f"{law.title}{told}", bound(law, at) if at else law
+        told = "".join(f", {name} {_input_text(name, one)}" for name, one in at.items())
+        yield f"{law.title}{told}", law, at
+
+
+def _input_text(name: str, value: float) -> str:
+    """Return a value of an input with its unit."""
+    unit = unit_text(CONTACT_INPUTS[name].unit) if name in CONTACT_INPUTS else ""
+    return f"{number(value, 4)} {unit}".strip()
 
 
 def _refuse_unused(

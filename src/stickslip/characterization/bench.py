@@ -3,8 +3,8 @@
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, ClassVar, Self, final
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +13,23 @@ from typing_extensions import override
 from stickslip.characterization.presliding import presliding_length
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Scalar
-from stickslip.mechanisms import Axis, Contact, Guide, Mechanism, SpringBlock, TowedBlock
+from stickslip.mechanisms import (
+    Axis,
+    Contact,
+    Guide,
+    Mechanism,
+    SpringBlock,
+    TowedBlock,
+    given_inputs,
+)
 from stickslip.quantities import Parametrised, Quantity, fields_of
 
 __all__ = ["Array", "Bench", "GuidedContact", "there_and_back"]
 
 Array = NDArray[np.float64]
+M = TypeVar("M", bound=Mechanism)
 
 USUAL_SPEED = 1e-3
 """Speed that stands for the one at which friction changes where a law has none [m/s]."""
@@ -40,20 +49,27 @@ class Bench(Parametrised):
     """A law with the sizes that its tests take their settings from."""
 
     law: FrictionLaw
-    """The law."""
+    """The law, as runs take it."""
     load: Annotated[float, Quantity("N", "N", above=0)] = 1.0
     """Normal force."""
     mass: Annotated[float, Quantity("m", "kg", above=0)] = 1.0
     """Mass of the body."""
     stiffness: Annotated[float, Quantity("k", "N/m", above=0)] = 100.0
     """Stiffness of the spring that pulls it, where it is pulled by one."""
+    inputs: Mapping[str, float] = field(default_factory=dict)
+    """Values of the inputs that the law depends on, by name [SI, temperature in degC]."""
     first: "Bench | None" = None
     """The bench of the law that this one stands beside: speeds and forces of tests are its own."""
 
     @classmethod
     def of(
-        cls, law: FrictionLaw, load: float, rig: Mechanism | None, first: Self | None = None
-    ) -> Self:
+        cls,
+        law: FrictionLaw,
+        load: float,
+        rig: Mechanism | None,
+        inputs: Mapping[str, float] | None = None,
+        first: "Bench | None" = None,
+    ) -> "Bench":
         """Return the bench of a law, with mass and stiffness of a mechanism if there is one.
 
         Raises
@@ -62,7 +78,7 @@ class Bench(Parametrised):
             If the mechanism is none of which mass and stiffness are those of one body.
         """
         if rig is None:
-            return cls(law=law, load=load, first=first)
+            return cls(law=law, load=load, inputs=inputs or {}, first=first)
         if not isinstance(rig, Axis | SpringBlock | TowedBlock):
             raise InputError(
                 "rig must be an Axis, SpringBlock or TowedBlock, whose mass and stiffness are"
@@ -70,7 +86,19 @@ class Bench(Parametrised):
             )
         mass = rig.inertia if isinstance(rig, Axis) else rig.mass
         stiffness = rig.stiffness or 100.0 * mass
-        return cls(law=law, load=load, mass=mass, stiffness=stiffness, first=first)
+        return cls(
+            law=law,
+            load=load,
+            mass=mass,
+            stiffness=stiffness,
+            inputs=inputs or {},
+            first=first,
+        )
+
+    @functools.cached_property
+    def curve(self) -> FrictionLaw:
+        """The law bound to the values of its inputs, which can be asked for numbers."""
+        return bound(self.law, self.inputs) if self.inputs else self.law
 
     @functools.cached_property
     def levels(self) -> tuple[float, float]:
@@ -82,8 +110,8 @@ class Bench(Parametrised):
             if scale in ("level", "level+") and (value := getattr(self.law, name)) is not None
         ]
         found = [one for one in found if one > 0.0]
-        held = float(self.law.towards(1).break_away(self.load))
-        slow = abs(float(self.law.steady(USUAL_SPEED, self.load)))
+        held = float(self.curve.towards(1).break_away(self.load))
+        slow = abs(float(self.curve.steady(USUAL_SPEED, self.load)))
         found = found or ([held] if held > 0.0 else [slow])
         return min(found), max(*found, held)
 
@@ -104,14 +132,18 @@ class Bench(Parametrised):
     @functools.cached_property
     def length(self) -> float:
         """Presliding length [m]; 0 where nothing deflects."""
-        return presliding_length(self.law, self.load) if self.law.states else 0.0
+        return presliding_length(self.curve, self.load) if self.law.states else 0.0
+
+    def on(self, mechanism: M) -> M:
+        """Return a mechanism that tells the law the values of its inputs."""
+        return given_inputs(mechanism, self.inputs) if self.inputs else mechanism
 
     @property
     def reach(self) -> float:
         """The presliding length, or what stands for it [m]."""
         return self.length or RIGID
 
-    def guided(self, path: Drive, *, rate: float = 0.0) -> "GuidedContact":
+    def guided(self, path: Drive, *, rate: float = 0.0) -> Mechanism:
         """Return the contact moved by a load cell whose deflection is far below the reach.
 
         Parameters
@@ -123,7 +155,7 @@ class Bench(Parametrised):
         """
         ratio, time = (STIFF, QUICK) if self.law.states else (SOFT, SLUGGISH)
         stiffness = ratio * self.levels[1] / self.reach
-        return GuidedContact(
+        contact = GuidedContact(
             mass=stiffness * time * time,
             stiffness=stiffness,
             damping=2.0 * stiffness * time,
@@ -131,11 +163,12 @@ class Bench(Parametrised):
             rate=rate,
             load=self.load,
         )
+        return self.on(contact)
 
     @property
     def sticks(self) -> bool:
         """Whether some force leaves a body at rest."""
-        return float(self.law.break_away(self.load)) > 0.0
+        return float(self.curve.break_away(self.load)) > 0.0
 
     @property
     def threshold(self) -> str:

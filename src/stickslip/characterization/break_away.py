@@ -149,7 +149,7 @@ def _pulled(bench: Bench, rate: float) -> float:
     if not bench.sticks:
         return float("nan")
     axis = Axis(inertia=bench.mass, drive=Ramp(rate=rate), load=bench.load)
-    run = simulate(axis, bench.law, t_end=2.0 * bench.levels[1] / rate)
+    run = simulate(bench.on(axis), bench.law, t_end=2.0 * bench.levels[1] / rate)
     for event in run.events:
         if event.reason == "break-away":
             return float(rate * event.t)

@@ -96,7 +96,7 @@ def cost(bench: Bench) -> Cost:
     axis = Axis(
         inertia=bench.mass, drive=Sine(amplitude=force, frequency=FREQUENCY), load=bench.load
     )
-    run = simulate(axis, bench.law, t_end=LONG, y0=bench.deflected())
+    run = simulate(bench.on(axis), bench.law, t_end=LONG, y0=bench.deflected())
     speeds = bench.speed * np.geomspace(10.0**-DECADES, 10.0**DECADES, SPEEDS)
     rates = [float(np.abs(np.linalg.eigvals(slopes_at(bench, float(v)))).max()) for v in speeds]
     return Cost(

@@ -241,7 +241,7 @@ def _pushed(
     """Return the run of a body under a force and a ripple."""
     force = bias + Sine(amplitude=ripple, frequency=FREQUENCY)
     axis = Axis(inertia=bench.mass, drive=force, load=bench.load, damping=damping)
-    return simulate(axis, bench.law, t_end=end, y0=bench.deflected())
+    return simulate(bench.on(axis), bench.law, t_end=end, y0=bench.deflected())
 
 
 def _mean(run: Trajectory, until: float) -> float:
@@ -255,10 +255,10 @@ def _balanced(bench: Bench, force: float) -> float:
     from scipy.optimize import brentq
 
     def excess(speed: float) -> float:
-        return float(bench.law.steady(speed, bench.load)) - force
+        return float(bench.curve.steady(speed, bench.load)) - force
 
     speeds = bench.speed * np.geomspace(1e-9, 1e6, 301)
-    if float(bench.law.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
+    if float(bench.curve.break_away(bench.load)) >= force or excess(speeds[0]) >= 0.0:
         return 0.0
     above = [speed for speed in speeds if excess(speed) >= 0.0]
     if not above:

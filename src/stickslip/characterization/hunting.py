@@ -69,14 +69,9 @@ class Hunting(Characteristic):
         left = abs(self.error)
         if left <= LEAST * abs(self.target):
             return "It does not hunt: the integral part brings it to its target."
-        return (
-            f"No limit cycle is seen: it is {quantity(left, 'm')} from its target of"
-            f" {quantity(self.target, 'm')} after {quantity(float(self.t[-1]), 's')}, and comes"
-            " nearer slowly."
-            if self.kind != "decaying"
-            else f"Its swing about the target dies out; {quantity(left, 'm')} are left after"
-            f" {quantity(float(self.t[-1]), 's')}."
-        )
+        ends = f"{quantity(left, 'm')} from its target of {quantity(self.target, 'm')}"
+        what = "Its swing dies out" if self.kind == "decaying" else "No limit cycle is seen"
+        return f"{what}: after {quantity(float(self.t[-1]), 's')} it is {ends}."
 
     @override
     def to_dataframe(self) -> "pd.DataFrame":
@@ -112,7 +107,7 @@ def hunting(bench: Bench, *, t_end: float = LONG) -> Hunting:
     proportional, integral, derivative = (bench.mass * one for one in GAINS)
     target = FAR * bench.force / proportional
     loop = closed_loop(
-        Axis(inertia=bench.mass, load=bench.load),
+        bench.on(Axis(inertia=bench.mass, load=bench.load)),
         bench.law,
         PID(proportional=proportional, integral=integral, derivative=derivative, reference=target),
         period=PERIOD,

@@ -120,7 +120,7 @@ def lag(bench: Bench, *, frequencies: Sequence[float] = FREQUENCIES) -> Lag:
         if not bench.law.states:  # friction is a function of the velocity: no run is needed
             shares = np.concatenate([np.linspace(0.0, 1.0, POINTS), [slowing, 1.0 - slowing]])
             v = bench.speed * (MEAN + SWING * np.cos(2.0 * np.pi * shares))
-            force = np.asarray(bench.law.steady(v, bench.load)) + np.zeros_like(v)
+            force = np.asarray(bench.curve.steady(v, bench.load)) + np.zeros_like(v)
             velocities.append(v[:-2])
             forces.append(force[:-2])
             levels.append(force[-2:])

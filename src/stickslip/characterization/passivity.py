@@ -216,7 +216,7 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
     >>> print(passivity(Bench(law=Coulomb(kinetic_coefficient=0.5))).sentence)
     It is passive: friction acts against the velocity at every speed.
     """
-    law, load = bench.law, bench.load
+    law, load = bench.curve, bench.load
     conditions = f"Normal force {quantity(load, 'N')}; velocities that jump and stay constant"
     scale = bench.levels[1] * bench.reach
     if not law.states:

@@ -105,7 +105,7 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     >>> print(steady_curve(Bench(law=law)).sentence)
     Break-away takes 1.5 N, sliding 1 N. A drive that is soft can stick and slip.
     """
-    law, load = bench.law, bench.load
+    law, load = bench.curve, bench.load
     reach = 10.0**DECADES
     speeds = bench.speed * np.geomspace(1.0 / reach, reach, SAMPLES)
     velocity = np.concatenate([-speeds[::-1], speeds])

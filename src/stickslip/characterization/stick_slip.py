@@ -210,7 +210,7 @@ def _runs(bench: Bench, speed: Array, stiffness: Array) -> tuple[Array, Array, i
             "mechanism.damping": _damper(bench, stiffness[chosen]),
         }
         runs = ensemble(
-            rig,
+            bench.on(rig),
             bench.law,
             {**varied, "initial.x": -low / stiffness[chosen]},
             t_end=end,
@@ -238,7 +238,7 @@ def _closed_form(bench: Bench, stiffness: Array) -> Array:
     """
     from scipy.optimize import brentq
 
-    law, load = bench.law, bench.load
+    law, load = bench.curve, bench.load
     speeds = bench.speed * np.geomspace(1e-3, 1e3, 61)
     sliding = np.asarray(law.steady(speeds, load)) + np.zeros_like(speeds)
     surplus = float(law.towards(1).break_away(load)) - float(sliding[0])
@@ -297,7 +297,7 @@ def slopes_at(bench: Bench, speed: float) -> Array:
     array (n, n)
         Slopes of the rates of velocity and states by velocity and states.
     """
-    law, load = bench.law, bench.load
+    law, load = bench.curve, bench.load
     at = np.array([speed, *settled(law, load, speed)])
     columns = []
     for i, size in enumerate([speed, *([bench.reach] * len(law.states))]):
