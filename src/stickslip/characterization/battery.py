@@ -271,7 +271,8 @@ def law_with_values(given: Given, load: float) -> FrictionLaw:
         raise InputError(
             f"a law must be a FrictionLaw, its type, or its name or composition, got {given!r}."
         )
-    return starting_law(kind, load)
+    typical = getattr(kind, "typical", None)
+    return starting_law(kind, load) if typical is None else kind(**typical.values)
 
 
 def _matched(law: FrictionLaw, first: FrictionLaw) -> tuple[FrictionLaw, str]:

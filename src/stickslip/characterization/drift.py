@@ -55,6 +55,11 @@ class Drift(Characteristic):
     """What the load stays below."""
 
     @property
+    def stays(self) -> bool:
+        """Whether the body stays in its place."""
+        return abs(self.distance) <= STILL * self.length
+
+    @property
     def rate(self) -> float:
         """Speed of the drift [m/s]."""
         return self.distance / self.lasts
@@ -62,7 +67,7 @@ class Drift(Characteristic):
     @property
     @override
     def sentence(self) -> str:
-        if abs(self.distance) <= STILL * self.length:
+        if self.stays:
             return "It does not drift: under a load below break-away the body stays in its place."
         return (
             f"It drifts: {quantity(abs(self.distance), 'm')} in {quantity(self.lasts, 's')} under a"
@@ -162,9 +167,14 @@ class Creep(Characteristic):
     """Displacement that counts as large here: the presliding length [m]."""
 
     @property
+    def stays(self) -> bool:
+        """Whether the body stays in its place."""
+        return abs(self.speed * self.t[-1]) <= STILL * self.length
+
+    @property
     @override
     def sentence(self) -> str:
-        if abs(self.speed * self.t[-1]) <= STILL * self.length:
+        if self.stays:
             return "It does not creep: a constant force below break-away is held."
         if self.predicted > 0.0 or self.speed > 0.0:
             return (

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 __all__ = ["Presliding", "presliding"]
 
 SLOW, SLOW_ENOUGH = 1e-4, 1e-2
-"""Highest speed on the path over the one at which friction changes, so that only the path matters;
-the second where the contact has no states."""
+"""Highest speed on the path over the one at which friction changes, so that only the path matters:
+wanted, and allowed."""
+LONG = 100.0
+"""Time of a way as long as the amplitude for which the allowed speed is taken rather [s]."""
 TURNS = (1.0, -1.0, 0.5, -0.25, 0.5, -1.0, 1.0)
 """Where the path turns, over its amplitude; the inner loop goes from the third and back to it."""
 INNER = (0.8, 0.4, 0.8)
@@ -120,7 +122,8 @@ def presliding(
     ('local', -0.292)
     """
     reach = 2.0 * bench.reach if amplitude is None else amplitude
-    speed = (SLOW if bench.law.states else SLOW_ENOUGH) * bench.speed
+    wanted, allowed = SLOW * bench.speed, SLOW_ENOUGH * bench.speed
+    speed = min(max(wanted, reach / LONG), allowed) if bench.law.states else allowed
     turns = reach * np.array(TURNS)
     x, force = _followed(bench, turns, speed)
     change = 0.0
