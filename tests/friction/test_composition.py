@@ -85,7 +85,7 @@ def test_a_text_is_read_written_and_pickled_as_one_class(text):
     assert pickle.loads(pickle.dumps(kind)) is kind
     one = started(kind)
     assert pickle.loads(pickle.dumps(one)) == one
-    assert repr(one).startswith(text)
+    assert repr(one).startswith(text if kind.name == text else kind.__name__)
 
 
 @pytest.mark.parametrize("text", FREE)
@@ -379,7 +379,7 @@ def test_a_composition_of_one_contact_is_never_taken_for_that_of_all(tmp_path):
 
 def test_a_missing_parameter_is_asked_for_under_the_table_that_is_there(tmp_path):
     path = tmp_path / "rig.toml"
-    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "simscape"\n'
+    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + lorentz"\n'
     path.write_text(text, encoding="utf-8")
     with pytest.raises(
         InputError, match=r"Add kinetic_coefficient under \[friction\.NAME\] or \[friction\]"

@@ -264,8 +264,8 @@ def canonical(term: Term) -> str:
         case Around(head=head, inner=inner):
             return f"{head}({canonical(inner)})"
         case Product(first=first, factors=factors):
-            inner = canonical(first)
-            return " * ".join((f"({inner})" if "+" in inner else inner, *sorted(map(str, factors))))
+            text = canonical(first)
+            return " * ".join((f"({text})" if "+" in text else text, *sorted(map(str, factors))))
         case _:
             return str(term)
 
