@@ -1,7 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip import adapters as adapters
 from stickslip import catalogue as catalogue
-from stickslip import characterize as characterize
+from stickslip import characterization as characterization
 from stickslip import control as control
 from stickslip import drives as drives
 from stickslip import errors as errors
@@ -23,6 +23,7 @@ from stickslip import selection as selection
 from stickslip import solver as solver
 from stickslip import sweep as sweep
 from stickslip import testing as testing
+from stickslip.characterization import characterize as characterize
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
@@ -176,6 +177,7 @@ __all__ = [
     "WarmViscous",
     "__version__",
     "animate",
+    "characterize",
     "check",
     "compare_trials",
     "ensemble",
