@@ -176,7 +176,11 @@ def _selected(
 ) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
     names = found.route.candidates(laws, found.measurement)
-    with watching(names, found) as watch, workers(min(jobs, len(names))) as executor:
+    climbs = laws is None and found.route.climbs
+    with (
+        watching(names, found, at_most=climbs) as watch,
+        workers(min(jobs, len(names))) as executor,
+    ):
         request = SelectRequest(
             mechanism=rig.mechanism,
             laws=laws,

@@ -37,12 +37,12 @@ HOMES = {
     "SetValuedLaw": "base",
     "bound": "base",
     "contained_laws": "registry",
-    "containment_of": "base",
+    "containment_of": "containment",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "usual_specifications": "registry",
+    "usual_specifications": "ladder",
 }
 
 INSIDE = {
@@ -54,6 +54,8 @@ INSIDE = {
     "force_parameters": "base",
     "given_to": "by_contact",
     "is_composition": "registry",
+    "Rung": "ladder",
+    "rungs": "ladder",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -8,7 +8,15 @@ from typing import Annotated, Any, NoReturn, TypeAlias, final
 
 from stickslip.described import alternatives, marks
 from stickslip.errors import InputError
-from stickslip.friction.notation import BOTH_WAYS, Around, Name, Sum, Term, terms_of
+from stickslip.friction.notation import (
+    BOTH_WAYS,
+    PER_DIRECTION,
+    Around,
+    Name,
+    Sum,
+    Term,
+    terms_of,
+)
 from stickslip.friction.parts.base import Level, Parameter, Part
 from stickslip.quantities import Quantity
 
@@ -16,8 +24,6 @@ __all__ = ["SIDES", "Choose", "Composition", "Leaf"]
 
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
-PER_DIRECTION = ("level", "slope")
-"""Scales of parameters that ``both_ways[levels]`` doubles."""
 
 Names: TypeAlias = Mapping[str, str | tuple[str, str]]
 """Field of the law by a part's own name of it; two where the directions have their own."""

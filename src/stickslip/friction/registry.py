@@ -10,15 +10,9 @@ from typing import Any, final
 from stickslip.errors import InputError
 from stickslip.friction import (
     LAW_MODULES,
-    Coulomb,
-    CoulombViscous,
     Dahl,
-    DirectionDependent,
     LuGre,
-    PowerViscous,
-    QuadraticDrag,
     Stribeck,
-    Viscous,
 )
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.classes import class_of
@@ -35,8 +29,8 @@ __all__ = [
     "law",
     "law_type",
     "laws",
+    "special_specifications",
     "specification",
-    "usual_specifications",
 ]
 
 LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
@@ -103,49 +97,40 @@ def law_type(name: str) -> type[FrictionLaw]:
     >>> law_type("lugre").title
     'LuGre'
     """
-    for one in usual_specifications():
+    for one in special_specifications():
         if one.name == name and name not in laws():
             raise InputError(
-                f"{name} is available only for fits to records: {one.law.name} with its exponent"
+                f"{name} is available only for fits to records: {one.law.name} with an exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
     kind: type[FrictionLaw] = law(name) if is_composition(name) else _law_named(laws(), name)
     return kind
 
 
-def usual_specifications() -> tuple[CandidateSpec, ...]:
-    """Return what records are compared with by default.
+def special_specifications() -> tuple[CandidateSpec, ...]:
+    """Return the candidates for records that are laws with other parameters free than usual.
 
     Examples
     --------
-    >>> [one.name for one in usual_specifications()][-3:]
-    ['stribeck-exponent', 'dahl', 'dahl-exponent']
+    >>> [one.name for one in special_specifications()]
+    ['stribeck-exponent', 'dahl', 'dahl-power', 'dahl-exponent', 'lugre-power']
     """
-    usual = (
-        Viscous,
-        Coulomb,
-        CoulombViscous,
-        DirectionDependent,
-        PowerViscous,
-        QuadraticDrag,
-        Stribeck,
-        LuGre,
-    )
-    return (
-        *(CandidateSpec.of(one.name, one) for one in usual),
-        CandidateSpec(
-            name="stribeck-exponent",
-            title="Stribeck with exponent",
-            law=Stribeck,
-            free=(*Stribeck.fit_order, "exponent"),
-        ),
-        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+    stribeck, lugre = Stribeck.fit_order, LuGre.fit_order
+    power = "viscous_exponent"
+    return tuple(
+        CandidateSpec(name=name, title=title, law=law, free=free)
+        for name, title, law, free in (
+            ("stribeck-exponent", "Stribeck with exponent", Stribeck, (*stribeck, "exponent")),
+            ("dahl", "Dahl", Dahl, PLAIN_DAHL),
+            ("dahl-power", "Dahl + power of speed", Dahl, (*PLAIN_DAHL, power)),
+            ("dahl-exponent", "Dahl with exponent", Dahl, Dahl.fit_order),
+            ("lugre-power", "LuGre + power of speed", LuGre, (*lugre, power)),
+        )
     )
 
 
 def specification(name: str) -> CandidateSpec:
-    """Return the candidate for records of that name: a usual one, or a law with all it can fit.
+    """Return the candidate for records of that name: a special one, or a law with all it can fit.
 
     Raises
     ------
@@ -162,7 +147,7 @@ def specification(name: str) -> CandidateSpec:
     if is_composition(name):
         return CandidateSpec.of(name, law(name))
     known = {one: CandidateSpec.of(one, kind) for one, kind in laws().items()}
-    known |= {one.name: one for one in usual_specifications()}
+    known |= {one.name: one for one in special_specifications()}
     found: CandidateSpec = _law_named(known, name)
     return found
 
