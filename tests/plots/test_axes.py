@@ -207,7 +207,7 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_ensemble: "runs must be an Ensemble",
         plots.plot_sweep: "result must be a VelocityMap, Bifurcation or Basins",
         plots.plot_law: "law must be a FrictionLaw",
-        plots.plot_presliding: "loop must be a PreslidingLoop or BristleLaw",
+        plots.plot_presliding: "loop must be a PreslidingLoop or FrictionLaw",
         plots.plot_separation: "verdict must be a TravelVerdict, got",
         plots.plot_limit_cycle: "run must be a Trajectory or ClosedLoop",
         plots.plot_band: "band must be a Band",
@@ -472,3 +472,8 @@ def test_what_a_backend_sets_as_it_is_loaded_outlasts_the_first_plot(tmp_path, m
         plt.close(plots.plot_law(LAW).figure)
         assert mpl.is_interactive()
     mpl.use("agg")
+
+
+def test_a_law_without_memory_has_no_presliding_to_plot():
+    with pytest.raises(InputError, match="Coulomb friction has no presliding"):
+        plots.plot_presliding(Coulomb(kinetic_coefficient=0.2))

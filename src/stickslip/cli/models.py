@@ -21,6 +21,7 @@ from stickslip.friction import (
     is_composition,
     law_type,
     laws,
+    listed,
 )
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity, fields_of
@@ -60,16 +61,8 @@ def _all(*, as_json: bool) -> None:
         found = {"laws": [_law(law) for law in laws().values()], "mechanisms": contacts}
         print_json(document("models", found))
         return
-    rows = [
-        [
-            name,
-            law.title,
-            "bristles" if law.states else "set-valued",
-            ", ".join(quantity.symbol for quantity in fields_of(law).values()),
-        ]
-        for name, law in laws().items()
-    ]
-    show_table("", ["law", "title", "kind", "parameters"], rows)
+    rows = [[name, one.title, str(one.composition or "")] for name, one in listed().items()]
+    show_table("", ["law", "title", "composition"], rows)
     stdout().print()
     names = [[name, kind.contact_names or "one"] for name, kind in mechanisms().items()]
     show_table("", ["mechanism", "contacts"], names)
@@ -216,7 +209,7 @@ def cite(names: Sequence[str], *, as_json: bool) -> None:
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
-    chosen = [law_type(name) for name in names] if names else list(laws().values())
+    chosen: Any = [law_type(name) for name in names] if names else list(listed().values())
     found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
     if as_json:
         content = {"software": own, "rig": SOURCES["paper"], "laws": found}

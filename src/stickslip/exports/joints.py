@@ -188,6 +188,7 @@ class Mjcf(Target):
 
     name: ClassVar[str] = "mjcf"
     title: ClassVar[str] = "MuJoCo (MJCF)"
+    evaluates: ClassVar[bool] = True
 
     @override
     def export(self, subject: Subject) -> Export:
@@ -231,6 +232,7 @@ class Urdf(Target):
 
     name: ClassVar[str] = "urdf"
     title: ClassVar[str] = "URDF"
+    evaluates: ClassVar[bool] = True
 
     @override
     def export(self, subject: Subject) -> Export:

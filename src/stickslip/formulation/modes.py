@@ -244,7 +244,6 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                 pending.append(switch.margin)
                 if context.varies(switch.margin):
                     on = switch.symbol > 0
-                    guards[SWITCH + index] = se.Piecewise(
-                        (switch.margin, on), (-switch.margin, True)
-                    )
+                    lasts = switch.margin if switch.hold is None else se.Integer(1)
+                    guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
     return replace(equations, guards=guards)

@@ -2,19 +2,23 @@
 
 from stickslip.lazy import attach
 
+NAMED = (
+    "Coulomb",
+    "Viscous",
+    "CoulombViscous",
+    "CoulombViscousStatic",
+    "DirectionDependent",
+    "PowerViscous",
+    "QuadraticDrag",
+    "Stribeck",
+    "Dahl",
+    "LuGre",
+)
+"""Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
 LAW_MODULES = {
-    "Coulomb": "named",
-    "Viscous": "named",
-    "CoulombViscous": "named",
-    "CoulombViscousStatic": "named",
-    "DirectionDependent": "named",
-    "PowerViscous": "named",
-    "QuadraticDrag": "named",
-    "Stribeck": "named",
-    "Dahl": "named",
-    "LuGre": "named",
+    **dict.fromkeys(NAMED, "registry"),
 }
-"""The laws of the package in the order of listings, with their modules: all that registers one."""
+"""The laws of the package in the order of listings, with what their classes are asked of."""
 
 HOMES = {
     **LAW_MODULES,
@@ -49,13 +53,16 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",
+    "anywhere": "base",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "force_parameters": "base",
     "given_to": "by_contact",
+    "is_bound": "base",
     "is_composition": "registry",
     "Rung": "ladder",
     "rungs": "ladder",
+    "listed": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

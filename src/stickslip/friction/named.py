@@ -4,18 +4,18 @@ from typing import Annotated
 
 from typing_extensions import Doc
 
-from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.classes import composed
 from stickslip.friction.coefficients import StaticCoefficient
 from stickslip.quantities import Quantity
 
 
 @composed("level + step")
-class Coulomb(SetValuedLaw):
+class Coulomb:
     """Constant kinetic friction, with an optional higher static level.
 
     Examples
     --------
+    >>> from stickslip import Coulomb
     >>> Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35).break_away(load=9.81)
     3.4335
     """
@@ -27,13 +27,14 @@ class Coulomb(SetValuedLaw):
 
 
 @composed("viscous")
-class Viscous(SetValuedLaw):
+class Viscous:
     """Friction of a fluid film, proportional to the speed, without a static level.
 
     A body under it never comes to rest in finite time.
 
     Examples
     --------
+    >>> from stickslip import Viscous
     >>> Viscous(viscous_coefficient=2.0).force(0.5, load=9.81)
     1.0
     """
@@ -44,11 +45,12 @@ class Viscous(SetValuedLaw):
 
 
 @composed("level + viscous + step")
-class CoulombViscous(SetValuedLaw):
+class CoulombViscous:
     """A constant level plus a viscous part proportional to the speed.
 
     Examples
     --------
+    >>> from stickslip import CoulombViscous
     >>> law = CoulombViscous(kinetic_coefficient=0.25, viscous_coefficient=0.1)
     >>> law.force(0.5, load=10.0)
     2.55
@@ -61,7 +63,7 @@ class CoulombViscous(SetValuedLaw):
 
 
 @composed("level + step + viscous")
-class CoulombViscousStatic(SetValuedLaw):
+class CoulombViscousStatic:
     """A static level, a lower kinetic level, and a viscous part proportional to the speed.
 
     The third of the classical laws. `CoulombViscous` with a static coefficient has the same forces,
@@ -70,6 +72,7 @@ class CoulombViscousStatic(SetValuedLaw):
 
     Examples
     --------
+    >>> from stickslip import CoulombViscousStatic
     >>> law = CoulombViscousStatic(
     ...     kinetic_coefficient=0.25, static_coefficient=0.35, viscous_coefficient=0.1
     ... )
@@ -87,7 +90,7 @@ class CoulombViscousStatic(SetValuedLaw):
 
 
 @composed("both_ways(level + viscous)")
-class DirectionDependent(FrictionLaw):
+class DirectionDependent:
     """Separate levels and viscous parts for each direction: screws, cable drives, preloaded guides.
 
     A constant force is not told apart from half the difference of the levels: give the mechanism
@@ -95,6 +98,7 @@ class DirectionDependent(FrictionLaw):
 
     Examples
     --------
+    >>> from stickslip import DirectionDependent
     >>> law = DirectionDependent(
     ...     forward_kinetic_coefficient=20.1,
     ...     backward_kinetic_coefficient=20.6,
@@ -121,7 +125,7 @@ class DirectionDependent(FrictionLaw):
 
 
 @composed("level + power", names={"viscous_exponent": "exponent"})
-class PowerViscous(SetValuedLaw):
+class PowerViscous:
     """A constant level plus a power of the speed, as for shear-thinning lubricants.
 
     Below a micrometre a second the power gives way to the straight line that meets it there. With
@@ -129,6 +133,7 @@ class PowerViscous(SetValuedLaw):
 
     Examples
     --------
+    >>> from stickslip import PowerViscous
     >>> law = PowerViscous(kinetic_coefficient=2.0, viscous_coefficient=4.0, exponent=0.5)
     >>> law.force(0.25, load=1.0)
     4.0
@@ -148,11 +153,12 @@ class PowerViscous(SetValuedLaw):
 
 
 @composed("level + viscous + drag")
-class QuadraticDrag(SetValuedLaw):
+class QuadraticDrag:
     """A constant level, a viscous part and quadratic drag, for motion through air or oil.
 
     Examples
     --------
+    >>> from stickslip import QuadraticDrag
     >>> law = QuadraticDrag(
     ...     kinetic_coefficient=0.5, viscous_coefficient=2.0, quadratic_coefficient=8.0
     ... )
@@ -170,7 +176,7 @@ class QuadraticDrag(SetValuedLaw):
 
 
 @composed("level + stribeck + viscous + peak", names={"fading_exponent": "exponent"})
-class Stribeck(SetValuedLaw):
+class Stribeck:
     """A kinetic level, a static excess that decays with speed, and a viscous part.
 
     The force that rest gives way to may lie above what sliding begins with: the factor ``peak`` of
@@ -178,6 +184,7 @@ class Stribeck(SetValuedLaw):
 
     Examples
     --------
+    >>> from stickslip import Stribeck
     >>> law = Stribeck(kinetic_coefficient=0.25, static_coefficient=0.35, stribeck_velocity=0.01)
     >>> law.force(1e-9, load=10.0), law.force(1.0, load=10.0)
     (3.49999999999999, 2.5)
@@ -199,7 +206,7 @@ class Stribeck(SetValuedLaw):
 
 
 @composed("dahl(level) + power", names={"yield_exponent": "exponent"})
-class Dahl(BristleLaw):
+class Dahl:
     """Elastic at small displacements, Coulomb friction at large ones: hysteresis without stiction.
 
     A viscous part may stand beside the bristles; that of a lubricant that thins grows with a power
@@ -207,6 +214,7 @@ class Dahl(BristleLaw):
 
     Examples
     --------
+    >>> from stickslip import Dahl
     >>> law = Dahl(kinetic_coefficient=0.25, bristle_stiffness=1e4)
     >>> law.steady(-0.1, load=9.81)
     -2.4525
@@ -227,7 +235,7 @@ class Dahl(BristleLaw):
 
 
 @composed("lugre(level + stribeck) + power", names={"fading_exponent": "exponent"})
-class LuGre(BristleLaw):
+class LuGre:
     """Presliding, Stribeck curve, frictional lag and rate-dependent break-away with one state.
 
     The viscous part may grow with a power of the speed, as that of a lubricant that thins; below a
@@ -235,6 +243,7 @@ class LuGre(BristleLaw):
 
     Examples
     --------
+    >>> from stickslip import LuGre
     >>> law = LuGre(
     ...     kinetic_coefficient=1.0,
     ...     static_coefficient=1.5,

@@ -4,18 +4,15 @@ import functools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, final
 
+from typing_extensions import override
+
 from stickslip.errors import InputError
-from stickslip.friction import (
-    LAW_MODULES,
-    Dahl,
-    LuGre,
-    Stribeck,
-)
+from stickslip.friction import LAW_MODULES
+from stickslip.friction import named as entries
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.classes import class_of
+from stickslip.friction.classes import CATALOGUE, Entry, class_of
 from stickslip.friction.notation import Term, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
@@ -29,16 +26,41 @@ __all__ = [
     "law",
     "law_type",
     "laws",
+    "listed",
     "special_specifications",
     "specification",
 ]
 
-LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
-    {
-        one.name: one
-        for one in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
-    }
-)
+
+@final
+class _Lazy(Mapping[str, type[FrictionLaw]]):
+    """Classes of laws by name; that of a composition is made when it is asked for."""
+
+    def __init__(self) -> None:
+        own = {name: module for name, module in LAW_MODULES.items() if module != "registry"}
+        kinds = own_classes("stickslip.friction", own, FrictionLaw)  # type: ignore[type-abstract]  # a base
+        self._known: dict[str, Entry | type[FrictionLaw]] = dict(CATALOGUE)
+        self._known |= {kind.name: kind for kind in kinds}
+
+    @override
+    def __getitem__(self, name: str) -> type[FrictionLaw]:
+        found = self._known[name]
+        return found.law if isinstance(found, Entry) else found
+
+    @override
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    @override
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    @override
+    def __len__(self) -> int:
+        return len(self._known)
+
+
+LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
@@ -89,6 +111,18 @@ def laws() -> Mapping[str, type[FrictionLaw]]:
     return gathered(LAWS, "stickslip.friction", FrictionLaw)  # type: ignore[type-abstract]  # a base
 
 
+def listed() -> Mapping[str, Entry | type[FrictionLaw]]:
+    """Return what says of each law its title, sources and composition: entry, or class of its own.
+
+    Examples
+    --------
+    >>> listed()["lugre"].title
+    'LuGre'
+    """
+    known = laws()
+    return {name: CATALOGUE[name] if name in CATALOGUE else known[name] for name in known}
+
+
 def law_type(name: str) -> type[FrictionLaw]:
     """Return the law of that name, or say which known names are nearest.
 
@@ -97,13 +131,15 @@ def law_type(name: str) -> type[FrictionLaw]:
     >>> law_type("lugre").title
     'LuGre'
     """
-    for one in special_specifications():
-        if one.name == name and name not in laws():
+    if is_composition(name):
+        return law(name)
+    for one in special_specifications() if name not in laws() else ():
+        if one.name == name:
             raise InputError(
                 f"{name} is available only for fits to records: {one.law.name} with an exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
-    kind: type[FrictionLaw] = law(name) if is_composition(name) else _law_named(laws(), name)
+    kind: type[FrictionLaw] = _law_named(laws(), name)
     return kind
 
 
@@ -115,16 +151,21 @@ def special_specifications() -> tuple[CandidateSpec, ...]:
     >>> [one.name for one in special_specifications()]
     ['stribeck-exponent', 'dahl', 'dahl-power', 'dahl-exponent', 'lugre-power']
     """
-    stribeck, lugre = Stribeck.fit_order, LuGre.fit_order
+    stribeck, dahl, lugre = (LAWS[name] for name in ("stribeck", "dahl", "lugre"))
     power = "viscous_exponent"
     return tuple(
         CandidateSpec(name=name, title=title, law=law, free=free)
         for name, title, law, free in (
-            ("stribeck-exponent", "Stribeck with exponent", Stribeck, (*stribeck, "exponent")),
-            ("dahl", "Dahl", Dahl, PLAIN_DAHL),
-            ("dahl-power", "Dahl + power of speed", Dahl, (*PLAIN_DAHL, power)),
-            ("dahl-exponent", "Dahl with exponent", Dahl, Dahl.fit_order),
-            ("lugre-power", "LuGre + power of speed", LuGre, (*lugre, power)),
+            (
+                "stribeck-exponent",
+                "Stribeck with exponent",
+                stribeck,
+                (*stribeck.fit_order, "exponent"),
+            ),
+            ("dahl", "Dahl", dahl, PLAIN_DAHL),
+            ("dahl-power", "Dahl + power of speed", dahl, (*PLAIN_DAHL, power)),
+            ("dahl-exponent", "Dahl with exponent", dahl, dahl.fit_order),
+            ("lugre-power", "LuGre + power of speed", lugre, (*lugre.fit_order, power)),
         )
     )
 
@@ -146,10 +187,11 @@ def specification(name: str) -> CandidateSpec:
     """
     if is_composition(name):
         return CandidateSpec.of(name, law(name))
-    known = {one: CandidateSpec.of(one, kind) for one, kind in laws().items()}
-    known |= {one.name: one for one in special_specifications()}
-    found: CandidateSpec = _law_named(known, name)
-    return found
+    special = {one.name: one for one in special_specifications()}
+    if name in special:
+        return special[name]
+    _law_named(dict.fromkeys((*laws(), *special)), name)  # refuses unknown names
+    return CandidateSpec.of(name, laws()[name])
 
 
 def law(composition: str | Term) -> type[FrictionLaw]:
@@ -190,6 +232,9 @@ def law(composition: str | Term) -> type[FrictionLaw]:
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:
+    entry = vars(entries).get(name)
+    if isinstance(entry, Entry):
+        return entry.law
     try:
         return law(name)
     except InputError:

@@ -1,21 +1,25 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar, NamedTuple, Self, final
 
 from typing_extensions import override
 
-from stickslip.drives import Profile
+from stickslip.drives import Drive, Profile
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
     FrictionLaw,
     PrintedForm,
+    bound,
 )
 from stickslip.kernels.state_layout import SLIP
-from stickslip.mechanisms import Mechanism
+from stickslip.maths import Latches
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
@@ -61,6 +65,8 @@ class _State:
     """Accelerations, normal force, needed friction and power without friction."""
     closed: tuple[float, list[float]] | None = None
     """The same with the friction force that was last asked for, and this force."""
+    law: FrictionLaw | None = None
+    """The law, which sees the inputs of the contact."""
 
 
 class BlockDiagram(ABC):
@@ -170,6 +176,17 @@ class BlockDiagram(ABC):
             each contact [W].
         """
 
+    def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
+        """Turn latched switches at the end of a step, within which they stay as they are.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        """
+
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
 
@@ -213,8 +230,14 @@ class Diagram(BlockDiagram):
     """Index of the slip velocity in the state (1,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+    mechanism: Mechanism
+    """What moves, which tells the law of its contact."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
     """The last state: a step asks for several things at each."""
+    latches: tuple[Latches, Latches] = field(
+        default_factory=lambda: (Latches(), Latches()), compare=False, repr=False
+    )
+    """Latched switches of the friction force, and of the rates of the bristles."""
 
     @classmethod
     def build(
@@ -244,12 +267,16 @@ class Diagram(BlockDiagram):
         """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
+        if model.latched:
+            raise InputError(
+                f"{type(mechanism).__name__} has latched switches of its own, which fixed steps do"
+                " not follow: use EventDriven."
+            )
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
-        return cls(
-            equations, law, states, bristles, (model.sizes.header[SLIP],), leads_of(mechanism, y0)
-        )
+        slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        return cls(equations, law, states, bristles, slips, leads, mechanism)
 
     @property
     @override
@@ -291,6 +318,27 @@ class Diagram(BlockDiagram):
         *_, normal, needed, _ = state.open
         return normal, needed
 
+    def _informed(self, t: float, y: Sequence[float]) -> FrictionLaw:
+        """Return the law, which sees the inputs of the contact."""
+        law, state = self.law, self._at(t, y)
+        assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
+        if not law.inputs:
+            return law
+        if state.law is None:
+            n, names = self.equations.sizes.coordinates, self.mechanism.coordinates
+            straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
+            drives = {name: one.smooth(t) + linear for (name, one), linear in straight}
+            q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
+            (contact,) = self.mechanism.contacts()
+            told = self.mechanism.contact_inputs(t, q, q_dot, drives)
+            state.law = bound(law, of_contact(told, contact.name))
+        return state.law
+
+    @cached_property
+    def drives(self) -> Mapping[str, Drive]:
+        """The drives of the mechanism."""
+        return self.mechanism.drives()
+
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         if not self.bristles:
             return y[self.slip], ()
@@ -320,7 +368,8 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
-        return self.law.force(v, normal, z), normal
+        with self.latches[0]:
+            return self._informed(t, y).force(v, normal, z), normal
 
     @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -333,7 +382,7 @@ class Diagram(BlockDiagram):
             return self.law.force(0.0, normal, z, needed) == needed
         if not self.law.holds:
             return False
-        level = self.law.towards(1 if needed > 0.0 else -1).break_away(normal)
+        level = self._informed(t, y).towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
     @override
@@ -345,8 +394,24 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if stuck:
             accelerations[self.slip - n] = 0.0
-        moved = (0.0,) * len(z) if stuck else self.law.rates(v, normal, z)
+        moved: Sequence[float] = (0.0,) * len(z)
+        if not stuck:
+            law = self.law if isinstance(self.law, PrintedForm) else self._informed(t, y)
+            with self.latches[1]:
+                moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
+
+    @override
+    def turn(self, t: float, y: Sequence[float]) -> None:
+        if not any(self.latches):
+            return
+        v, z = self._split(y)
+        normal, _ = self._open(t, y)
+        law = self._informed(t, y)
+        for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
+            with latches:
+                equation(v, normal, z)
+            latches.turn()
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:

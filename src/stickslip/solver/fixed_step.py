@@ -119,6 +119,7 @@ class FixedStep(Solver):
         for t, following in itertools.pairwise(times):
             try:
                 y, held = self._step(diagram, t, following - t, y, held)
+                diagram.turn(following, y)
                 row = diagram.sample(following, y, held)
                 if not all(map(math.isfinite, row)):
                     status = Status.NOT_FINITE

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip.characterize import PreslidingLoop, presliding_length, presliding_loop
+from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.friction import FrictionLaw, Stribeck
 from stickslip.plots.core.arguments import check_type
@@ -336,6 +337,11 @@ def plot_presliding(
     check_type("loop", loop, PreslidingLoop, FrictionLaw)
     title, level = "", None
     if isinstance(loop, FrictionLaw):
+        if not loop.states:
+            raise InputError(
+                f"{loop.title} friction has no presliding: the contact does not move before it"
+                " slips. Give a law with bristles, such as Dahl(...)."
+            )
         load = LOAD.check("plot_presliding", "load", load)
         title, level = loop.title, float(loop.break_away(load))
         loop = _loop(loop, load, amplitude)
