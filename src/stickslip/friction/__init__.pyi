@@ -11,7 +11,6 @@ from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
 from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
-from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
@@ -19,6 +18,10 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
+from stickslip.friction.containment import containment_of as containment_of
+from stickslip.friction.ladder import Rung as Rung
+from stickslip.friction.ladder import rungs as rungs
+from stickslip.friction.ladder import usual_specifications as usual_specifications
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -40,7 +43,6 @@ from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
-from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
