@@ -11,7 +11,7 @@ from stickslip.friction.coefficients import (
     StaticCoefficient,
     StribeckVelocity,
 )
-from stickslip.friction.parts.base import Becomes, Level, Slip, SmoothLevel, Values
+from stickslip.friction.parts.base import Level, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, power, tanh, where
 from stickslip.quantities import Quantity
 
@@ -112,7 +112,6 @@ class Stribeck(Surplus):
 
     name = "stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
-    becomes = (Becomes(name="tustin", values={"fading_exponent": 1.0}),)
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
     fading_exponent: FadingExponent = 2.0

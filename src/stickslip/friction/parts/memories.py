@@ -13,6 +13,9 @@ from stickslip.quantities import Quantity
 ROUNDED = 1e-12
 """Square of the share of the friction level within which an exponent other than 1 is rounded."""
 
+BENT = 1e-20
+"""Square of the share of the friction level within which a loop is rounded."""
+
 
 @final
 class Dahl(Memory):
@@ -159,9 +162,10 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        size = where(u > 0.0, u, -u)
-        way = where(u * s.along > 0.0, 1.0, -1.0)
-        return (s.along * (1.0 - power(size, p.loop_exponent) * (beta + (1.0 - beta) * way)),)
+        # |u|^n and |u|^n sgn u, rounded so that both have slopes at u = 0
+        size, n = u * u + BENT, p.loop_exponent
+        loads = u * power(size, 0.5 * (n - 1.0)) * sign(s.along)
+        return (s.along * (1.0 - beta * power(size, 0.5 * n) - (1.0 - beta) * loads),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
