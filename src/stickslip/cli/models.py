@@ -123,10 +123,10 @@ def _one(name: str, *, as_json: bool) -> None:
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     _show_parameters(law)
     console.print()
-    if law.inputs:
-        rows = [[n, CONTACT_INPUTS[n].unit, CONTACT_INPUTS[n].meaning] for n in law.inputs]
-        show_table("", ["contact input", "unit", "meaning"], rows)
-        console.print()
+    for asked in law.inputs:
+        told = CONTACT_INPUTS[asked]
+        text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
+        console.print(text, markup=False, soft_wrap=True)
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
@@ -197,7 +197,10 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         "kind": "bristle" if law.states else "set-valued",
         "formula": law.formula,
         "parameters": _parameters(law),
-        "inputs": list(law.inputs),
+        "inputs": {
+            name: {"unit": CONTACT_INPUTS[name].unit, "meaning": CONTACT_INPUTS[name].meaning}
+            for name in law.inputs
+        },
         "sources": [SOURCES[key] for key in law.sources],
     }
 

@@ -184,7 +184,11 @@ def _selected(
             given = laws.values() if isinstance(laws, Mapping) else laws or ()
             refuse_uninformed(found.route, given, rig.mechanism, measurement)
     names = found.route.candidates(laws, found.measurement)
-    with watching(names, found) as watch, workers(min(jobs, len(names))) as executor:
+    climbs = laws is None and found.route.climbs
+    with (
+        watching(names, found, at_most=climbs) as watch,
+        workers(min(jobs, len(names))) as executor,
+    ):
         request = SelectRequest(
             mechanism=rig.mechanism,
             laws=laws,

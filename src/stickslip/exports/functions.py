@@ -23,7 +23,7 @@ from typing import Final, TypeAlias, TypeVar
 import symengine as se
 
 from stickslip.contact_inputs import CONTACT_INPUTS
-from stickslip.exports.equations import LOAD, VELOCITY, BySense, Equations
+from stickslip.exports.equations import LOAD, PERIOD, VELOCITY, BySense, Equations
 from stickslip.exports.program import (
     Assign,
     Branch,
@@ -49,7 +49,7 @@ CLOSE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
-APPLIED, MASS, PERIOD = map(se.Symbol, ("applied", "mass", "period"))
+APPLIED, MASS = map(se.Symbol, ("applied", "mass"))
 MEANINGS: Final = {
     "velocity": ("m/s", "slip velocity"),
     "load": ("N", "normal force; taken as 0 where it is negative"),
@@ -235,13 +235,17 @@ class _Writer:
 
     def __init__(self, law: Equations) -> None:
         self.law = law
-        self.states = [se.Symbol(name) for name in law.bristles]
-        self.ends = [f"{name}_end" for name in law.bristles]
+        self.states = [se.Symbol(name) for name in (*law.bristles, *law.flags)]
+        self.ends = [f"{one}_end" for one in self.states]
+        kinds = [("m", "bristle state")] * len(law.bristles)
+        kinds += [("", "1 while the element slips, else 0")] * len(law.flags)
         self.bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state") for name in law.bristles
+            Variable(name=str(one), unit=unit, meaning=meaning)
+            for one, (unit, meaning) in zip(self.states, kinds, strict=True)
         )
         self.new_bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state at the end") for name in self.ends
+            replace(one, name=f"{one.name}_end", meaning=f"{one.meaning} at the end")
+            for one in self.bristles
         )
         # of forward slip, as a function of the speed; the other sense is turned round
         self.ahead = self._local(law.slip.ahead, 1)
@@ -269,7 +273,8 @@ class _Writer:
 
     def _local(self, values: tuple[se.Expr, ...], side: int) -> tuple[se.Expr, ...]:
         """Return what holds in one sense of slip as seen along it."""
-        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in self.states}}
+        deflections = self.states[: len(self.law.bristles)]
+        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in deflections}}
         return tuple(side * one.subs(turned_round).subs({LOAD: NORMAL}) for one in values)
 
     def _friction(self) -> Function:
@@ -384,7 +389,9 @@ class _Writer:
             summary="Bristle states at the end of an implicit step with a velocity.",
             inputs=(_variable("velocity"), *self.bristles, _variable("load"), _variable("period")),
             outputs=self.new_bristles,
-            body=tuple(part for place in range(len(self.states)) for part in self._settled(place)),
+            body=tuple(part for place in range(len(self.states)) for part in self._settled(place))
+            if self.law.moved is None
+            else _loaded(_by_velocity(tuple(self.ends), self.law.moved)),
             inner=True,
         )
 

@@ -6,6 +6,7 @@ from typing import ClassVar, final
 
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.exports.base import Export, Target
 from stickslip.exports.functions import input_variables, rotary_code, turned_variable
 from stickslip.exports.identifiers import identifier
@@ -46,6 +47,11 @@ class Modelica(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
+        if subject.equations.flags:
+            raise InputError(
+                f"{subject.name} has latched switches, which models in Modelica do not follow:"
+                " export it to C or MATLAB, or an FMU of the rig."
+            )
         # tools integrate bristles themselves, and not all of them read the searches of `step`
         held, bristles = subject.equations.holds, bool(subject.equations.bristles)
         source = Source(

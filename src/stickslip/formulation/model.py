@@ -138,6 +138,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
         limits=_limits(modes),
+        latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
     )
 
@@ -215,7 +216,7 @@ def _functions(
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
-    margins = [closed(s.margin) for s in switches]
+    margins = [closed(s.deciding) for s in switches]
 
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}

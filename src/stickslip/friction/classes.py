@@ -51,6 +51,12 @@ class Entry:
             state for one in heads for state in cast(Memory, one.part).states(one.argument)
         )
 
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what it asks of the contact."""
+        names = read(self.composition).parts()
+        return tuple(dict.fromkeys(one for name in names for one in name.inputs))
+
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
         """The class of the law."""

@@ -8,7 +8,16 @@ from stickslip.errors import InputError
 from stickslip.friction.base import BOUND, bound, is_bound
 from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
-from stickslip.friction.parts.base import Extra, Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
+from stickslip.friction.parts.base import (
+    Extra,
+    Factor,
+    Flow,
+    Level,
+    Memory,
+    Slip,
+    SmoothLevel,
+    SmoothSign,
+)
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import unchecked
 
@@ -30,10 +39,12 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     dict of str to callable
         Methods; of laws with memory the names of the states as well.
     """
+    more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
-        return _set_valued(c)
-    towards = {"towards": _towards(c, one_way)} if c.directional else {}
-    return towards | (_directional() if c.memory is None else _with_memory(c, c.memory))
+        return more | _set_valued(c)
+    if c.directional:
+        more["towards"] = _towards(c, one_way)
+    return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
 def one_way(term: Term) -> Term:
@@ -81,7 +92,7 @@ def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Sca
     # a level of its own, and not the sum of its steps, where no factor tells these apart
     total = _total(steps) if any(leaf.factors for leaf in held.values()) else found
     for leaf in own:
-        if isinstance(leaf.part, Extra):
+        if isinstance(leaf.part, Extra) and leaf.part.holds:
             value = leaf.part.at_rest(*leaf.told(law, STILL, choose))
             total = total + leaf.times(value, law, STILL, choose)
     return total
@@ -131,7 +142,9 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 
     def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
@@ -160,17 +173,28 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         slip, choose, g = at(self, velocity)
         return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
 
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.told(self, slip, choose)[0], slip, states, g, time)
+
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.told(self, STILL, _least)[0]) * _rest(c.inside, self, _least) * load
 
     return {
         "states": names,
         "force": force,
         "rates": rates,
+        "moved": moved,
         "steady": steady,
         "break_away": break_away,
     }
@@ -192,6 +216,29 @@ def _directional() -> dict[str, Any]:
         return _least(*(self.towards(side).break_away(load) for side in (1, -1)))
 
     return {"force": force, "break_away": break_away}
+
+
+LEAST = 1e-3
+"""Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
+
+
+def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
+    """Return the method that gives the factors that may fall below 0."""
+    found = {text: leaf for text, leaf in c.factors.items() if not cast(Factor, leaf.part).positive}
+
+    def limits(self: Any) -> dict[str, Scalar]:
+        if c.directional:
+            return {
+                f"{way} {text}": margin
+                for side, way in ((1, "forward"), (-1, "backward"))
+                for text, margin in self.towards(side).limits().items()
+            }
+        return {
+            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            for text, leaf in found.items()
+        }
+
+    return limits
 
 
 def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:

@@ -12,7 +12,7 @@ from stickslip.friction.parts.base import Extra, Flow, Level, SmoothLevel
 __all__ = ["formula_of"]
 
 SGN = r"\operatorname{sgn} v"
-GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta", "kappa", "eta")
+GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta", "xi")
 
 
 def formula_of(c: Composition) -> str:
@@ -97,7 +97,7 @@ def _rest(c: Composition) -> Sequence[str]:
         terms = [_term(c, leaf, None, tex) for leaf, tex in levels]
     else:
         terms = [symbols[-1]]
-    extras = [leaf for leaf in c.outside if isinstance(leaf.part, Extra) and leaf.sign is None]
+    extras = [leaf for leaf in c.outside if isinstance(leaf.part, Extra) and leaf.part.holds]
     terms += [_term(c, leaf, None, leaf.part.tex.replace(FADED, "")) for leaf in extras]
     whole = terms[0] if len(terms) == 1 else rf"\left[{' + '.join(terms)}\right]"
     text = rf"|F| \le {whole} N \text{{ at rest}}"
@@ -114,7 +114,8 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
     """Return a part's LaTeX with the symbols and the argument that it has in this law."""
     of_input = leaf.part.argument == "input"
     x = CONTACT_INPUTS[leaf.inputs[0]] if of_input else None
-    text = tex.replace("{0}", x.tex if x else c.argument).replace("{1}", x.index if x else "")
+    number = str(getattr(leaf.part, "degree", c.argument))
+    text = tex.replace("{0}", x.tex if x else number).replace("{1}", x.index if x else "")
     own = {
         one.name: one.quantity.symbol.replace("{0}", x.index if x else "")
         for one in leaf.part.parameters

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 from stickslip.friction.base import bound
-from stickslip.maths import Scalar, power, sign
+from stickslip.maths import Scalar, latched, power, sign
 from stickslip.quantities import fields_of, unchecked
 
 __all__ = ["for_floats"]
@@ -86,7 +86,7 @@ def _text(value: Scalar) -> str:
 NAMES: Mapping[str, Any] = {
     name: getattr(math, name)
     for name in ("atan", "copysign", "cos", "exp", "log", "sin", "sqrt", "tanh")
-} | {"power": power, "sign": sign}
+} | {"latched": latched, "power": power, "sign": sign}
 
 
 def for_floats(

@@ -40,6 +40,8 @@ class Slip:
     """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
     inputs: tuple[Scalar, ...] = ()
     """The contact inputs that the part asks for."""
+    rest: Scalar = None
+    """Level at rest, over the load, of the curve that a memory is around."""
 
 
 @final
@@ -102,6 +104,10 @@ class Part(ABC):
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
 
+    def of(self, argument: str) -> "Part":  # for those that it shapes
+        """Return the part with what stands in its brackets."""
+        return self
+
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """What the class declares, in order."""
@@ -129,6 +135,8 @@ class Extra(Part, ABC):
     """A level on top of the others: what an input of the contact adds."""
 
     role: ClassVar[str] = "level"
+    holds: ClassVar[bool] = True
+    """Whether some of it is there at rest."""
 
     @abstractmethod
     def at_rest(self, p: Values, s: Slip) -> Scalar:
@@ -148,6 +156,8 @@ class Factor(Part, ABC):
 
     role: ClassVar[str] = "factor"
     argument: ClassVar[str] = "input"
+    positive: ClassVar[bool] = False
+    """Whether it is above 0 for all values of the input."""
 
     @abstractmethod
     def factor(self, p: Values, s: Slip) -> Scalar:
@@ -200,3 +210,18 @@ class Memory(Part, ABC):
     @abstractmethod
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         """Return the force, over the load."""
+
+    def peak(self, p: Values) -> Scalar:  # most have none
+        """Return what slow motion from rest reaches at most, over the level at rest."""
+        return 1.0
+
+    def moved(  # most have no formula for it
+        self,
+        p: Values,
+        s: Slip,
+        z: tuple[Scalar, ...],
+        g: Scalar,
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states after some time at a constant velocity; None without a formula."""
+        return None

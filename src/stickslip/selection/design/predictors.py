@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.characterize import presliding_length
+from stickslip.characterization import presliding_length
 from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
