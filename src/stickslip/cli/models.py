@@ -18,10 +18,12 @@ from stickslip.friction import (
     FrictionLaw,
     PrintedForm,
     RightEquation,
+    Typical,
     is_composition,
     law_type,
     laws,
     listed,
+    said_of,
 )
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity, fields_of
@@ -122,6 +124,9 @@ def _one(name: str, *, as_json: bool) -> None:
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     _show_parameters(law)
     console.print()
+    for heading, text in said_of(law):
+        console.print(f"{heading}: {text}", markup=False)
+    console.print()
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
@@ -193,7 +198,17 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         "formula": law.formula,
         "parameters": _parameters(law),
         "sources": [SOURCES[key] for key in law.sources],
+        "composition": None if law.composition is None else str(law.composition),
+        "typical": None if law.typical is None else _typical(law.typical),
+        "passive": None if law.passivity is None else law.passivity.condition,
+        "defects": law.defects,
+        "compared": law.compared,
     }
+
+
+def _typical(found: Typical) -> dict[str, Any]:
+    source = SOURCES[found.source] if found.source else None
+    return {"values": dict(found.values), "source": source}
 
 
 def cite(names: Sequence[str], *, as_json: bool) -> None:

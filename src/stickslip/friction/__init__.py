@@ -51,6 +51,7 @@ HOMES = {
     "FrictionLaw": "base",
     "LAWS": "registry",
     "Laws": "by_contact",
+    "Passivity": "base",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
     "PrintedForm": "published",
@@ -60,6 +61,7 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
+    "Typical": "base",
     "bound": "base",
     "contained_laws": "registry",
     "containment_of": "base",
@@ -80,6 +82,7 @@ INSIDE = {
     "given_to": "by_contact",
     "is_composition": "registry",
     "listed": "registry",
+    "said_of": "classes",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 
