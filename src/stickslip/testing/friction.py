@@ -176,7 +176,7 @@ def check_friction(
     >>> from stickslip import Stribeck
     >>> law = Stribeck(kinetic_coefficient=0.2, static_coefficient=0.3, stribeck_velocity=0.01)
     >>> check_friction(law, compiled=False)
-    <Stribeck: 19 checks passed>
+    <Stribeck: 20 checks passed>
     """
     if mirrored is None:
         mirrored = not law.directional
