@@ -254,7 +254,7 @@ class Quantity:
     @property
     def powers(self) -> Mapping[str, int]:
         """The sizes that the scale is made of, and their powers."""
-        return _powers(self.scale)
+        return {name: power for name, power in _powers(self.scale).items() if name != "1"}
 
     def scaled_by(self, sizes: Mapping[str, float]) -> float:
         """Return what start value and bounds are multiples of.
@@ -996,6 +996,8 @@ TURNED = {
     "N s^2/m^2": "N m s^2/rad^2",
     "1/m": "1/rad",
     "s/m": "s/rad",
+    "1/N": "1/N/m",
+    "1/N^2": "1/N^2/m^2",
 }
 """Units of a straight motion -> those of the same quantities about an axis."""
 

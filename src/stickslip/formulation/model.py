@@ -5,6 +5,8 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
+from stickslip.errors import InputError
+from stickslip.formatting import joined
 from stickslip.formulation.code_printer import Case, Cases, program
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
@@ -14,13 +16,13 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switch, Switchboard, Traced
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
-__all__ = ["Model", "formulate"]
+__all__ = ["Model", "formulate", "refuse_inputs_of_parts"]
 
 
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
@@ -79,8 +81,41 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     return mapped or type(mechanism).loads is not Mechanism.loads
 
 
+def refuse_inputs_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:
+    """Refuse laws with contact inputs where equations are parts, which do not tell laws of any.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contact, or the law of each.
+
+    Raises
+    ------
+    InputError
+        With the law and its inputs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> refuse_inputs_of_parts(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2))
+    """
+    laws = law.members if isinstance(law, Laws) else (("", law),)
+    for contact, one in laws:
+        if one.inputs and _is_of_parts(mechanism, law):
+            where = f" of the contact {contact!r}" if contact else ""
+            raise InputError(
+                f"runs of {type(mechanism).__name__} have no laws with contact inputs: these need a"
+                " mechanism with one contact that slips along one coordinate, under a load that is"
+                f" constant or a reaction. The law {one.name}{where} depends on"
+                f" {joined(one.inputs)}: give a law without inputs."
+            )
+
+
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
+    refuse_inputs_of_parts(mechanism, law)
     if _is_of_parts(mechanism, law):
         return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts
@@ -103,6 +138,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
         limits=_limits(modes),
+        latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
     )
 
@@ -128,13 +164,33 @@ def _derived(
     )
     modes = mode_equations(
         mechanics,
-        shadow(law, "friction", symbol),
+        _informed(shadow(law, "friction", symbol), twin, symbols, board),
         coordinate_rates=symbols.rates,
         bristles=symbols.bristles,
         constants=symbols.constants,
         board=board,
     )
     return symbols, mechanics, modes
+
+
+def _informed(
+    law: FrictionLaw, mechanism: Mechanism, symbols: Symbols, board: Switchboard
+) -> FrictionLaw:
+    """Return a law that sees what the mechanism tells of its contact."""
+    if not law.inputs:
+        return law
+
+    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
+        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+
+    told = mechanism.contact_inputs(
+        Traced(symbols.t, board),
+        traced(mechanism.coordinates, symbols.coordinates),
+        traced(mechanism.coordinates, symbols.rates),
+        traced(symbols.drives, symbols.drives.values()),
+    )
+    (contact,) = mechanism.contacts()
+    return bound(law, of_contact(told, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
@@ -160,7 +216,7 @@ def _functions(
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
-    margins = [closed(s.margin) for s in switches]
+    margins = [closed(s.deciding) for s in switches]
 
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}

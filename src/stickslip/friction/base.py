@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self, TypeVar, final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
@@ -22,9 +23,10 @@ __all__ = [
     "Passivity",
     "SetValuedLaw",
     "Typical",
+    "anywhere",
     "bound",
-    "containment_of",
     "force_parameters",
+    "is_bound",
 ]
 
 
@@ -291,6 +293,33 @@ class FrictionLaw(Parametrised, ABC):
         """
         return ()
 
+    def moved(
+        self,
+        velocity: Scalar,  # noqa: ARG002
+        load: Scalar,  # noqa: ARG002
+        states: tuple[Scalar, ...],  # noqa: ARG002
+        time: Scalar,  # noqa: ARG002
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states of the contact after some time at a constant slip velocity.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact before; deflections are in [m].
+        time : float or array
+            The time [s].
+
+        Returns
+        -------
+        tuple of float or array, or None
+            States after it; None where no formula tells them, and rates are integrated.
+        """
+        return None
+
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s].
 
@@ -322,6 +351,16 @@ class FrictionLaw(Parametrised, ABC):
             The law itself, unless it is `directional`.
         """
         return self
+
+    def limits(self) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Such as a factor with which friction would drive instead of braking.
+        """
+        return {}
 
     def contact(self, name: str) -> Scalar:
         """Return an input of the contact, for the equations of a law that has `inputs`.
@@ -381,8 +420,28 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     return twin
 
 
+def anywhere(law: L) -> L:
+    """Return a law at usual inputs, for questions whose answer does not depend on these.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> warm = law("level * linear[temperature]")(kinetic_coefficient=0.2)
+    >>> anywhere(warm).break_away(1.0) > 0.0
+    True
+    """
+    return bound(law, {name: CONTACT_INPUTS[name].size for name in law.inputs})
+
+
+def is_bound(law: FrictionLaw) -> bool:
+    """Whether a law sees inputs of the contact already."""
+    return BOUND in vars(law)
+
+
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
 """Units of parameters, and of the same measured at a load."""
+PER_FORCE = {"level/force": "1", "level/force^2": "1/N"}
+"""Scales of levels that grow with a force, and units of the same measured at a load."""
 
 
 @functools.cache
@@ -400,7 +459,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     found = {}
     for name, quantity in fields_of(law).items():
         is_level = quantity.scale.rstrip("+-") == "level"
-        unit = "N" if is_level else IN_FORCES.get(quantity.unit)
+        unit = "N" if is_level else IN_FORCES.get(quantity.unit, PER_FORCE.get(quantity.scale))
         if unit is not None:
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol
@@ -516,27 +575,3 @@ class BristleLaw(FrictionLaw, ABC):
         float or array
             Friction force, with the sign of the velocity [N].
         """
-
-
-def containment_of(kind: type[FrictionLaw], name: str) -> Containment | None:
-    """Return how a type of law contains the law of a name at first hand; None if it does not.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    name : str
-        Registered name of the simpler one.
-
-    Returns
-    -------
-    Containment or None
-        The limits in which the richer law becomes the simpler one.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, LuGre
-    >>> containment_of(LuGre, "dahl").limits, containment_of(Coulomb, "dahl")
-    ((), None)
-    """
-    return next((one for one in kind.contained if one.law == name), None)

@@ -52,6 +52,12 @@ class Entry:
             state for one in heads for state in cast(Memory, one.part).states(one.argument)
         )
 
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what it asks of the contact."""
+        names = read(self.composition).parts()
+        return tuple(dict.fromkeys(one for name in names for one in name.inputs))
+
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
         """The class of the law."""
@@ -153,7 +159,8 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
     for key, equation in equations.items():
         if key not in space:
             setattr(kind, key, equation)
-    kind.composition, kind.made_of, kind.directional = c.term, c, c.directional
+    kind.composition, kind.made_of = c.term, c
+    kind.directional, kind.inputs = c.directional, c.inputs
     kind.contained = Contained(c, _by_parts)
     if "formula" not in space:
         kind.formula = formula_of(c)

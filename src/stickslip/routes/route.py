@@ -19,6 +19,7 @@ from stickslip.identification import (
     RecordSettings,
     RouteChoice,
     TrialComparison,
+    known_inputs,
     names_of,
 )
 from stickslip.mechanisms import Mechanism
@@ -200,6 +201,8 @@ class Route(ABC, Generic[F, V]):
     """Whether progress is a number of runs; else it is the least residual so far."""
     by_contact: ClassVar[bool] = False
     """Whether laws are given by the name of the contact."""
+    climbs: ClassVar[bool] = False
+    """Whether the candidates that are compared by default are only fitted as far as they gain."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"
@@ -358,6 +361,23 @@ class Route(ABC, Generic[F, V]):
         tuple of callable
             Functions without arguments, each of which makes a section.
         """
+
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        """Return the contact inputs that laws may depend on.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured.
+        measurement : Measurement
+            The measurement.
+
+        Returns
+        -------
+        collection of str
+            Names of what the mechanism or each record tells.
+        """
+        return known_inputs(mechanism, measurement)
 
     def residual_text(
         self,

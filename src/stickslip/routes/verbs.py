@@ -17,7 +17,13 @@ from stickslip.identification import (
     check_given,
 )
 from stickslip.mechanisms import Mechanism, as_rotary
-from stickslip.routes.registry import AnyRoute, refuse_foreign, refuse_unused, route_of
+from stickslip.routes.registry import (
+    AnyRoute,
+    refuse_foreign,
+    refuse_uninformed,
+    refuse_unused,
+    route_of,
+)
 from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
 from stickslip.selection import PurposeName, Verdict
 
@@ -144,7 +150,9 @@ def fit(
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, {name: name for name in options.given}, options)
     several = isinstance(law, Mapping) and way.by_contact
-    refuse_foreign(way, [one for one in law.values() if one is not None] if several else [law])
+    given = [one for one in law.values() if one is not None] if several else [law]
+    refuse_foreign(way, given)
+    refuse_uninformed(way, given, mechanism, measurement)
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
@@ -184,9 +192,10 @@ def select(
     laws : mapping, sequence or a single law, or None
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
-        Stribeck, Dahl and LuGre; for records eleven, of which those without bristles for several
-        joints; for features of stick-slip those with a step
-        above sliding; for velocity steps four forms of rate-and-state friction.
+        Stribeck, Dahl and LuGre; for records Coulomb + viscous friction and further laws with
+        one part more at a time, as far as a part is shown to gain, without bristles for several
+        joints; for features of stick-slip those with a step above sliding; for velocity steps
+        four forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block, or
@@ -266,7 +275,11 @@ def select(
     refuse_unused(way, {name: name for name in options.given}, options)
     is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
     several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
-    refuse_foreign(way, several.values() if isinstance(several, Mapping) else several or ())
+    given = several.values() if isinstance(several, Mapping) else several or ()
+    refuse_foreign(way, given)
+    for one in (measurement, options.validate):
+        if one is not None:
+            refuse_uninformed(way, given, mechanism, one)
     request = SelectRequest(
         mechanism=mechanism,
         laws=several,

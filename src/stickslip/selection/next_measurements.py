@@ -120,6 +120,7 @@ def predictor_of(fit: RecordFit) -> Predictor:
         law=fit.law,
         mechanism=fit.mechanism,
         load=load_of(fit.mechanism),
+        inputs=fit.typical_inputs,
         estimates=dict(zip(fit.free_parameters.paths, fit.values.tolist(), strict=True)),
         errors=fit.inference.errors,
         correlation=fit.inference.correlation,

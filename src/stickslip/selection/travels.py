@@ -7,7 +7,7 @@ from dataclasses import replace
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, lower_first
-from stickslip.friction import FrictionLaw, law_type, listed
+from stickslip.friction import FrictionLaw, anywhere, law_type, listed
 from stickslip.identification import (
     Laws,
     Parameters,
@@ -186,7 +186,7 @@ def _plainest(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     Laws that can hold a body at rest come first, since it did come to rest.
     """
     explained = [c for c in candidates if not c.dropped]
-    holding = [c for c in explained if c.law.break_away(1.0) > 0]
+    holding = [c for c in explained if anywhere(c.law).break_away(1.0) > 0]
     return min(holding or explained, key=_size, default=None)
 
 

@@ -1,25 +1,30 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple, Self, final
+from functools import cached_property
+from typing import Annotated, ClassVar, NamedTuple, Self, final
 
 from typing_extensions import override
 
-from stickslip.drives import Profile
+from stickslip.drives import Drive, Profile
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
     FrictionLaw,
     PrintedForm,
+    bound,
 )
 from stickslip.kernels.state_layout import SLIP
-from stickslip.mechanisms import Mechanism
+from stickslip.maths import Latches
+from stickslip.mechanisms import Mechanism, of_contact
+from stickslip.quantities import Parametrised, Quantity
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-__all__ = ["BlockDiagram", "Diagram", "Lead", "leads_of", "limits_of"]
+__all__ = ["BlockDiagram", "Diagram", "Lead", "SoftConstraint", "leads_of", "limits_of"]
 
 
 FRICTION = -3
@@ -33,6 +38,21 @@ STAND_IN = Coulomb(kinetic_coefficient=0.0)
 def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Return what ends runs of a mechanism."""
     return formulate(mechanism, STAND_IN).limits
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SoftConstraint(Parametrised):
+    """Dry friction as a soft constraint, as MuJoCo has it.
+
+    Friction is d times what would hold the body and brake it at a rate b, up to its level: a held
+    body creeps at (1 - d) / (d b) times force over inertia.
+    """
+
+    impedance: Annotated[float, Quantity("d", above=0, high=1)]
+    """Share of a held force that friction takes."""
+    damping: Annotated[float, Quantity("b", "1/s", above=0)]
+    """Rate at which the velocity of a held body decays."""
 
 
 class Lead(NamedTuple):
@@ -61,6 +81,8 @@ class _State:
     """Accelerations, normal force, needed friction and power without friction."""
     closed: tuple[float, list[float]] | None = None
     """The same with the friction force that was last asked for, and this force."""
+    law: FrictionLaw | None = None
+    """The law, which sees the inputs of the contact."""
 
 
 class BlockDiagram(ABC):
@@ -70,6 +92,11 @@ class BlockDiagram(ABC):
     """Index in the state of the rate of each coordinate along which a contact slips (m,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> int:
+        """Number of coordinates, which come first in the state; their rates follow."""
 
     @property
     @abstractmethod
@@ -170,6 +197,17 @@ class BlockDiagram(ABC):
             each contact [W].
         """
 
+    def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
+        """Turn latched switches at the end of a step, within which they stay as they are.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        """
+
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
 
@@ -213,8 +251,20 @@ class Diagram(BlockDiagram):
     """Index of the slip velocity in the state (1,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+    mechanism: Mechanism
+    """What moves, which tells the law of its contact."""
+    soft: SoftConstraint | None = None
+    """How softly friction holds, where no rule for rest does."""
+    viscous: float = 0.0
+    """Part of friction over velocity that a step takes with the velocity at its end [N s/m]."""
+    step: float = 0.0
+    """Such a step [s]."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
     """The last state: a step asks for several things at each."""
+    latches: tuple[Latches, Latches] = field(
+        default_factory=lambda: (Latches(), Latches()), compare=False, repr=False
+    )
+    """Latched switches of the friction force, and of the rates of the bristles."""
 
     @classmethod
     def build(
@@ -223,6 +273,9 @@ class Diagram(BlockDiagram):
         law: FrictionLaw | PrintedForm,
         t_end: float,
         y0: Sequence[float],
+        soft: SoftConstraint | None = None,
+        viscous: float = 0.0,
+        step: float = 0.0,
     ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them.
 
@@ -236,6 +289,12 @@ class Diagram(BlockDiagram):
             Last time that drives are asked for [s].
         y0 : sequence of float (n,)
             State at time 0: coordinates, rates, bristles [SI].
+        soft : SoftConstraint, optional
+            How softly friction holds, where no rule for rest does.
+        viscous : float
+            Part of friction over velocity that a step takes with the velocity at its end [N s/m].
+        step : float
+            Such a step [s].
 
         Returns
         -------
@@ -244,12 +303,21 @@ class Diagram(BlockDiagram):
         """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
+        if model.latched:
+            raise InputError(
+                f"{type(mechanism).__name__} has latched switches of its own, which fixed steps do"
+                " not follow: use EventDriven."
+            )
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
-        return cls(
-            equations, law, states, bristles, (model.sizes.header[SLIP],), leads_of(mechanism, y0)
-        )
+        slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        return cls(equations, law, states, bristles, slips, leads, mechanism, soft, viscous, step)
+
+    @property
+    @override
+    def coordinates(self) -> int:
+        return self.equations.sizes.coordinates
 
     @property
     @override
@@ -291,6 +359,27 @@ class Diagram(BlockDiagram):
         *_, normal, needed, _ = state.open
         return normal, needed
 
+    def _informed(self, t: float, y: Sequence[float]) -> FrictionLaw:
+        """Return the law, which sees the inputs of the contact."""
+        law, state = self.law, self._at(t, y)
+        assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
+        if not law.inputs:
+            return law
+        if state.law is None:
+            n, names = self.equations.sizes.coordinates, self.mechanism.coordinates
+            straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
+            drives = {name: one.smooth(t) + linear for (name, one), linear in straight}
+            q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
+            (contact,) = self.mechanism.contacts()
+            told = self.mechanism.contact_inputs(t, q, q_dot, drives)
+            state.law = bound(law, of_contact(told, contact.name))
+        return state.law
+
+    @cached_property
+    def drives(self) -> Mapping[str, Drive]:
+        """The drives of the mechanism."""
+        return self.mechanism.drives()
+
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         if not self.bristles:
             return y[self.slip], ()
@@ -320,7 +409,31 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
-        return self.law.force(v, normal, z), normal
+        law = self._informed(t, y)
+        if self.soft is not None:
+            return self._softly(self.soft, law, t, y), normal
+        with self.latches[0]:
+            return law.force(v, normal, z), normal
+
+    def _softly(
+        self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]
+    ) -> float:
+        """Return the friction of a soft constraint, at most that of the law."""
+        normal, needed = self._open(t, y)
+        v, viscous = y[self.slip], self.viscous * y[self.slip]
+        mobility = self._mobilities(t, y)[self.slip - self.coordinates]
+        wanted = soft.impedance * (needed - viscous + soft.damping * v / mobility)
+        side = 1 if wanted > 0.0 else -1
+        most = law.towards(side).break_away(normal)
+        if v * side > 0.0:
+            most = abs(law.force(v, normal) - viscous)
+        return float(side * min(abs(wanted), most) + viscous)
+
+    def _mobilities(self, t: float, y: Sequence[float]) -> list[float]:
+        """Return the accelerations that a unit of friction takes away (coordinates,)."""
+        state, n = self._at(t, y), self.coordinates
+        open_, loaded = self._evaluated(state, 0.0)[:n], self._evaluated(state, 1.0)[:n]
+        return [a - b for a, b in zip(open_, loaded, strict=True)]
 
     @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -333,7 +446,7 @@ class Diagram(BlockDiagram):
             return self.law.force(0.0, normal, z, needed) == needed
         if not self.law.holds:
             return False
-        level = self.law.towards(1 if needed > 0.0 else -1).break_away(normal)
+        level = self._informed(t, y).towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
     @override
@@ -343,10 +456,30 @@ class Diagram(BlockDiagram):
         n = self.equations.sizes.coordinates
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
+        if self.viscous and not stuck:
+            lag, away = self.step * self.viscous, self._mobilities(t, y)
+            ahead = lag * accelerations[self.slip - n] / (1.0 + lag * away[self.slip - n])
+            accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
         if stuck:
             accelerations[self.slip - n] = 0.0
-        moved = (0.0,) * len(z) if stuck else self.law.rates(v, normal, z)
+        moved: Sequence[float] = (0.0,) * len(z)
+        if not stuck:
+            law = self.law if isinstance(self.law, PrintedForm) else self._informed(t, y)
+            with self.latches[1]:
+                moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
+
+    @override
+    def turn(self, t: float, y: Sequence[float]) -> None:
+        if not any(self.latches):
+            return
+        v, z = self._split(y)
+        normal, _ = self._open(t, y)
+        law = self._informed(t, y)
+        for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
+            with latches:
+                equation(v, normal, z)
+            latches.turn()
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:

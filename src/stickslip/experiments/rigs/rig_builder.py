@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
@@ -56,6 +57,7 @@ from stickslip.mechanisms import (
     Mechanism,
     as_rotary,
     checked_contacts,
+    given_inputs,
     mechanisms,
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
@@ -126,6 +128,7 @@ def read_rig(
     measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
+    mechanism = given_inputs(mechanism, _values(table.contact, "contact", file, overrides))
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()
@@ -191,6 +194,7 @@ def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
 def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     """Yield paths that may be set though a file need not have them."""
     yield from ("run.t_end", "data.hold", "data.file")
+    yield from (f"contact.{name}" for name in CONTACT_INPUTS)
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:

@@ -23,7 +23,8 @@ from stickslip.experiments import (
 )
 from stickslip.formatting import Scale, count, joined, quantity
 from stickslip.formatting import scale_of as shown_in
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
+from stickslip.identification.contact_inputs import typical_inputs
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
@@ -38,6 +39,7 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
+from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
@@ -51,6 +53,9 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
+
+AT_NOISE = 1.15
+"""Residuals over the noise of the sensor up to which they count as this noise alone."""
 
 Array = NDArray[np.float64]
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
@@ -285,6 +290,12 @@ class RecordFit(Fit[AnyLaw_co]):
         return self.route == "force-map"
 
     @property
+    def at_noise(self) -> bool:
+        """Whether the residuals are no more than the noise of the sensor leaves."""
+        floor = noise_floor(self.mechanism, self.measurement, self.problem.quantity)
+        return self.rms <= AT_NOISE * floor
+
+    @property
     def offset(self) -> float:
         """The constant force that stands beside friction [N], fitted or held."""
         for estimate in self.estimates:
@@ -398,6 +409,19 @@ class RecordFit(Fit[AnyLaw_co]):
             held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
         between = self.hold.sentence if self.hold else ""
         return tuple(one for one in (held, between) if one)
+
+    @property
+    def typical_inputs(self) -> Mapping[str, float]:
+        """Medians of the contact inputs of the law, at which curves of it are drawn."""
+        if not isinstance(self.law, FrictionLaw):
+            return {}
+        return typical_inputs(self.law, self.mechanism, self.measurement)
+
+    @property
+    def typical_law(self) -> AnyLaw_co:
+        """The law at these inputs."""
+        law = self.law
+        return bound(law, self.typical_inputs) if isinstance(law, FrictionLaw) else law
 
     @property
     def free_parameters(self) -> FreeParameters:
