@@ -7,14 +7,25 @@ import numpy as np
 import pytest
 from tests.support import BRISTLE, DECADES
 
+from stickslip.characterization.bench import Bench
+from stickslip.characterization.passivity import passivity
 from stickslip.quantities import fields_of, unchecked
-from stickslip.testing.friction import least_energy
 
+MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")
+"""Laws whose condition of passivity is needed at their typical values, and not only enough."""
 MANY = 48
 LOAD = 7.0
 ROUNDING = 1e-12
 """Roundings of the largest part; the parts are up to 1e3 times their sum."""
-each_law = pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
+STEPPED = ("gms",)
+"""Laws with latched switches, which are turned from step to step: see tests/friction/memories."""
+SUDDEN = ("maxwell-slip", "haessig-friedland")
+"""Laws that yield at once where a spring has its level: steps pass it by their length."""
+DISTANT = {"bliman-sorine": 40.0}
+"""Lengths over which laws forget, where they are longer than the reach."""
+each_law = pytest.mark.parametrize(
+    "kind", [one for one in BRISTLE if one.name not in STEPPED], ids=lambda kind: kind.name
+)
 
 
 def drawn(kind, *, plain=False):
@@ -92,10 +103,12 @@ def test_states_and_force_are_odd_with_the_directions_exchanged(kind):
 def test_long_sliding_gives_the_steady_force(kind):
     law, v = drawn(kind, plain=True), velocities()
     # the approach is exponential over at most the reach: exp(-25) is left
-    z = slid(law, v, (np.zeros(MANY),) * len(law.states), 25.0 * reach(law), 2000)
+    length = 25.0 * reach(law) * DISTANT.get(kind.name, 1.0)
+    z = slid(law, v, (np.zeros(MANY),) * len(law.states), length, 2000)
     steady = law.steady(v, LOAD)
     size = np.abs(steady) + np.abs(law.force(v, LOAD, (0.0,) * len(law.states)))
-    assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= 1e-8 * size)
+    allowed = 25.0 / 2000 if kind.name in SUDDEN else 1e-8
+    assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= allowed * size)
 
 
 @each_law
@@ -127,16 +140,17 @@ def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind)
     np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * one for one in z)))
 
 
-@each_law
-def test_cycles_give_energy_back_only_where_the_entry_does_not_say_that_they_cannot(kind):
+@pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
+def test_the_search_for_cycles_that_return_energy_finds_what_the_entry_says(kind):
     law = kind(**kind.typical.values)
-    found = least_energy(law, 1.0)
-    assert kind.passivity is not None
+    found = passivity(Bench(law=law), tried=60)
+    if kind.passivity is None:
+        return
     if kind.passivity.holds(law, 1.0):
-        assert found.energy >= -found.error, found
-    elif kind.name != "lugre-fading":  # whose condition is enough but not needed
-        assert found.energy < -100.0 * found.error, found
-    viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
-    calm = dataclasses.replace(law, **viscous)
-    assert kind.passivity.holds(calm, 1.0)
-    assert least_energy(calm, 1.0).energy >= -found.error
+        assert found.passive, found.sentence
+    elif kind.name in MEETS_ITS_CONDITION:
+        assert not found.passive, found.sentence
+        viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
+        calm = dataclasses.replace(law, **viscous)
+        assert kind.passivity.holds(calm, 1.0)
+        assert passivity(Bench(law=calm), tried=60).passive

@@ -1345,7 +1345,7 @@ class GMS:
     )
     typical = Typical(values={**FADING, **STIFF, "attraction": 10.0})
     passivity = Passivity(
-        condition="mu_s = mu_k",
+        condition="if mu_s = mu_k",
         holds=lambda law, _: bool(law.static_coefficient == law.kinetic_coefficient),
     )
     defects = (
