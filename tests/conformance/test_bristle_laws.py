@@ -8,7 +8,7 @@ import pytest
 from tests.support import BRISTLE, DECADES
 
 from stickslip.characterization.bench import Bench
-from stickslip.characterization.passivity import passivity
+from stickslip.characterization.passivity import cycle_energy
 from stickslip.quantities import fields_of, unchecked
 
 MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")
@@ -105,9 +105,12 @@ def test_long_sliding_gives_the_steady_force(kind):
     # the approach is exponential over at most the reach: exp(-25) is left
     length = 25.0 * reach(law) * DISTANT.get(kind.name, 1.0)
     z = slid(law, v, (np.zeros(MANY),) * len(law.states), length, 2000)
+    # the midpoint rule stops just before a spring that yields at once: one plain step passes it
+    h = length / 2000 / np.abs(v)
+    z = tuple(a + h * b for a, b in zip(z, law.rates(v, LOAD, z), strict=True))
     steady = law.steady(v, LOAD)
     size = np.abs(steady) + np.abs(law.force(v, LOAD, (0.0,) * len(law.states)))
-    allowed = 25.0 / 2000 if kind.name in SUDDEN else 1e-8
+    allowed = 2.0 * 25.0 / 2000 if kind.name in SUDDEN else 1e-8
     assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= allowed * size)
 
 
@@ -140,17 +143,25 @@ def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind)
     np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * one for one in z)))
 
 
-@pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
-def test_the_search_for_cycles_that_return_energy_finds_what_the_entry_says(kind):
+def cycles(law):
+    """Return energies of cycles that are drawn [J], of one that loads slowly and lets go fast."""
+    bench, dice = Bench(law=law), np.random.default_rng(11)
+    v = bench.speed * 10.0 ** dice.uniform(-2, 2, (3, 40)) * dice.choice([1.0, 1.0, -1.0], (3, 40))
+    way = bench.reach * 10.0 ** dice.uniform(-1.0, 0.3, (3, 40))
+    v[:, 0], way[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0]), bench.reach * 1.2
+    return cycle_energy(law, v, way / np.abs(v), cycles=3) / (bench.levels[1] * bench.reach)
+
+
+@each_law
+def test_cycles_return_energy_only_where_the_entry_does_not_exclude_it(kind):
     law = kind(**kind.typical.values)
-    found = passivity(Bench(law=law), tried=60)
     if kind.passivity is None:
         return
     if kind.passivity.holds(law, 1.0):
-        assert found.passive, found.sentence
+        assert cycles(law).min() >= -1e-6  # of break-away times presliding length
     elif kind.name in MEETS_ITS_CONDITION:
-        assert not found.passive, found.sentence
+        assert cycles(law).min() < -0.01
         viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
         calm = dataclasses.replace(law, **viscous)
         assert kind.passivity.holds(calm, 1.0)
-        assert passivity(Bench(law=calm), tried=60).passive
+        assert cycles(calm).min() >= -1e-6
