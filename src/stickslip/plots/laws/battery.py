@@ -22,6 +22,7 @@ from stickslip.characterization import (
     SteadyCurve,
     StickSlipMap,
 )
+from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
@@ -201,12 +202,13 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
 
 
 def _cost(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(float(np.median(one.speed)) for one in results.values())], "m/s")
+    fastest = [float(one.speed.max(initial=0.0)) for one in results.values()]
+    factor, unit = scale_of([0.01 * max(fastest)], "m/s")
     for title, one in results.items():
         seen = one.rate > 0.0
         _line(axes, factor * one.speed[seen], one.rate[seen], style[title], title)
     axes.set(xscale="log", yscale="log")
-    _none_if_empty(axes, "no rate is fast")
+    _none_if_empty(axes, "no rate is fast, or none is known")
     axes.set_xlabel(f"velocity, {unit}")
     axes.set_ylabel("fastest rate, 1/s")
 
@@ -292,6 +294,8 @@ def plot_characterization(result: Characterization, ax: PanelTarget = None) -> P
     """
     check_type("result", result, Characterization)
     by_test = result.by_test
+    if not by_test:
+        raise InputError(f"no test of {result.title} could be made, so there is nothing to plot.")
     rows = -(-len(by_test) // 2)
 
     def draw(figure: Figure, narrow: bool) -> None:
