@@ -92,8 +92,8 @@ def _line(axes: Axes, x: Any, y: Any, look: LineStyle, label: str = "", **more: 
 def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
     for title, one in results.items():
-        half = len(one.velocity) // 2
-        for part in (slice(None, half), slice(half, None)):
+        half = len(one.velocity) // 2 if max(one.break_away) > 0.0 else None
+        for part in (slice(None, half), slice(half, None)) if half else (slice(None),):
             name = title if part.start is None else ""
             _line(axes, factor * one.velocity[part], one.force[part], style[title], name)
         if max(one.break_away) > 0.0:
