@@ -1,5 +1,7 @@
 """Write the `__init__.pyi` of packages whose names are loaded lazily: python tools/stubs.py.
 
+Before, the names of the entries in `friction.named` are written into the table of that package.
+
 Type checkers and editors do not run `__getattr__`. They read these stubs, which name the same
 modules as the table HOMES that the packages load from.
 
@@ -12,6 +14,7 @@ import copy
 import dataclasses
 import importlib
 import inspect
+import re
 import sys
 import textwrap
 from collections import defaultdict
@@ -64,6 +67,18 @@ EQUATIONS = {
 """Types of arguments and results of the equations of laws that are no scalars."""
 GIVEN = "stickslip.quantities", "Given"
 """Module and name of what a constructor takes for a number."""
+
+
+NAMED = SOURCE / "stickslip/friction/named.py"
+"""The entries of named laws, whose names stand in the table of the package."""
+
+
+def with_named_laws() -> str:
+    """Return the text of the module of the friction package with the names of all entries."""
+    tree = ast.parse(NAMED.read_text(encoding="utf-8"))
+    found = [f'    "{one.name}",\n' for one in tree.body if isinstance(one, ast.ClassDef)]
+    text = NAMED.with_name("__init__.py").read_text(encoding="utf-8")
+    return re.sub(r"(?<=^NAMED = \(\n).*?(?=^\))", "".join(found), text, flags=re.M | re.S)
 
 
 def folder(package: str) -> Path:
@@ -210,8 +225,10 @@ class Declaration:
                 self.imports |= public.imports
                 self.attributes.append(f"{field.name}: {text}{default_of(field)}")
         self.parameters = list(self._parameters(kind))
-        self.methods = list(self._methods(kind))
-        if composition_of(kind) is not None:
+        self.methods: list[str] = []
+        if composition_of(kind) is None:
+            self.methods += self._methods(kind)
+        else:
             self._compose(kind)
 
     def _parameters(self, kind: type) -> Iterator[str]:
@@ -332,5 +349,6 @@ class Renamed(ast.NodeTransformer):
 
 
 if __name__ == "__main__":
+    NAMED.with_name("__init__.py").write_text(with_named_laws(), encoding="utf-8")
     for package in PACKAGES:
         (folder(package) / "__init__.pyi").write_text(stub(package), encoding="utf-8")

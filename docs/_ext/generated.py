@@ -13,7 +13,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
-from stickslip.friction import LAWS, PRINTED_EQUATIONS, BristleLaw, FrictionLaw
+from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw
 from stickslip.quantities import fields_of
 from stickslip.routes import routes
 

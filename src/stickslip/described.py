@@ -14,12 +14,12 @@ import textwrap
 import types
 import typing
 from abc import ABCMeta
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any
 
 from typing_extensions import Doc, override
 
-__all__ = ["Described", "alternatives", "marks", "texts_below"]
+__all__ = ["Described", "alternatives", "marks", "texts_below", "with_marks"]
 
 SECTION = re.compile(r"\n+ *(?=(Raises|Warns|See Also|Notes|References|Examples)\n *---)")
 """Where a section of a docstring begins that follows the one on parameters."""
@@ -96,6 +96,22 @@ def marks(hint: Any) -> Iterator[Any]:
     """
     for one in alternatives(hint):
         yield from getattr(one, "__metadata__", ())
+
+
+def with_marks(hint: Any, change: Callable[[Any], Any]) -> Any:
+    """Return a type with each thing that it is annotated with changed.
+
+    Examples
+    --------
+    >>> from typing import Annotated
+    >>> with_marks(Annotated[float, "N"], str.lower).__metadata__
+    ('n',)
+    """
+    found = []
+    for one in alternatives(hint):
+        told = tuple(map(change, getattr(one, "__metadata__", ())))
+        found.append(Annotated[(one.__origin__, *told)] if told else one)
+    return functools.reduce(operator.or_, found)
 
 
 def texts_below(kind: type) -> Mapping[str, str]:

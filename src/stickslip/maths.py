@@ -5,9 +5,27 @@ symbol (anything whose class has `__maths__`) an expression.
 """
 
 import math
-from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
+from collections.abc import Iterable
+from contextvars import ContextVar
+from typing import Any, Protocol, TypeAlias, TypeGuard, final, runtime_checkable
 
-__all__ = ["Scalar", "arctan", "cos", "exp", "log", "power", "sign", "sin", "sqrt", "tanh", "where"]
+from stickslip.errors import InputError
+
+__all__ = [
+    "Latches",
+    "Scalar",
+    "arctan",
+    "cos",
+    "exp",
+    "latched",
+    "log",
+    "power",
+    "sign",
+    "sin",
+    "sqrt",
+    "tanh",
+    "where",
+]
 
 Scalar: TypeAlias = Any
 """A float, an array or a symbol. Equations are generic in it, which the type system cannot say."""
@@ -156,3 +174,106 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
     import numpy as np
 
     return np.where(condition, yes, no)
+
+
+def latched(margin: Scalar, hold: Scalar, yes: Scalar, no: Scalar) -> Scalar:
+    """Return `yes` from where the margin becomes positive for as long as `hold` is, else `no`.
+
+    It is on from where the margin becomes positive, and stays on whatever becomes of the margin. It
+    ends where slip turns or stops, if `hold` is negative then; where `hold` is 0 the margin decides
+    again. A state that is left by another rule than it is entered by, as an element that slips
+    until the velocity turns, is written so.
+
+    Numbers alone do not tell whether it is on: they are evaluated within `Latches`, which know.
+
+    Parameters
+    ----------
+    margin : float, array or symbol
+        It is on from where this becomes positive.
+    hold : float, array or symbol
+        What it lasts by.
+    yes, no : float, array or symbol
+        What holds while it is on, and while it is not.
+
+    Returns
+    -------
+    float or array
+        One of the two, entry by entry for arrays.
+
+    Raises
+    ------
+    InputError
+        If numbers are given outside of `Latches`.
+    """
+    for argument in (margin, hold, yes, no):
+        if _symbolic(argument):
+            return argument.__maths__("latched", margin, hold, yes, no)
+    flags = _AT_HAND.get()
+    if flags is None:
+        raise InputError(
+            "the equation has a latched switch, and numbers alone do not tell whether it is on:"
+            " simulate, or evaluate it within stickslip.maths.Latches()."
+        )
+    return where(flags.on(margin, hold), yes, no)
+
+
+@final
+class Latches:
+    """Which latched switches of an equation are on, while it is evaluated with numbers.
+
+    They stay as they are until `turn` is called, as a solver does at the end of a step: within a
+    step nothing switches.
+
+    Parameters
+    ----------
+    flags : iterable of bool or array, optional
+        Whether each is on, in the order in which the equation asks.
+    off : bool, optional
+        Whether those that are not given are off at first; by default their margins tell.
+
+    Examples
+    --------
+    >>> flags = Latches()
+    >>> def slips(z, v):
+    ...     with flags:
+    ...         return latched(z - 1.0, z * v, yes=True, no=False)
+    >>> slips(1.1, 0.5), slips(0.9, 0.5), flags.turn(), slips(0.9, 0.5)
+    (True, True, None, True)
+    >>> slips(0.9, -0.5), flags.turn(), slips(0.9, -0.5)
+    (True, None, False)
+    """
+
+    def __init__(self, flags: Iterable[Any] = (), *, off: bool = False) -> None:
+        self.flags = list(flags)
+        """Whether each is on."""
+        self._off = off
+        self._asked: list[tuple[Scalar, Scalar]] = []
+        self._before: Any = None
+
+    def __enter__(self) -> None:
+        self._asked.clear()
+        self._before = _AT_HAND.set(self)
+
+    def __exit__(self, *_: object) -> None:
+        _AT_HAND.reset(self._before)
+
+    def __bool__(self) -> bool:
+        """Whether there are any, as the first evaluation shows."""
+        return bool(self.flags)
+
+    def on(self, margin: Scalar, hold: Scalar) -> Any:
+        """Return whether a switch is on; equations ask for all of theirs in the same order."""
+        self._asked.append((margin, hold))
+        if len(self._asked) > len(self.flags):
+            self.flags.append(False if self._off else margin > 0.0)
+        return self.flags[len(self._asked) - 1]
+
+    def turn(self) -> None:
+        """Turn the switches by what was last asked for."""
+        for k, (margin, hold) in enumerate(self._asked):
+            begins, lasts = margin > 0.0, self.flags[k]
+            self.flags[k] = (hold >= 0.0) & (begins | (lasts & (hold > 0.0)))
+
+
+_AT_HAND: ContextVar[Latches | None] = ContextVar("latches", default=None)
+"""The flags by which equations are evaluated."""

@@ -13,6 +13,7 @@ import numbers
 import re
 import types
 import typing
+from collections import ChainMap
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeAlias, TypeVar
 
@@ -253,7 +254,7 @@ class Quantity:
     @property
     def powers(self) -> Mapping[str, int]:
         """The sizes that the scale is made of, and their powers."""
-        return _powers(self.scale)
+        return {name: power for name, power in _powers(self.scale).items() if name != "1"}
 
     def scaled_by(self, sizes: Mapping[str, float]) -> float:
         """Return what start value and bounds are multiples of.
@@ -920,13 +921,14 @@ def gathered(ours: Mapping[str, type[T]], group: str, base: type[T]) -> Mapping[
     StickslipError
         If one of them cannot be imported, is of another kind, or has a name that is taken.
     """
-    found = dict(ours)
+    found: dict[str, type[T]] = {}
+    known = ChainMap(found, ours)  # type: ignore[arg-type]  # ours is only read
     for where, kind in plugins(group, base):
         name = getattr(kind, "name", None)
-        if not isinstance(name, str) or found.get(name, kind) is not kind:
+        if not isinstance(name, str) or known.get(name, kind) is not kind:
             raise name_taken(where, repr(name))
         found[name] = kind
-    return types.MappingProxyType(found)
+    return types.MappingProxyType(known)
 
 
 def name_taken(where: str, name: str) -> StickslipError:
@@ -994,6 +996,8 @@ TURNED = {
     "N s^2/m^2": "N m s^2/rad^2",
     "1/m": "1/rad",
     "s/m": "s/rad",
+    "1/N": "1/N/m",
+    "1/N^2": "1/N^2/m^2",
 }
 """Units of a straight motion -> those of the same quantities about an axis."""
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import quantity
 from stickslip.friction import (
@@ -12,8 +13,9 @@ from stickslip.friction import (
     PrintedForm,
     assigned,
     bristle_names,
+    is_bound,
 )
-from stickslip.mechanisms import Mechanism, checked_contacts, slip_of
+from stickslip.mechanisms import Mechanism, checked_contacts, input_names, slip_of
 from stickslip.quantities import Quantity
 from stickslip.solver import EventDriven, Output, Solver, run_ensemble
 from stickslip.trajectory import Ensemble, Status, Trajectory
@@ -286,7 +288,33 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
             f"{type(mechanism).__name__} has one contact, which has no name: give its law alone,"
             f" got {law!r}."
         )
-    return assigned(names, law)
+    found = assigned(names, law)
+    own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
+    for contact, one in own.items():
+        _check_inputs(mechanism, contact, one)
+    return found
+
+
+def _check_inputs(mechanism: Mechanism, contact: str, law: FrictionLaw) -> None:
+    """Refuse a law that asks for a contact input which nothing tells."""
+    if law.inputs and is_bound(law):
+        raise InputError(
+            f"the friction law {law.name} is bound to {', '.join(law.inputs)}, but in a run the"
+            " mechanism tells what changes: give the law as it was before, and values to"
+            " given_inputs(mechanism, {...})."
+        )
+    known = input_names(mechanism, contact) if law.inputs else ()
+    for name in law.inputs:
+        if name not in known:
+            where = f"{type(mechanism).__name__}" + (f" at {contact!r}" if contact else "")
+            unit = CONTACT_INPUTS[name].unit if name in CONTACT_INPUTS else "1"
+            raise InputError(
+                f"the friction law {law.name} depends on the contact input {name!r}, which {where}"
+                f" does not tell; it tells {', '.join(known) or 'none'}. Give it in the rig file,"
+                f' as {name} = "1 {unit}" under [contact], in Python as given_inputs(mechanism,'
+                f" {{{name!r}: 1.0}}), where a drive may stand for the number; or give a law"
+                " without it."
+            )
 
 
 def own_law(mechanism: object, law: object) -> FrictionLaw:

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     import pint
 
 __all__ = [
+    "CELSIUS",
     "NUMBER_WITH_UNIT",
+    "converted",
     "exact_factor",
     "factor",
     "is_of",
@@ -63,6 +65,8 @@ _JOINED: Final = re.compile(
     r"(?P<force>(?:[mckdMµμu]|da)?N|kp|kgf|kg|g|A|V)(?P<length>[mckdµμu]?m)?(?P<time>s)?"
 )
 """Products without a mark between their factors: Nm, mNm, Ncm, kgcm, Ns, Nms."""
+CELSIUS: Final = "degC"
+"""Unit of temperatures: coefficients of a law are those at 0 of it, and no contact is near 0 K."""
 _PER_MINUTE: Final = ("1/minute", "1/min", "minute**-1", "min**-1")
 """What means revolutions per minute where a speed of rotation is wanted."""
 _ROTATION: Final = ("rad/s", "radian/second")
@@ -102,6 +106,46 @@ def factor(unit: str, target: str | None) -> float:
     (True, 0.016666666666666666)
     """
     return float(exact_factor(unit, target))
+
+
+def converted(values: Any, unit: str, target: str | None) -> Any:
+    """Return numbers of a unit in another one, or in SI; of a temperature with its zero.
+
+    Parameters
+    ----------
+    values : float or array
+        The numbers.
+    unit : str
+        Their unit.
+    target : str or None
+        Unit of the result; SI if None.
+
+    Returns
+    -------
+    float or array
+        Numbers in that unit.
+
+    Raises
+    ------
+    ParameterError
+        If the units are of two kinds.
+
+    Examples
+    --------
+    >>> converted(300.0, "K", "degC"), converted(5.0, "mm", "m"), converted(68.0, "°F", "degC")
+    (26.85, 0.005, 20.0)
+    """
+    if target != CELSIUS:
+        return values * factor(unit, target)
+    one = _one(_plain(unit))
+    if one.dimensionality != {"[temperature]": 1}:
+        raise ParameterError(f"must be in {CELSIUS} or a unit of that kind, not in {unit}")
+    zero, at_one = (
+        Decimal(_registry().Quantity(Decimal(x), one.units).to(CELSIUS).magnitude) for x in (0, 1)
+    )
+    if isinstance(values, float):  # which decimals keep as it is written
+        return float(Decimal(repr(values)) * (at_one - zero) + zero)
+    return values * float(at_one - zero) + float(zero)
 
 
 def is_of(unit: str, target: str) -> bool:
@@ -250,6 +294,8 @@ def number_in(value: Any, unit: str) -> float:
     if not math.isfinite(float(number)):
         return float(number)
     try:
+        if unit == CELSIUS:
+            return float(converted(float(number), own or "1", unit))
         return float(Decimal(number) * exact_factor(own or "1", unit))
     except ParameterError as error:
         raise ParameterError(

@@ -73,7 +73,7 @@ for command in (["schema"], ["simulate", "slab.toml", "--json"]):
 
 
 def test_a_law_touches_three_places(tree: Tree) -> None:
-    line = '    "LuGre": "named",'
+    line = '    **dict.fromkeys(NAMED, "registry"),'
     places = contributed(
         tree,
         "toy_law.py",

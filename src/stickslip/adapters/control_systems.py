@@ -207,6 +207,11 @@ def to_nonlinear_system(
     place = place_of(mechanism, drive)
     told, entry = place.commanded(mechanism, Sampled(times=(0.0,), values=(0.0,)))
     model = formulate(told, laws)
+    if model.latched:
+        raise InputError(
+            f"to_nonlinear_system asks for rates at a state, and {model.title} has latched switches,"
+            " of which a state does not tell whether they are on: use simulate or closed_loop."
+        )
     field: _Field | _FieldOfContacts
     if model.contacts:
         own = (

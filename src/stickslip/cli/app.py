@@ -507,6 +507,15 @@ def export(
     fmi: Annotated[
         int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of an fmu, 2 or 3.")
     ] = 3,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="INPUT=VALUE",
+            help="Contact input of the law at which tables and joints have their friction, such"
+            ' as "temperature=35 degC"; may be repeated.',
+        ),
+    ] = None,
     inputs: Annotated[
         list[str] | None,
         typer.Option(
@@ -540,6 +549,7 @@ def export(
         law_load=law_load,
         largest_speed=largest_speed,
         fmi=fmi,
+        at=tuple(at or ()),
         inputs=tuple(inputs or ()),
         t_end=t_end,
     )
@@ -738,9 +748,10 @@ def warmup(
 
     Intended for container images and continuous integration.
 
-    Default: every mechanism, with and without a drive, with every law, for single runs and for
-    ensembles. With --rig: the mechanism of the rig file with its laws. Other parameter values need
-    no compilation. Equations that are already in the cache are kept.
+    Default: every mechanism, with and without a drive, with every law that is tried unasked, for
+    single runs and for ensembles; others with --laws. With --rig: the mechanism of the rig file
+    with its laws. Other parameter values need no compilation. Equations that are already in the
+    cache are kept.
     """
     from stickslip.cli.warmup import run
 

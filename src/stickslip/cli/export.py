@@ -1,5 +1,6 @@
 """``stickslip export``."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from stickslip.cli.law_choice import (
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, load_rig, read_number
 from stickslip.exports import TARGETS, export, export_fmu, identifier
-from stickslip.quantities import Quantity, named
+from stickslip.quantities import Given, Quantity, named
 
 __all__ = ["Wanted", "run"]
 
@@ -42,6 +43,8 @@ class Wanted:
     """Normal force at which levels that are forces were fitted."""
     largest_speed: str | None
     """End of the range of speeds."""
+    at: tuple[str, ...] = ()
+    """Contact inputs with their values, at which tables and joints have their friction."""
     fmi: int = 3
     """Version of the standard of an FMU."""
     inputs: tuple[str, ...] = ()
@@ -116,11 +119,11 @@ def run(
             law_load=law_load,
             largest_speed=wanted.largest_speed,
             rig=rig,
+            at=_stated(wanted.at),
         )
     except ParameterError as error:
-        raise ParameterError(
-            f"{error}".replace("export.largest_speed", "--largest-speed")
-        ) from None
+        said = f"{error}".replace("export.largest_speed", "--largest-speed")
+        raise ParameterError(said.replace("export.at.", "--at ")) from None
     files = found.save(output, force=force)
     if as_json:
         content = {"target": to, "files": list(map(str, files)), "remarks": list(found.remarks)}
@@ -140,6 +143,7 @@ def _refuse_foreign(to: str, wanted: Wanted) -> None:
             "--rig": wanted.rig,
             "--load": wanted.load,
             "--largest-speed": wanted.largest_speed,
+            "--at": wanted.at or None,
         }
         cure = "such options are of targets for a law alone."
     else:
@@ -180,6 +184,23 @@ def _export_fmu(
         print_json(document("export", {"target": FMU, "files": [str(file)], "remarks": []}))
         return
     stdout().print(f"FMU for FMI {wanted.fmi}.0: {file}", markup=False)
+
+
+def _stated(given: Sequence[str]) -> dict[str, Given]:
+    """Return contact inputs by name: numbers, or texts with a unit."""
+    found: dict[str, Given] = {}
+    for one in given:
+        name, equals, value = one.partition("=")
+        if not equals or not value.strip():
+            raise InputError(
+                f"--at takes a contact input and its value, such as"
+                f' --at "temperature=35 degC", got {one!r}.'
+            )
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            found[name.strip()] = value.strip()
+    return found
 
 
 def _number(option: str, text: str | None, quantity: Quantity) -> float | None:

@@ -8,6 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import document, plain, print_json, show_table, stdout
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.described import texts_below
 from stickslip.errors import UnknownNameError
 from stickslip.formatting import capital, number
@@ -21,6 +22,7 @@ from stickslip.friction import (
     is_composition,
     law_type,
     laws,
+    listed,
 )
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity, fields_of
@@ -60,16 +62,8 @@ def _all(*, as_json: bool) -> None:
         found = {"laws": [_law(law) for law in laws().values()], "mechanisms": contacts}
         print_json(document("models", found))
         return
-    rows = [
-        [
-            name,
-            law.title,
-            "bristles" if law.states else "set-valued",
-            ", ".join(quantity.symbol for quantity in fields_of(law).values()),
-        ]
-        for name, law in laws().items()
-    ]
-    show_table("", ["law", "title", "kind", "parameters"], rows)
+    rows = [[name, one.title, str(one.composition or "")] for name, one in listed().items()]
+    show_table("", ["law", "title", "composition"], rows)
     stdout().print()
     names = [[name, kind.contact_names or "one"] for name, kind in mechanisms().items()]
     show_table("", ["mechanism", "contacts"], names)
@@ -129,6 +123,10 @@ def _one(name: str, *, as_json: bool) -> None:
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     _show_parameters(law)
     console.print()
+    for asked in law.inputs:
+        told = CONTACT_INPUTS[asked]
+        text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
+        console.print(text, markup=False, soft_wrap=True)
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
@@ -199,6 +197,10 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         "kind": "bristle" if law.states else "set-valued",
         "formula": law.formula,
         "parameters": _parameters(law),
+        "inputs": {
+            name: {"unit": CONTACT_INPUTS[name].unit, "meaning": CONTACT_INPUTS[name].meaning}
+            for name in law.inputs
+        },
         "sources": [SOURCES[key] for key in law.sources],
     }
 
@@ -216,7 +218,7 @@ def cite(names: Sequence[str], *, as_json: bool) -> None:
     from stickslip import __version__
 
     own = f"stickslip {__version__}. The stickslip authors, 2026. BSD-3-Clause."
-    chosen = [law_type(name) for name in names] if names else list(laws().values())
+    chosen: Any = [law_type(name) for name in names] if names else list(listed().values())
     found = {law.name: [SOURCES[key] for key in law.sources] for law in chosen}
     if as_json:
         content = {"software": own, "rig": SOURCES["paper"], "laws": found}

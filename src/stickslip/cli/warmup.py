@@ -11,7 +11,7 @@ from stickslip.cli.progress import Compiling
 from stickslip.drives import Drive, Pulse, ThreePhase
 from stickslip.errors import InputError
 from stickslip.experiments import Rig, load_rig
-from stickslip.friction import FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, law_type, listed
 from stickslip.friction import laws as known_laws
 from stickslip.identification import starting_law
 from stickslip.mechanisms import Mechanism, Motor, Prescribed, Torque
@@ -44,7 +44,8 @@ def run(
     mechanisms : sequence of str
         Names of the mechanisms to compile; all if empty.
     laws : str or None
-        Names of the laws to compile, joined by commas; those of the rig, or all, if None.
+        Names of the laws to compile, joined by commas; those of the rig, or all that are tried
+        unasked, if None.
     allow_import : bool
         Whether the rig file may import classes, which runs their code.
     as_json : bool
@@ -85,12 +86,16 @@ def _of_rig(rig: Rig, laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
             " their equations are compiled when they are first needed."
         )
     if laws is None:
-        usual = [law for law in known_laws().values() if not law.on_request]
-        own = list(rig.laws.values()) or [starting_law(law) for law in usual]
+        own = list(rig.laws.values()) or [starting_law(law) for law in _unasked()]
         return [(rig.mechanism, law) for law in own]
     return [
         (rig.mechanism, rig.laws.get(name) or starting_law(law_type(name))) for name in _names(laws)
     ]
+
+
+def _unasked() -> list[type[FrictionLaw]]:
+    """Return the laws that are tried where none is named."""
+    return [known_laws()[name] for name, one in listed().items() if not one.on_request]
 
 
 def _of_registry(names: Sequence[str], laws: str | None) -> list[tuple[Mechanism, FrictionLaw]]:
@@ -103,7 +108,7 @@ def _of_registry(names: Sequence[str], laws: str | None) -> list[tuple[Mechanism
                 f"{kind.name} is made of parts, of which there are no usual ones: give a rig file"
                 " with --rig."
             )
-    chosen = [law_type(name) for name in _names(laws)] or list(known_laws().values())
+    chosen = [law_type(name) for name in _names(laws)] or _unasked()
     starts = [starting_law(law) for law in chosen]
     return [(rig, law) for kind in kinds for rig in _variants(kind) for law in starts]
 

@@ -3,6 +3,7 @@ from dataclasses import dataclass
 from typing import final
 
 from collections.abc import Callable as _Callable
+from collections.abc import Mapping as _Mapping
 from stickslip.control.actuation import place_of as place_of
 from stickslip.control.equations_of_motion import Dynamics as Dynamics
 from stickslip.control.equations_of_motion import DynamicsOfContacts as DynamicsOfContacts
@@ -33,6 +34,7 @@ class FrictionCompensation(_FrictionCompensation):  # type: ignore[misc]  # fina
         width: _Given,
         factor: _Given = ...,
         load: _Load = ...,
+        inputs: _Mapping[str, _Load] = ...,
         velocity: str | _Callable[[float], float] = ...,
     ) -> None: ...
 

@@ -1,19 +1,19 @@
 """Compensation of friction by the force that an identified law gives."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias, final
 
 from typing_extensions import override
 
-from stickslip.errors import InputError, ParameterError
-from stickslip.friction import FrictionLaw
+from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import FrictionLaw, bound, is_bound
 from stickslip.quantities import Parametrised, Quantity
 
 __all__ = ["FrictionCompensation", "Load", "compensation", "sliding_force"]
 
 Load: TypeAlias = float | Callable[[float, Mapping[str, float]], float]
-"""A normal force [N], or a function of time and what is measured."""
+"""A normal force [N] or a contact input, or a function of time and what is measured."""
 
 
 def sliding_force(law: FrictionLaw, velocity: float, load: float) -> float:
@@ -71,6 +71,8 @@ class FrictionCompensation(Parametrised):
     """Share of friction that is compensated; above 1 it is over-compensated."""
     load: Load = 1.0
     """Normal force."""
+    inputs: Mapping[str, Load] = field(default_factory=dict)
+    """Contact inputs of the law, by name."""
     velocity: str | Callable[[float], float] = "v"
     """Name of a measured rate, or the desired velocity as a function of time."""
 
@@ -82,6 +84,16 @@ class FrictionCompensation(Parametrised):
             raise ParameterError(
                 f"FrictionCompensation.law must be a friction law, got {self.law!r}."
             )
+        for name in self.inputs:
+            if name not in self.law.inputs:
+                raise UnknownNameError(f"contact input of {self.law.name}", name, self.law.inputs)
+        for name in () if is_bound(self.law) else self.law.inputs:
+            if name not in self.inputs:
+                raise InputError(
+                    f"compensation: the friction law {self.law.name} depends on {name}: give it,"
+                    f" as inputs={{{name!r}: ...}}, a number or a function of time and what is"
+                    " measured."
+                )
 
     def __call__(self, t: float, measured: Mapping[str, float]) -> float:
         """Return the force at a sample."""
@@ -94,10 +106,15 @@ class FrictionCompensation(Parametrised):
                 f"compensation: {self.velocity!r} is not measured; measured quantities:"
                 f" {', '.join(measured) or 'none'}."
             )
-        load = self.load(t, measured) if callable(self.load) else self.load
+        load, *inputs = (
+            one(t, measured) if callable(one) else one for one in (self.load, *self.inputs.values())
+        )
+        law = self.law
+        if inputs:
+            law = bound(law, dict(zip(self.inputs, inputs, strict=True)))
         share = min(abs(speed) / self.width, 1.0)
         crossing = 0.5 * share * (3.0 - share * share)
-        return self.factor * crossing * sliding_force(self.law, speed, load)
+        return self.factor * crossing * sliding_force(law, speed, load)
 
 
 def compensation(
@@ -106,6 +123,7 @@ def compensation(
     width: float,
     factor: float = 1.0,
     load: Load = 1.0,
+    inputs: Mapping[str, Load] | None = None,
     velocity: str | Callable[[float], float] = "v",
 ) -> FrictionCompensation:
     """Return a controller that compensates friction by an identified law.
@@ -120,6 +138,8 @@ def compensation(
         Share of friction that is compensated: 1 exactly, less or more.
     load : float or callable
         Normal force [N], or a function of time and what is measured.
+    inputs : mapping of str to float or callable, optional
+        Contact inputs of the law in the same way, such as ``{"temperature": 35.0}`` [degC].
     velocity : str or callable
         Name of the measured rate, or the desired velocity as a function of time, which has no
         noise and does not feed back.
@@ -136,4 +156,6 @@ def compensation(
     >>> [round(push(0.0, {"v": v}), 9) for v in (-0.1, 0.0, 0.005, 0.01)]
     [-1.8, 0.0, 1.2375, 1.8]
     """
-    return FrictionCompensation(law=law, width=width, factor=factor, load=load, velocity=velocity)
+    return FrictionCompensation(
+        law=law, width=width, factor=factor, load=load, inputs=inputs or {}, velocity=velocity
+    )

@@ -30,7 +30,6 @@ HOMES = {
 }
 
 INSIDE = {
-    "AT_UNIT_LOAD": "estimates",
     "CURE": "checking.mains",
     "Column": "readers.reader_options",
     "GAP": "differentiation",
@@ -73,6 +72,8 @@ INSIDE = {
     "scale_of": "travels",
     "spread_of": "estimates",
     "step_of": "differentiation",
+    "unit_at_unit_load": "estimates",
+    "unit_of_input": "measurement",
     "unit_on": "estimates",
     "usual_top_speed": "differentiation",
     "velocity_of": "differentiation",

@@ -18,7 +18,7 @@ from stickslip.experiments.estimates import (
 )
 from stickslip.experiments.rig import Rig
 from stickslip.formatting import joined, number, quantity, span
-from stickslip.friction import FrictionLaw, Laws, assigned
+from stickslip.friction import FrictionLaw, Laws, anywhere, assigned
 from stickslip.mechanisms import Mechanism, slip_names, static_normal_force
 from stickslip.quantities import fields_of, parameters, turned, vary
 from stickslip.trajectory import Trajectory
@@ -295,7 +295,11 @@ def extrapolations(law: CarriedLaw, mechanism: Mechanism, run: Trajectory) -> tu
             f" {quantity(most, unit)} and is extrapolated beyond that."
         )
     both_known = levels_at(law.fitted_on) == levels_at(mechanism) == "per load"
-    if both_known and law.law.break_away(1.0) > 0.0 and len(law.fitted_on.contacts()) == 1:
+    if (
+        both_known
+        and anywhere(law.law).break_away(1.0) > 0.0
+        and len(law.fitted_on.contacts()) == 1
+    ):
         load, forces = static_normal_force(law.fitted_on), seen["normal_force"]
         low, high = float(forces.min()), float(forces.max())
         if low * BEYOND < load or high > BEYOND * load:
@@ -350,7 +354,7 @@ def unfitted_bristles(
     fitted = () if known is None else known.intervals
     if not stiffness or distance == 0.0:
         return ()
-    give = 2.0 * float(law.break_away(1.0)) / min(stiffness)
+    give = 2.0 * float(anywhere(law).break_away(1.0)) / min(stiffness)
     if give < DECIDES * abs(distance):
         return ()
     return tuple(

@@ -17,7 +17,6 @@ from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, parameters, turned, vary
 
 __all__ = [
-    "AT_UNIT_LOAD",
     "HARD",
     "LOAD",
     "LawEstimates",
@@ -26,6 +25,7 @@ __all__ = [
     "levels_at",
     "slips_in_angle",
     "spread_of",
+    "unit_at_unit_load",
     "unit_on",
 ]
 
@@ -38,6 +38,8 @@ LOAD: Final = Quantity("N", "N", above=0)
 """A normal force at which levels are given as forces."""
 AT_UNIT_LOAD: Final = MappingProxyType({"1": "N", "1/m": "N/m", "s/m": "N s/m"})
 """What a unit per load [N] reads as where the load is 1."""
+OF_FORCES: Final = MappingProxyType({"1/N": "1", "1/N^2": "1/N"})
+"""The same of levels over a force that the contact transmits; factors have these units too."""
 PREFIX: Final = "friction"
 AT_REST: Final = "static_coefficient"
 NORMAL_95: Final = 1.959963984540054
@@ -127,8 +129,20 @@ def unit_on(mechanism: Mechanism, quantity: Quantity) -> str:
     """
     unit = quantity.unit
     if levels_at(mechanism) != "per load" and not quantity.structural:
-        unit = AT_UNIT_LOAD.get(unit, unit)
+        unit = unit_at_unit_load(quantity) or unit
     return turned(unit, slips_in_angle(mechanism))
+
+
+def unit_at_unit_load(quantity: Quantity) -> str:
+    """Return what the unit of a law's parameter reads as where the load is 1; empty if the same.
+
+    Examples
+    --------
+    >>> unit_at_unit_load(Quantity("mu_k", "1")), unit_at_unit_load(Quantity("v_s", "m/s"))
+    ('N', '')
+    """
+    known = OF_FORCES if quantity.scale.startswith("level/") else AT_UNIT_LOAD
+    return known.get(quantity.unit, "")
 
 
 def spread_of(value: float, low: float, high: float, kind: str = "95 %") -> float:

@@ -12,21 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.display import InPanels, Summary
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.condition_values import plain_conditions
+from stickslip.experiments.condition_values import (
+    condition_name,
+    condition_unit,
+    plain_conditions,
+)
 from stickslip.experiments.line import Line
 from stickslip.experiments.units import LARGEST, size_wanted
 from stickslip.formatting import number, span
 from stickslip.formatting import quantity as with_unit
-from stickslip.quantities import Converted, Given, Numbers, Quantity
+from stickslip.quantities import Converted, Given, Numbers, Quantity, turned
 from stickslip.tables import Tabular
-from stickslip.units import is_pint, number_in, pint_magnitude
+from stickslip.units import converted, is_pint, number_in, pint_magnitude
 
 if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = [
+    "BESIDE",
     "BY_JOINT",
     "KINDS_OF_UNCERTAINTY",
     "QUANTITIES",
@@ -37,6 +43,7 @@ __all__ = [
     "Uncertainty",
     "as_turning",
     "quantity_called",
+    "unit_of_input",
 ]
 
 Array = NDArray[np.float64]
@@ -46,10 +53,12 @@ Series: TypeAlias = Converted[Numbers | None, Array | None]
 Values: TypeAlias = Converted[Given | Numbers | None, Array | float | None]
 Moving: TypeAlias = Converted[Given | Numbers | Mapping[str, Numbers] | None, Array | float | None]
 """What may be given by joint; it is then kept in `Measurement.joints`."""
+ByInput: TypeAlias = Converted[Mapping[str, Given | Numbers], Mapping[str, Array | float]]
 ByQuantity: TypeAlias = Converted[Given | Mapping[str, Given], Mapping[str, float]]
 # defaults, whose type a type checker need not compare with what is kept
 ABSENT: Any = None
 NONE_STATED: Any = field(default_factory=dict)
+NO_INPUTS: Any = field(default_factory=dict)
 NO_TRIALS: Any = ()
 
 KINDS_OF_UNCERTAINTY: tuple[Uncertainty, ...] = ("rounding", "standard", "interval")
@@ -79,6 +88,9 @@ TRAVELS = ("travel", "mean_velocity", "travel_per_cycle")
 SAMPLED = tuple(name for name in QUANTITIES if name not in TRAVELS)
 """What a time series has one value of for each time."""
 
+BESIDE = tuple(name for name in CONTACT_INPUTS if name not in QUANTITIES)
+"""Contact inputs that are no such quantity themselves."""
+
 BY_JOINT = ("position", "velocity", "force")
 """What may be given by the name of a joint."""
 
@@ -100,6 +112,29 @@ def quantity_called(name: str) -> Quantity:
     if joint and known not in BY_JOINT:
         raise KeyError(name)
     return QUANTITIES[known]
+
+
+def unit_of_input(name: str, *, turning: bool = False) -> str:
+    """Return the unit of a contact input.
+
+    Parameters
+    ----------
+    name : str
+        One of `CONTACT_INPUTS`.
+    turning : bool
+        Whether the contact slips by an angle.
+
+    Returns
+    -------
+    str
+        Its SI unit; of a temperature, degC.
+
+    Examples
+    --------
+    >>> unit_of_input("transmitted", turning=True), unit_of_input("temperature")
+    ('N m', 'degC')
+    """
+    return turned(CONTACT_INPUTS[name].unit, turning)
 
 
 SENTENCES: Mapping[str, str] = MappingProxyType(
@@ -162,6 +197,9 @@ class Measurement(Tabular, InPanels):
     conditions : mapping of str to float or str, optional
         What else was different, such as ``{"temperature [degC]": 20, "direction": "up"}``, by name
         with its unit if it has one. `compare_trials` asks whether friction depends on it.
+    inputs : mapping of str to array (n,) or float, optional
+        What laws may ask of the contact beside speed and load, by its name, such as
+        ``{"temperature": [20.0, 20.1]}``: a temperature [degC], the torque that a gear transmits.
     initial : mapping of str to float, optional
         Initial states by name; the others are 0.
     offset : mapping of str to float, optional
@@ -237,6 +275,7 @@ class Measurement(Tabular, InPanels):
     overrides: Mapping[str, float] = field(default_factory=dict)
     parameter_uncertainties: Mapping[str, float] = field(default_factory=dict)
     conditions: Mapping[str, float | str] = field(default_factory=dict)
+    inputs: ByInput = NO_INPUTS
     initial: Mapping[str, float] = field(default_factory=dict)
     offset: Mapping[str, float] = field(default_factory=dict)
     turning: bool = False
@@ -274,6 +313,7 @@ class Measurement(Tabular, InPanels):
                 "A Measurement needs at least one quantity"
                 f" ({', '.join(QUANTITIES)}) or trials, got none."
             )
+        self._set("inputs", _inputs(self))
         _check_shapes(self)
         self._check_travels()
         self._set("uncertainty", _uncertainty(self))
@@ -296,6 +336,33 @@ class Measurement(Tabular, InPanels):
         for name in given:
             for value in np.atleast_1d(getattr(self, name)):
                 _check_size("Measurement", name, float(value), QUANTITIES[name])
+
+    def input_names(self) -> tuple[str, ...]:
+        """Return the names of the contact inputs that every record has.
+
+        Examples
+        --------
+        >>> Measurement(time=[0, 1], force=[2, 3], inputs={"temperature": 20}).input_names()
+        ('temperature',)
+        """
+        found = [one.contact_inputs() for one in self.records()]
+        return tuple(name for name in CONTACT_INPUTS if all(name in own for own in found))
+
+    def contact_inputs(self) -> dict[str, Array | float]:
+        """Return what was measured of `inputs`, or stated as a condition of one of their names.
+
+        Examples
+        --------
+        >>> Measurement(travel=0.2, conditions={"temperature [K]": 293.15}).contact_inputs()
+        {'temperature': 20.0}
+        """
+        stated = {
+            name: converted(value, condition_unit(full) or target, target)
+            for full, value in self.conditions.items()
+            if (name := condition_name(full)) in CONTACT_INPUTS and isinstance(value, float)
+            for target in [unit_of_input(name, turning=self.turning)]
+        }
+        return {**stated, **self.inputs}
 
     @property
     def travelled(self) -> str:
@@ -396,6 +463,8 @@ class Measurement(Tabular, InPanels):
                 first, _, joint = name.partition(".")
                 held = getattr(record.joints[joint] if joint else record, first)
                 columns[f"{name} [{record.unit(name)}]"] = held
+            for name, held in record.inputs.items():
+                columns[f"{name} [{unit_of_input(name, turning=record.turning)}]"] = held
             parts.append(pd.DataFrame(columns, index=None if record._is_long() else [0]))
         return pd.concat(parts, ignore_index=True)
 
@@ -417,6 +486,7 @@ class Measurement(Tabular, InPanels):
             first, last = min(t[0] for t in times), max(t[-1] for t in times)
             rows.append(("time", f"{number(first, 4)} to {number(last, 4)} s"))
         rows += [(name, self._extent(name)) for name in self.quantities()]
+        rows += [(name, self._span_of_input(name)) for name in self.input_names()]
         changed = {
             path: {one.overrides[path] for one in records if path in one.overrides}
             for path in dict.fromkeys(path for one in records for path in one.overrides)
@@ -445,6 +515,12 @@ class Measurement(Tabular, InPanels):
         }
         kind = found[0].uncertainty_kind
         return f"{text}, uncertainty {' or '.join(sorted(doubts))} ({kind})" if doubts else text
+
+    def _span_of_input(self, name: str) -> str:
+        """Return the range of a contact input, with its unit."""
+        values = [np.atleast_1d(one.contact_inputs()[name]) for one in self.records()]
+        low, high = (float(f(np.concatenate(values))) for f in (np.min, np.max))
+        return span(low, high, unit_of_input(name, turning=self.turning))
 
     def _is_long(self) -> bool:
         """Whether there is more than one number of a quantity."""
@@ -485,6 +561,22 @@ class Measurement(Tabular, InPanels):
             return self.joints[joint].values(name)
         value = cast("Array | float", getattr(self, quantity))
         return value - self.offset.get(quantity, 0.0)
+
+
+def _inputs(record: Measurement) -> dict[str, Array | float]:
+    """Return contact inputs as floats and arrays (n,), all finite."""
+    given: Any = record.inputs
+    if not isinstance(given, Mapping):
+        raise InputError(f"Measurement.inputs must be a mapping by name, got {_short(given)}.")
+    return {
+        name: _numbers(
+            f"inputs.{name}",
+            Quantity(CONTACT_INPUTS[name].index, unit_of_input(name, turning=record.turning)),
+            given[name],
+            record.turning,
+        )
+        for name in checked_inputs(given)
+    }
 
 
 def _joints(record: Measurement) -> Mapping[str, Measurement]:
@@ -613,6 +705,16 @@ def _check_shapes(record: Measurement) -> None:
         for name in SAMPLED
         if isinstance(getattr(record, name), np.ndarray)
     }
+    inputs = {k: np.size(x) for k, x in record.inputs.items() if isinstance(x, np.ndarray)}
+    if record.time is not None:
+        wrong = [name for name, size in inputs.items() if size != np.size(record.time)]
+    else:
+        wrong = [name for name, size in inputs.items() if size not in sizes.values()]
+    if wrong:
+        raise InputError(
+            f"Measurement.inputs of {wrong[0]!r} has {inputs[wrong[0]]} values: give one number, or"
+            " one for each sample."
+        )
     if record.time is not None:
         _check_time(record, sizes)
         return
@@ -740,7 +842,7 @@ def _check_trials(whole: Measurement) -> None:
             raise InputError(f"Each of Measurement.trials must be one record, got {_short(trial)}.")
     # Beside trials these would silently have no effect.
     arrays = [name for name in ("time", *QUANTITIES) if getattr(whole, name) is not None]
-    settings = ("uncertainty", "overrides", "conditions", "initial", "offset", "joints")
+    settings = ("uncertainty", "overrides", "conditions", "inputs", "initial", "offset", "joints")
     own = arrays + [name for name in settings if getattr(whole, name)]
     if own:
         raise InputError(

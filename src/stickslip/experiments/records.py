@@ -1,6 +1,7 @@
 """Measurements from CSV, Parquet and MATLAB files: a record in time, or a table of trials."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -8,16 +9,18 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.condition_values import condition_name
 from stickslip.experiments.line import along
 from stickslip.experiments.measurement import (
+    BESIDE,
     BY_JOINT,
     SAMPLED,
     TRAVELS,
     Array,
     Measurement,
     Uncertainty,
+    unit_of_input,
 )
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.reader_options import (
@@ -301,7 +304,7 @@ class _Files:
         joints = [name for name in frame.names if _of_joint(name)]
         wanted = ("time", *SAMPLED, *joints, SECOND)
         for key in reading.columns:  # those of trials, which a record has not
-            if key not in (*wanted, TRIAL, *reading.motor_constant):
+            if key not in (*wanted, TRIAL, *BESIDE, *reading.motor_constant):
                 raise UnknownNameError("quantity of a record in columns", key, wanted[:-1])
         conditions = conditions_in(frame, reading.conditions)
         holes = "gaps" in reading.repair
@@ -315,6 +318,7 @@ class _Files:
             raise InputError(_nothing_known(frame))
         done: tuple[str, ...] = ()
         used = {*raw}
+        raw |= self._beside(frame)
         if reading.repair:
             raw, done = repaired(raw, reading.repair)
         line = None
@@ -328,7 +332,7 @@ class _Files:
             rotary=(self.mechanism is not None and set(self.mechanism.units) == {"rad"})
             or reading.rotary,
         )
-        values, turning = scaling.scaled(raw)
+        values, turning = scaling.scaled({k: x for k, x in raw.items() if k not in BESIDE})
         if line is not None and turning:
             raise InputError(
                 "an angle cannot be given as two coordinates in a plane: name one"
@@ -339,6 +343,7 @@ class _Files:
         parts: dict[str, Any] = {**_nested(values), **self.common}
         return Measurement(
             **parts,
+            inputs=self._inputs(frame, raw, turning),
             offset=reading.offset,
             conditions=conditions,
             unused=unused_in(frame, {*used, TRIAL, *map(condition_name, conditions)}),
@@ -347,6 +352,32 @@ class _Files:
             name=name,
             provenance="; ".join([Path(frame.file).name, *done]),
         )
+
+    def _beside(self, frame: "Frame") -> dict[str, Array]:
+        """Return the columns (n,) that are contact inputs, as they stand there."""
+        found = {}
+        for name in BESIDE:
+            with self._optional(name):
+                found |= {name: frame.raw(name)} if name in frame.names else {}
+        return found
+
+    def _inputs(self, frame: "Frame", raw: Mapping[str, Array], turning: bool) -> dict[str, Array]:
+        """Return contact inputs in their units."""
+        found = {}
+        for name in BESIDE:
+            with self._optional(name):
+                target = unit_of_input(name, turning=turning)
+                found |= {name: frame.scaled(name, raw[name], target)} if name in raw else {}
+        return found
+
+    @contextmanager
+    def _optional(self, name: str) -> Iterator[None]:
+        """Let a column be something else if nobody said what it is."""
+        try:
+            yield
+        except ParameterError:
+            if name in self.reading.columns:
+                raise
 
 
 def _of_joint(name: str) -> bool:

@@ -20,6 +20,7 @@ from stickslip.friction import (
     bristle_names,
     law_type,
     laws,
+    listed,
 )
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, vary
@@ -488,7 +489,7 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
     >>> state_units(SpringBlock(mass=1.0))
     {'z': 'm', 'x': 'm', 'v': 'm/s'}
     """
-    units = {bristle: "m" for law in laws().values() for bristle in law.states}
+    units = {state: "m" for law in listed().values() for state in law.states}
     contacts = mechanism.contacts()
     if len(contacts) > 1:
         units = {f"{z}:{one.name}": unit for z, unit in units.items() for one in contacts}

@@ -40,8 +40,12 @@ def rows_of(record: Measurement, first: int, end: int) -> Measurement:
         for name in ("time", *SAMPLED)
         if isinstance(getattr(record, name), np.ndarray)
     }
+    inputs = {
+        name: one[first:end] if isinstance(one, np.ndarray) else one
+        for name, one in record.inputs.items()
+    }
     joints = {name: rows_of(one, first, end) for name, one in record.joints.items()}
-    return replace(record, **columns, joints=joints)
+    return replace(record, **columns, inputs=inputs, joints=joints)
 
 
 def between_gaps(record: Measurement) -> tuple[Measurement, ...]:

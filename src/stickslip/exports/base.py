@@ -81,6 +81,8 @@ class Target(ABC):
     """Name of the target on the command line."""
     title: ClassVar[str]
     """What it is, in running text."""
+    evaluates: ClassVar[bool] = False
+    """Whether the law is evaluated: at one normal force and one value of each contact input."""
 
     @abstractmethod
     def export(self, subject: Subject) -> Export:

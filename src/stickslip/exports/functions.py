@@ -16,13 +16,14 @@ only unknown, and is found in a bracket too.
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypeVar
 
 import symengine as se
 
-from stickslip.exports.equations import LOAD, VELOCITY, BySense, Equations
+from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.exports.equations import LOAD, PERIOD, VELOCITY, BySense, Equations
 from stickslip.exports.program import (
     Assign,
     Branch,
@@ -39,7 +40,7 @@ from stickslip.exports.program import (
 from stickslip.formulation import collapsed
 from stickslip.quantities import turned
 
-__all__ = ["functions_of", "rotary_code", "rotary_words", "turned_variable"]
+__all__ = ["functions_of", "input_variables", "rotary_code", "rotary_words", "turned_variable"]
 
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
@@ -48,7 +49,7 @@ CLOSE: Final = 1e-13
 """Miss of a root over the size of what it is sought among, at which a search ends."""
 ZERO, ONE = se.Integer(0), se.Integer(1)
 NORMAL, SPEED, SENSE = map(se.Symbol, ("normal", "speed", "direction"))
-APPLIED, MASS, PERIOD = map(se.Symbol, ("applied", "mass", "period"))
+APPLIED, MASS = map(se.Symbol, ("applied", "mass"))
 MEANINGS: Final = {
     "velocity": ("m/s", "slip velocity"),
     "load": ("N", "normal force; taken as 0 where it is negative"),
@@ -66,6 +67,7 @@ WITHOUT: Final = (
     "Friction force at a velocity; 0 at rest, where it may be any force up to break-away."
 )
 Body: TypeAlias = tuple[Statement, ...]
+T = TypeVar("T")
 
 
 def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...]:
@@ -91,7 +93,71 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
     >>> [one.name for one in functions_of(equations_of(Coulomb(kinetic_coefficient=0.2)))]
     ['friction', 'break_away', 'slip', 'slide', 'departure', 'step', 'compensation']
     """
-    return tuple(_turned(one) if rotary else one for one in _Writer(law).functions())
+    made = [_turned(one) if rotary else one for one in _Writer(law).functions()]
+    places = {
+        one.name: 1 + [v.name for v in one.inputs].index("load")
+        for one in made
+        if law.inputs and any(v.name == "load" for v in one.inputs)
+    }
+    inputs = input_variables(law, rotary=rotary)
+    return tuple(_informed(one, places, inputs) for one in made) if places else tuple(made)
+
+
+def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
+    """Return the contact inputs of a law as arguments of its functions.
+
+    Parameters
+    ----------
+    law : Equations
+        The law.
+    rotary : bool
+        Whether it is of a rotary axis.
+
+    Returns
+    -------
+    tuple of Variable
+        One for each.
+    """
+    return tuple(
+        Variable(
+            name=name,
+            unit=turned(CONTACT_INPUTS[one].unit, rotary),
+            meaning=_lowered(CONTACT_INPUTS[one].meaning.rstrip(".")),
+        )
+        for name, one in law.inputs.items()
+    )
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _informed(
+    function: Function, places: Mapping[str, int], inputs: tuple[Variable, ...]
+) -> Function:
+    """Return a function that has contact inputs behind its load, and passes them on."""
+
+    def with_inputs(items: tuple[T, ...], name: str, more: tuple[T, ...]) -> tuple[T, ...]:
+        place = places.get(name)
+        return items if place is None else (*items[:place], *more, *items[place:])
+
+    def passed(body: Body) -> Body:
+        return tuple(map(of, body))
+
+    def of(one: Statement) -> Statement:
+        match one:
+            case Call():
+                symbols = tuple(se.Symbol(v.name) for v in inputs)
+                return replace(one, arguments=with_inputs(one.arguments, one.function, symbols))
+            case Branch():
+                return replace(one, yes=passed(one.yes), no=passed(one.no))
+            case Repeat():
+                return replace(one, body=passed(one.body))
+            case _:
+                return one
+
+    own = with_inputs(function.inputs, function.name, inputs)
+    return replace(function, inputs=own, body=passed(function.body))
 
 
 ROTARY_NAMES: Final = {"mass": "inertia", "force": "torque"}
@@ -169,13 +235,17 @@ class _Writer:
 
     def __init__(self, law: Equations) -> None:
         self.law = law
-        self.states = [se.Symbol(name) for name in law.bristles]
-        self.ends = [f"{name}_end" for name in law.bristles]
+        self.states = [se.Symbol(name) for name in (*law.bristles, *law.flags)]
+        self.ends = [f"{one}_end" for one in self.states]
+        kinds = [("m", "bristle state")] * len(law.bristles)
+        kinds += [("", "1 while the element slips, else 0")] * len(law.flags)
         self.bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state") for name in law.bristles
+            Variable(name=str(one), unit=unit, meaning=meaning)
+            for one, (unit, meaning) in zip(self.states, kinds, strict=True)
         )
         self.new_bristles = tuple(
-            Variable(name=name, unit="m", meaning="bristle state at the end") for name in self.ends
+            replace(one, name=f"{one.name}_end", meaning=f"{one.meaning} at the end")
+            for one in self.bristles
         )
         # of forward slip, as a function of the speed; the other sense is turned round
         self.ahead = self._local(law.slip.ahead, 1)
@@ -203,7 +273,8 @@ class _Writer:
 
     def _local(self, values: tuple[se.Expr, ...], side: int) -> tuple[se.Expr, ...]:
         """Return what holds in one sense of slip as seen along it."""
-        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in self.states}}
+        deflections = self.states[: len(self.law.bristles)]
+        turned_round = {VELOCITY: side * SPEED, **{z: side * z for z in deflections}}
         return tuple(side * one.subs(turned_round).subs({LOAD: NORMAL}) for one in values)
 
     def _friction(self) -> Function:
@@ -318,7 +389,9 @@ class _Writer:
             summary="Bristle states at the end of an implicit step with a velocity.",
             inputs=(_variable("velocity"), *self.bristles, _variable("load"), _variable("period")),
             outputs=self.new_bristles,
-            body=tuple(part for place in range(len(self.states)) for part in self._settled(place)),
+            body=tuple(part for place in range(len(self.states)) for part in self._settled(place))
+            if self.law.moved is None
+            else _loaded(_by_velocity(tuple(self.ends), self.law.moved)),
             inner=True,
         )
 

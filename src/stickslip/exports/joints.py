@@ -218,6 +218,7 @@ class Mjcf(Target):
 
     name: ClassVar[str] = "mjcf"
     title: ClassVar[str] = "MuJoCo (MJCF)"
+    evaluates: ClassVar[bool] = True
 
     @override
     def export(self, subject: Subject) -> Export:
@@ -261,6 +262,7 @@ class Urdf(Target):
 
     name: ClassVar[str] = "urdf"
     title: ClassVar[str] = "URDF"
+    evaluates: ClassVar[bool] = True
 
     @override
     def export(self, subject: Subject) -> Export:

@@ -85,7 +85,8 @@ def _guard(function: Function) -> Iterator[str]:
 def _block(source: Source, name: str) -> Iterator[str]:
     """Yield a block that keeps velocity and bristles from one period to the next."""
     (step,) = (one for one in source.functions if one.name == "step")
-    states = ("velocity", *source.subject.equations.bristles)
+    law = source.subject.equations
+    states = ("velocity", *law.bristles, *law.flags)
     inputs = ", ".join(one.name for one in step.inputs if one.name not in states)
     others = [one.name for one in step.outputs[len(states) :]]
     yield f"function [{', '.join((*states, *others))}] = {name}({inputs})"

@@ -6,8 +6,9 @@ from typing import ClassVar, final
 
 from typing_extensions import override
 
+from stickslip.errors import InputError
 from stickslip.exports.base import Export, Target
-from stickslip.exports.functions import rotary_code, turned_variable
+from stickslip.exports.functions import input_variables, rotary_code, turned_variable
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.languages import MODELICA
 from stickslip.exports.program import Function, Variable
@@ -44,6 +45,11 @@ class Modelica(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
+        if subject.equations.flags:
+            raise InputError(
+                f"{subject.name} has latched switches, which models in Modelica do not follow:"
+                " export it to C or MATLAB, or an FMU of the rig."
+            )
         # tools integrate bristles themselves, and not all of them read the searches of `step`
         held, bristles = subject.equations.holds, bool(subject.equations.bristles)
         source = Source(
@@ -104,6 +110,7 @@ def _declared(one: Variable, *, inside: str = "", value: str = "") -> str:
 def _model(source: Source) -> Iterator[str]:
     """Yield a body with one coordinate, whose friction is the law."""
     law, rotary = source.subject.equations, source.subject.rotary
+    told = input_variables(law, rotary=rotary)
     inertia = Variable(name="mass", unit="kg", meaning="mass of the body")
     inputs = (
         Variable(name="applied", unit="N", meaning="force on the body but friction"),
@@ -126,17 +133,19 @@ def _model(source: Source) -> Iterator[str]:
         f"        parameter {declared(inertia, value=' = 1.0')}",
         f"        parameter {declared(start, value=' = 0.0')}",
         *(f"        input {declared(one)}" for one in inputs),
+        *(f"        input {_declared(one)}" for one in told),
         *(f"        {declared(one, inside=f', start={at}, fixed=true')}" for one, at in states),
         f"        {declared(force)}",
     )
-    for line in _held(law.bristles) if law.holds else _free(law.bristles):
+    load = ", ".join(("load", *law.inputs))
+    for line in _held(law.bristles, load) if law.holds else _free(law.bristles, load):
         yield rotary_code(line) if rotary else line
     yield "    end Body;"
 
 
-def _free(bristles: tuple[str, ...]) -> Iterator[str]:
+def _free(bristles: tuple[str, ...], load: str) -> Iterator[str]:
     """Yield the equations of a body that bristles alone hold."""
-    arguments = ", ".join(("v", *bristles, "load"))
+    arguments = ", ".join(("v", *bristles, load))
     rates = [f"{z}_rate" for z in bristles]
     yield from (
         *(f'        Real {rate} "time derivative of a bristle state";' for rate in rates),
@@ -149,10 +158,10 @@ def _free(bristles: tuple[str, ...]) -> Iterator[str]:
     )
 
 
-def _held(bristles: tuple[str, ...]) -> Iterator[str]:
+def _held(bristles: tuple[str, ...], load: str) -> Iterator[str]:
     """Yield the equations of a body that rests exactly, and the events between rest and slip."""
     rates = [f"{z}_rate" for z in bristles]
-    arguments = ", ".join(("direction*v", *(f"direction*{z}" for z in bristles), "sense", "load"))
+    arguments = ", ".join(("direction*v", *(f"direction*{z}" for z in bristles), "sense", load))
     yield from (
         '        Real along "friction force along the direction of slip";',
         *(f'        Real {rate} "rate along the direction of slip";' for rate in rates),
@@ -170,15 +179,15 @@ def _held(bristles: tuple[str, ...]) -> Iterator[str]:
             f"        der({z}) = if direction == 0 then 0.0 else direction*{z}_rate;"
             for z in bristles
         ),
-        "        when pre(direction) == 0 and applied > break_away(1.0, load) then",
+        f"        when pre(direction) == 0 and applied > break_away(1.0, {load}) then",
         "            direction = 1;",
-        "        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, load) then",
+        f"        elsewhen pre(direction) == 0 and -applied > break_away(-1.0, {load}) then",
         "            direction = -1;",
         "        elsewhen pre(direction) == 1 and v < 0.0 then",
-        "            direction = if -applied > break_away(-1.0, load) then -1 else 0;",
+        f"            direction = if -applied > break_away(-1.0, {load}) then -1 else 0;",
         STOPPED,
         "        elsewhen pre(direction) == -1 and v > 0.0 then",
-        "            direction = if applied > break_away(1.0, load) then 1 else 0;",
+        f"            direction = if applied > break_away(1.0, {load}) then 1 else 0;",
         STOPPED,
         "        end when;",
     )

@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, ClassVar, Final, final
@@ -213,6 +213,8 @@ def _lost(
         yield "Bristles: elastic displacement before slip, and friction that lags behind velocity."
     if float(law.towards(1).break_away(2.0 * load)) > levels[0]:
         yield about_load(subject, load)
+    if subject.at:
+        yield f"Dependence on contact inputs: the joint has the friction at {subject.at_text}."
 
 
 def about_load(subject: Subject, load: float) -> str:
@@ -247,7 +249,7 @@ def _runs(subject: Subject, rig: Rig, joint: JointFriction) -> tuple[Trajectory,
         )
     law_run, joint_run = (
         simulate(rig.mechanism, one, t_end=rig.t_end, y0=rig.start(one))
-        for one in (subject.law, joint)
+        for one in (replace(subject.law), joint)  # the rig tells inputs that change
     )
     t = np.union1d(np.linspace(0.0, rig.t_end, TIMES), np.union1d(law_run.t, joint_run.t))
     return law_run.at(t), joint_run.at(t)

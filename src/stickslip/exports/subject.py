@@ -1,17 +1,18 @@
 """What is exported: a law, how well it is known, and where it is from."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import version
 from typing import Final, final
 
 from stickslip.errors import InputError
-from stickslip.experiments import AT_UNIT_LOAD, LawEstimates, Levels, Rig
+from stickslip.experiments import LawEstimates, Levels, Rig, unit_at_unit_load
 from stickslip.exports.equations import Equations, equations_of
 from stickslip.exports.program import Constant
 from stickslip.formatting import parameter_words, printable
 from stickslip.friction import FrictionLaw
+from stickslip.identification import inputs_text
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import Quantity, turned
 
@@ -49,6 +50,8 @@ class Subject:
     """Where it is from, in words; empty if it was given as an object."""
     load: float | None = None
     """Normal force [N] at which tables and joints have their friction, if it is known."""
+    at: Mapping[str, float] = field(default_factory=dict)
+    """Contact inputs at which they have it, by name."""
     largest_speed: float | None = None
     """End of the range of use [m/s] or [rad/s], if it is known."""
     rig: Rig | None = None
@@ -65,7 +68,7 @@ class Subject:
         """Return the unit in which a parameter of the law reads."""
         unit = quantity.unit
         if self.levels != "per load" and not quantity.structural:
-            unit = AT_UNIT_LOAD.get(unit, unit)
+            unit = unit_at_unit_load(quantity) or unit
         return turned(unit, self.rotary)
 
     def constants(self) -> tuple[Constant, ...]:
@@ -110,6 +113,11 @@ class Subject:
                 f"Fitted at speeds up to {self.estimates.largest_speed:.6g} {unit}; the law is"
                 " extrapolated beyond."
             )
+
+    @property
+    def at_text(self) -> str:
+        """The contact inputs at which tables and joints have their friction, in words."""
+        return inputs_text(self.at, turning=self.rotary)
 
     def needed_load(self) -> float:
         """Return the load of tables and joints.

@@ -28,6 +28,7 @@ class CsvTable(Target):
 
     name: ClassVar[str] = "csv"
     title: ClassVar[str] = "lookup table (CSV)"
+    evaluates: ClassVar[bool] = True
 
     @override
     def export(self, subject: Subject) -> Export:
@@ -44,6 +45,7 @@ class CsvTable(Target):
             *subject.header(),
             f"Friction of {'long' if law.states else 'any'} sliding"
             + (f" at a load of {load!r} N." if subject.levels == "per load" else "."),
+            *([f"Contact inputs: {subject.at_text}."] if subject.at else []),
             *(
                 f"Break-away {words}: {float(law.towards(side).break_away(load))!r} {unit}."
                 for words, side in (("forward", 1), ("backward", -1))
@@ -80,9 +82,10 @@ def _content(subject: Subject) -> dict[str, Any]:
         "motion": "rotary" if subject.rotary else "linear",
         "levels": subject.levels,
         "load": subject.load,
+        "inputs": list(law.inputs),
         "largest_speed": None if known is None else known.largest_speed,
         "static_switch": getattr(law, "static_switch", None),
-        "bristles": list(getattr(law, "bristles", ())),
+        "bristles": list(law.states),
         "parameters": [_parameter(subject, one.name) for one in subject.equations.parameters],
         "shape": dict(_shape(subject)),
         "covariance_of": [] if known is None else list(known.covariance_of),

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.drives import Drive
 from stickslip.errors import InputError, StickslipError, UnknownNameError
 from stickslip.experiments import (
     LOAD,
@@ -17,12 +19,13 @@ from stickslip.experiments import (
     Rig,
     carried,
     levels_at,
+    unit_of_input,
 )
 from stickslip.exports.base import Export, Target
 from stickslip.exports.identifiers import identifier
 from stickslip.exports.registry import TARGETS
 from stickslip.exports.subject import Subject
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.identification import Fit
 from stickslip.mechanisms import (
     Mechanism,
@@ -57,6 +60,7 @@ def export(
     law_load: float | None = None,
     rig: Rig | None = None,
     rotary: bool | None = None,
+    at: Mapping[str, Given] | None = None,
 ) -> Export:
     r"""Return a friction law as files of another program.
 
@@ -93,6 +97,10 @@ def export(
     rotary : bool, optional
         Of a law itself, given without a rig: whether it is of a rotary axis, so that its levels are
         torques [N m] and speeds are in rad/s; linear if not given. All else says what it turns.
+    at : mapping of str to float or str, optional
+        Contact inputs of the law, such as ``{"temperature": "35 degC"}``, at which tables and
+        joints have their friction; what the mechanism was given, or a fit's record had in the
+        median, if not given. Programs have arguments for them.
 
     Returns
     -------
@@ -124,8 +132,11 @@ def export(
             " (of an Axis, its field rotary)."
         )
     found = _taken(source, law, contact, rig, law_load, rotary=rotary)
+    stated = _inputs(found, target, at or {})
     used = dataclasses.replace(
         found,
+        law=bound(found.law, stated) if target.evaluates else found.law,
+        at=stated,
         name=identifier(name if name is not None else found.law.name),
         load=_load(found, law_load if load is None and rig is None else load),
         largest_speed=_speed(found, largest_speed),
@@ -257,6 +268,35 @@ def _of_contact(
         rotary=rotary,
         levels=own.levels,
     )
+
+
+def _inputs(subject: Subject, target: Target, given: Mapping[str, Given]) -> Mapping[str, float]:
+    """Return the contact inputs at which a target evaluates a law."""
+    law, asked = subject.law, subject.law.inputs
+    for name in given:
+        if name not in asked:
+            raise UnknownNameError(f"contact input of {law.name}", name, asked)
+    if not target.evaluates:
+        if given:
+            raise InputError(
+                f"{target.title} has an argument for each contact input ({', '.join(asked)}):"
+                " leave --at out (in Python at)."
+            )
+        return {}
+    told = subject.mechanism
+    known: dict[str, float] = {}
+    for name in asked:
+        quantity = Quantity(CONTACT_INPUTS[name].index, unit_of_input(name, turning=subject.rotary))
+        own = None if told is None else getattr(told, f"contact_{name}", None)
+        value = given.get(name, own)
+        if value is None or isinstance(value, Drive):
+            raise InputError(
+                f"{target.title} has the friction at one value of each contact input, and"
+                f" {law.name} depends on {name}: give it, as --at {name}=... in"
+                f" {quantity.unit} (in Python at={{{name!r}: ...}})."
+            )
+        known[name] = quantity.check("export.at", name, value)
+    return known
 
 
 def _load(subject: Subject, given: float | None) -> float | None:

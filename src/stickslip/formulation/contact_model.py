@@ -139,6 +139,7 @@ def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool
         switch_events=tuple(events),
         impact_events=impact_events(parts.walls, mechanism.coordinates, None),
         limits=(*(PAINLEVE,) * any(parts.reacts), *parts.limits),
+        latched=any(one.latched for one in laws),
         channels=tuple(parts.efforts),
         turning=_turning(parts, index),
         contacts=own.contacts,

@@ -163,9 +163,14 @@ def derive_parts(
 
 
 def _check_switches(mechanism: Mechanism, motion: Motion, board: Switchboard) -> None:
-    """Refuse limits that switch with a force, as its size does: switches depend on states only."""
+    """Refuse switches that latch, and limits that switch with a force, as its size does."""
     behind = {str(symbol) for symbol in (*motion.accelerations, *motion.friction)}
     for switch in board.switches.values():
+        if switch.hold is not None:
+            raise InputError(
+                f"{type(mechanism).__name__} has a latched switch of its own, with which mechanisms"
+                " of several contacts are not formulated: use stickslip.maths.where."
+            )
         if behind & {str(symbol) for symbol in switch.margin.free_symbols}:
             raise InputError(
                 f"{type(mechanism).__name__} has several contacts, with which its limits may not"
@@ -349,6 +354,8 @@ class LawParts:
     """Their derivatives with respect to the same."""
     switch_events: tuple[tuple[str, str] | None, ...]
     """What each switch is called in events, when it comes true and when it ceases to hold."""
+    latched: bool
+    """Whether a switch is latched."""
 
     @property
     def is_linear(self) -> bool:
@@ -426,11 +433,21 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         ]
         case = [*numbers[side][:4], *numbers[side][LAW_NUMBERS:]]
         slopes[side] = [e.diff(x) for e in case for x in variables]
-    margins = [switch.margin for switch in board.switches.values()]
+    margins = []
+    for switch in board.switches.values():
+        lasting = switch.hold is not None and (se.Integer(1), switch.symbol > 0)
+        margins.append(se.Piecewise(lasting, (switch.margin, True)) if lasting else switch.margin)
+        # kernels let the switches of a direction begin anew where slip turns or stops
+        if switch.hold is not None and switch.hold.subs({speed: 0}) != 0:
+            raise InputError(
+                f"{law.name} has a latched switch that outlasts slip, with which the equations of"
+                " several contacts are not formulated: let hold be 0 where the slip velocity is."
+            )
     return LawParts(
         numbers=numbers,
         slopes=slopes,
         margins=margins,
         margin_slopes=[e.diff(x) for e in margins for x in variables],
         switch_events=tuple(switch.events for switch in board.switches.values()),
+        latched=any(switch.hold is not None for switch in board.switches.values()),
     )

@@ -8,6 +8,7 @@ import numpy as np
 import symengine as se
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.formulation.mechanics import lagrange_rows
 from stickslip.formulation.trace import Switchboard, Traced, collapsed
 from stickslip.mechanisms import Mechanism
@@ -88,6 +89,11 @@ class JointTorques:
         drives = {name: se.Symbol(f"d{i}") for i, name in enumerate(mechanism.drives())}
         rows = lagrange_rows(twin, t, q, rates, drives, mechanism.held(), board)
         undriven = dict.fromkeys(drives.values(), 0)
+        if any(one.hold is not None for one in board.switches.values()):
+            raise InputError(
+                f"{type(mechanism).__name__} has latched switches, which a measured motion does not"
+                " tell of: use stickslip.maths.where."
+            )
         shown = {one.symbol: one.margin for one in board.switches.values()}
         count = len(q)
         forces = []

@@ -14,10 +14,10 @@ from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.symbols import Symbols, symbols_of
 from stickslip.formulation.trace import Switch, Switchboard, Traced
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
-from stickslip.mechanisms import Mechanism
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
 __all__ = ["Model", "formulate"]
@@ -103,6 +103,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
         switch_events=tuple(switch.events for switch in board.switches.values()),
         impact_events=impact_events(mechanics.walls, mechanism.coordinates, mechanics.slip),
         limits=_limits(modes),
+        latched=any(switch.hold is not None for switch in switches),
         channels=tuple(mechanics.efforts.values()),
     )
 
@@ -128,13 +129,33 @@ def _derived(
     )
     modes = mode_equations(
         mechanics,
-        shadow(law, "friction", symbol),
+        _informed(shadow(law, "friction", symbol), twin, symbols, board),
         coordinate_rates=symbols.rates,
         bristles=symbols.bristles,
         constants=symbols.constants,
         board=board,
     )
     return symbols, mechanics, modes
+
+
+def _informed(
+    law: FrictionLaw, mechanism: Mechanism, symbols: Symbols, board: Switchboard
+) -> FrictionLaw:
+    """Return a law that sees what the mechanism tells of its contact."""
+    if not law.inputs:
+        return law
+
+    def traced(names: Iterable[str], values: Iterable[se.Expr]) -> dict[str, Traced]:
+        return {name: Traced(one, board) for name, one in zip(names, values, strict=True)}
+
+    told = mechanism.contact_inputs(
+        Traced(symbols.t, board),
+        traced(mechanism.coordinates, symbols.coordinates),
+        traced(mechanism.coordinates, symbols.rates),
+        traced(symbols.drives, symbols.drives.values()),
+    )
+    (contact,) = mechanism.contacts()
+    return bound(law, of_contact(told, contact.name))
 
 
 def _places(mechanism: Mechanism, law: FrictionLaw) -> dict[str, int]:
@@ -160,7 +181,7 @@ def _functions(
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
-    margins = [closed(s.margin) for s in switches]
+    margins = [closed(s.deciding) for s in switches]
 
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}

@@ -33,6 +33,8 @@ class Model:
     """What an impact of each coordinate is called in events; None where it has no hard stop."""
     limits: tuple[str, ...]
     """What the limits are called that end a run."""
+    latched: bool
+    """Whether it has latched switches: the state alone does not tell which switches are on."""
     channels: tuple[str, ...]
     """What the efforts of guided coordinates are called."""
     contacts: tuple[str, ...] = ()

@@ -78,6 +78,8 @@ class _Context:
         }
         own = own_limits(self.mechanics.mechanism, reactions)
         found = {name: expression(margin) for name, margin in own.items()}
+        of_law = self.law.limits() if self.law.inputs else {}
+        found |= {name: expression(margin) for name, margin in of_law.items()}
         if motion.pivot.free_symbols:
             found[PAINLEVE] = motion.pivot - NEAREST
         return found
@@ -244,7 +246,6 @@ def _with_switches(equations: ModeEquations, context: _Context) -> ModeEquations
                 pending.append(switch.margin)
                 if context.varies(switch.margin):
                     on = switch.symbol > 0
-                    guards[SWITCH + index] = se.Piecewise(
-                        (switch.margin, on), (-switch.margin, True)
-                    )
+                    lasts = switch.margin if switch.hold is None else se.Integer(1)
+                    guards[SWITCH + index] = se.Piecewise((lasts, on), (-switch.margin, True))
     return replace(equations, guards=guards)

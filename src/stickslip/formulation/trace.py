@@ -46,6 +46,17 @@ class Switch:
     """Stands for the condition in the equations, which ask whether it is positive."""
     events: tuple[str, str] | None
     """Names in the events of a run, when it comes true and ceases to hold; None inside."""
+    hold: se.Expr | None = None
+    """What a latched switch lasts by once it is on; None of one that ends with its condition."""
+
+    @property
+    def deciding(self) -> se.Expr:
+        """Its margin where one mode follows another: what it lasts by comes first, unless 0."""
+        if self.hold is None:
+            return self.margin
+        on = se.Piecewise((self.hold, self.hold > 0), (self.margin, True))
+        lasts = se.Piecewise((on, self.symbol > 0), (self.margin, True))
+        return se.Piecewise((self.hold, self.hold < 0), (lasts, True))
 
 
 @dataclass
@@ -57,7 +68,9 @@ class Switchboard:
     signs: dict[str, int] = field(default_factory=dict)
     """Sign, 1 or -1, of symbols that the mode fixes, by name."""
 
-    def switch(self, margin: se.Expr, events: tuple[str, str] | None) -> Switch:
+    def switch(
+        self, margin: se.Expr, events: tuple[str, str] | None, hold: se.Expr | None = None
+    ) -> Switch:
         """Return the switch of a margin, a new one if it was not met before.
 
         Parameters
@@ -66,16 +79,18 @@ class Switchboard:
             Positive where the condition holds.
         events : (str, str) or None
             Names in the events of a run; None for a switch that stays inside.
+        hold : Expr, optional
+            What the switch lasts by once it is on, if it is latched.
 
         Returns
         -------
         Switch
             The switch; names given later for a known margin are ignored.
         """
-        key = str(se.expand(margin))
+        key = str(se.expand(margin)) + ("" if hold is None else f" while {se.expand(hold)}")
         if key not in self.switches:
             symbol = se.Symbol(f"s{len(self.switches)}")
-            self.switches[key] = Switch(margin, symbol, events)
+            self.switches[key] = Switch(margin, symbol, events, hold)
         return self.switches[key]
 
     def known_sign(self, expr: se.Expr) -> int | None:
@@ -89,7 +104,12 @@ class Switchboard:
         return None
 
     def choose(
-        self, margin: se.Expr, yes: se.Expr, no: se.Expr, events: tuple[str, str] | None = None
+        self,
+        margin: se.Expr,
+        yes: se.Expr,
+        no: se.Expr,
+        events: tuple[str, str] | None = None,
+        hold: se.Expr | None = None,
     ) -> se.Expr:
         """Return `yes` where the margin is positive, else `no`.
 
@@ -103,6 +123,8 @@ class Switchboard:
             Value where it does not.
         events : (str, str), optional
             Names in the events of a run, when the condition comes true and ceases to hold.
+        hold : Expr, optional
+            What the choice of `yes` lasts by, if it is latched.
 
         Returns
         -------
@@ -114,7 +136,7 @@ class Switchboard:
             return yes if sign > 0 else no
         if yes == no:
             return yes
-        switch = self.switch(margin, events)
+        switch = self.switch(margin, events, hold)
         return se.Piecewise((yes, switch.symbol > 0), (no, True))
 
 
@@ -234,6 +256,9 @@ class Traced:
         """Serve the functions of `stickslip.maths`."""
         if name == "power":
             return self._power(*arguments)
+        if name == "latched":
+            margin, hold, yes, no = map(expression, arguments)
+            return self._new(self.board.choose(margin, yes, no, hold=hold))
         if name == "sign":
             return self._new(self.board.choose(self.expr, se.Integer(1), se.Integer(-1)))
         return self._new(getattr(se, name)(self.expr))

@@ -2,19 +2,54 @@
 
 from stickslip.lazy import attach
 
+NAMED = (
+    "Coulomb",
+    "Viscous",
+    "CoulombViscous",
+    "CoulombViscousStatic",
+    "DirectionDependent",
+    "PowerViscous",
+    "QuadraticDrag",
+    "Stribeck",
+    "Dahl",
+    "LuGre",
+    "Tustin",
+    "HessSoom",
+    "PoppStelter",
+    "StribeckPower",
+    "DirectionalStribeck",
+    "SaturatingViscous",
+    "TanhCoulomb",
+    "ArctanCoulomb",
+    "RootCoulomb",
+    "Ambrosio",
+    "Threlfall",
+    "TanhStribeck",
+    "BrownMcPhee",
+    "Simscape",
+    "DahlStribeck",
+    "DirectionalDahl",
+    "LuGreFading",
+    "DirectionalLuGre",
+    "ElastoPlastic",
+    "BoucWen",
+    "MaxwellSlip",
+    "WarmViscous",
+    "JointLoadTemperature",
+    "Cogging",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
+    "LuGreGear",
+)
+"""Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
 LAW_MODULES = {
-    "Coulomb": "named",
-    "Viscous": "named",
-    "CoulombViscous": "named",
-    "CoulombViscousStatic": "named",
-    "DirectionDependent": "named",
-    "PowerViscous": "named",
-    "QuadraticDrag": "named",
-    "Stribeck": "named",
-    "Dahl": "named",
-    "LuGre": "named",
+    **dict.fromkeys(NAMED, "registry"),
 }
-"""The laws of the package in the order of listings, with their modules: all that registers one."""
+"""The laws of the package in the order of listings, with what their classes are asked of."""
 
 HOMES = {
     **LAW_MODULES,
@@ -49,11 +84,14 @@ INSIDE = {
     "PrintedCartDynamics": "published",
     "PrintedCoulomb": "published",
     "PrintedStribeck": "published",
+    "anywhere": "base",
     "assigned": "by_contact",
     "bristle_names": "by_contact",
     "force_parameters": "base",
     "given_to": "by_contact",
+    "is_bound": "base",
     "is_composition": "registry",
+    "listed": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

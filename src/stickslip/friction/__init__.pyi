@@ -9,9 +9,11 @@ from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import FrictionLaw as _FrictionLaw
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
+from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
 from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
+from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
 from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
@@ -36,6 +38,7 @@ from stickslip.friction.registry import is_composition as is_composition
 from stickslip.friction.registry import law as law
 from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
+from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
 from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
@@ -44,6 +47,255 @@ from stickslip.quantities import Given as _Given
 from typing_extensions import override as _override
 
 LAW_MODULES: dict[str, str]
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Ambrosio(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class ArctanCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM1(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM2(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM3(_SetValuedLaw):
+    kinetic_coefficient: float
+    transmitted_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        transmitted_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM4(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    transmitted_static_surplus: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        transmitted_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM5(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM6(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    motor_quadratic: float
+    external_quadratic: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        motor_quadratic: _Given,
+        external_quadratic: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BoucWen(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    loop_exponent: float = ...
+    loop_share: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        loop_share: _Given = ...,
+        viscous_coefficient: _Given,
+        loop_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BrownMcPhee(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    transition_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        transition_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Cogging(_SetValuedLaw):
+    kinetic_coefficient: float
+    level_position_cosine: float
+    level_position_sine: float
+    level_position_harmonic: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        level_position_cosine: _Given,
+        level_position_sine: _Given,
+        level_position_harmonic: _Given = ...,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -126,6 +378,39 @@ class Dahl(_BristleLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class DahlStribeck(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    yield_exponent: float = ...
+    viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        yield_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class DirectionDependent(_FrictionLaw):
     forward_kinetic_coefficient: float
     backward_kinetic_coefficient: float
@@ -143,6 +428,197 @@ class DirectionDependent(_FrictionLaw):
     def break_away(self, load: _Scalar) -> _Scalar: ...
     @_override
     def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalDahl(_BristleLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    yield_exponent: float = ...
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        yield_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalLuGre(_BristleLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalStribeck(_FrictionLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    forward_stribeck_velocity: float
+    backward_stribeck_velocity: float
+    forward_fading_exponent: float = ...
+    backward_fading_exponent: float = ...
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        forward_stribeck_velocity: _Given,
+        backward_stribeck_velocity: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        forward_fading_exponent: _Given = ...,
+        backward_fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class ElastoPlastic(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    elastic_share: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        elastic_share: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HessSoom(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class JointLoadTemperature(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    stribeck_velocity_temperature_slope: float
+    gravity_coefficient: float
+    gravity_static_surplus: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        stribeck_velocity_temperature_slope: _Given,
+        gravity_coefficient: _Given,
+        gravity_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -176,6 +652,115 @@ class LuGre(_BristleLaw):
     def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGreFading(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    damping_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        damping_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGreGear(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class MaxwellSlip(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PoppStelter(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -266,6 +851,62 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class RootCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SaturatingViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    saturation_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        saturation_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Simscape(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    breakaway_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        breakaway_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class Stribeck(_SetValuedLaw):
     kinetic_coefficient: float
     static_coefficient: float
@@ -290,6 +931,108 @@ class Stribeck(_SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class StribeckPower(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TanhCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TanhStribeck(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Threlfall(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Tustin(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class Viscous(_SetValuedLaw):
     viscous_coefficient: float
     def __init__(
@@ -302,23 +1045,63 @@ class Viscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class WarmViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
 __all__ = [
+    "Ambrosio",
+    "ArctanCoulomb",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
+    "BoucWen",
     "BristleLaw",
+    "BrownMcPhee",
     "CandidateSpec",
+    "Cogging",
     "Containment",
     "Coulomb",
     "CoulombViscous",
     "CoulombViscousStatic",
     "Dahl",
+    "DahlStribeck",
     "DirectionDependent",
+    "DirectionalDahl",
+    "DirectionalLuGre",
+    "DirectionalStribeck",
+    "ElastoPlastic",
     "Evolution",
     "Friction",
     "FrictionLaw",
+    "HessSoom",
+    "JointLoadTemperature",
     "LAWS",
     "Laws",
     "LuGre",
+    "LuGreFading",
+    "LuGreGear",
+    "MaxwellSlip",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
+    "PoppStelter",
     "PowerViscous",
     "PrintedForm",
     "QuadraticDrag",
@@ -326,10 +1109,19 @@ __all__ = [
     "RateState",
     "RateStateForm",
     "RightEquation",
+    "RootCoulomb",
     "SOURCES",
+    "SaturatingViscous",
     "SetValuedLaw",
+    "Simscape",
     "Stribeck",
+    "StribeckPower",
+    "TanhCoulomb",
+    "TanhStribeck",
+    "Threlfall",
+    "Tustin",
     "Viscous",
+    "WarmViscous",
     "bound",
     "contained_laws",
     "containment_of",

@@ -4,13 +4,14 @@ import copy
 import dataclasses
 import functools
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, Self, TypeVar, final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, UndeclaredError
 from stickslip.maths import Scalar, sign
 from stickslip.quantities import Parametrised, Quantity, fields_of
@@ -19,10 +20,14 @@ __all__ = [
     "BristleLaw",
     "Containment",
     "FrictionLaw",
+    "Passivity",
     "SetValuedLaw",
+    "Typical",
+    "anywhere",
     "bound",
     "containment_of",
     "force_parameters",
+    "is_bound",
 ]
 
 
@@ -75,6 +80,32 @@ class Containment:
             for name, source in self.values.items()
         }
         return {name: float(value) for name, value in values.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Typical:
+    """Values of a law: those of a publication, or an example."""
+
+    values: Mapping[str, float]
+    """Parameters by name [SI]."""
+    source: str = ""
+    """Key of `stickslip.friction.sources.SOURCES`; empty if they are an example."""
+
+    @override
+    def __str__(self) -> str:
+        return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Passivity:
+    """Whether a law returns no more energy than it has been given."""
+
+    condition: str
+    """``always``, or for which values it is known, with the symbols of the law."""
+    holds: Callable[[Any, float], bool]
+    """Whether it is known of a law with values, at a load [N]."""
 
 
 @final
@@ -142,6 +173,14 @@ class FrictionLaw(Parametrised, ABC):
     """The parts that it is composed of, whose text `law` reads; None of a law in equations."""
     made_of: ClassVar[Any] = None
     """The composition made ready, with its fields and their meanings."""
+    typical: ClassVar[Typical | None] = None
+    """Values as they occur, with their source."""
+    passivity: ClassVar[Passivity | None] = None
+    """For which values it returns no more energy than it has been given; None if not known."""
+    defects: ClassVar[str] = ""
+    """What it is known to get wrong."""
+    compared: ClassVar[bool] = True
+    """Whether its formula was compared with its source, or with a public program of it."""
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()
@@ -255,6 +294,33 @@ class FrictionLaw(Parametrised, ABC):
         """
         return ()
 
+    def moved(
+        self,
+        velocity: Scalar,  # noqa: ARG002
+        load: Scalar,  # noqa: ARG002
+        states: tuple[Scalar, ...],  # noqa: ARG002
+        time: Scalar,  # noqa: ARG002
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states of the contact after some time at a constant slip velocity.
+
+        Parameters
+        ----------
+        velocity : float or array
+            Slip velocity [m/s].
+        load : float or array
+            Normal force [N].
+        states : tuple of float or array
+            States of the contact before; deflections are in [m].
+        time : float or array
+            The time [s].
+
+        Returns
+        -------
+        tuple of float or array, or None
+            States after it; None where no formula tells them, and rates are integrated.
+        """
+        return None
+
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
         """Return the friction force [N] after long sliding at a constant velocity [m/s].
 
@@ -286,6 +352,16 @@ class FrictionLaw(Parametrised, ABC):
             The law itself, unless it is `directional`.
         """
         return self
+
+    def limits(self) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Such as a factor with which friction would drive instead of braking.
+        """
+        return {}
 
     def contact(self, name: str) -> Scalar:
         """Return an input of the contact, for the equations of a law that has `inputs`.
@@ -345,8 +421,28 @@ def bound(law: L, inputs: Mapping[str, Scalar]) -> L:
     return twin
 
 
+def anywhere(law: L) -> L:
+    """Return a law at usual inputs, for questions whose answer does not depend on these.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> warm = law("level * linear[temperature]")(kinetic_coefficient=0.2)
+    >>> anywhere(warm).break_away(1.0) > 0.0
+    True
+    """
+    return bound(law, {name: CONTACT_INPUTS[name].size for name in law.inputs})
+
+
+def is_bound(law: FrictionLaw) -> bool:
+    """Whether a law sees inputs of the contact already."""
+    return BOUND in vars(law)
+
+
 IN_FORCES = {"1/m": "N/m", "s/m": "N s/m", "N s/m": "N s/m"}
 """Units of parameters, and of the same measured at a load."""
+PER_FORCE = {"level/force": "1", "level/force^2": "1/N"}
+"""Scales of levels that grow with a force, and units of the same measured at a load."""
 
 
 @functools.cache
@@ -364,7 +460,7 @@ def force_parameters(law: type[FrictionLaw]) -> Mapping[str, tuple[str, Quantity
     found = {}
     for name, quantity in fields_of(law).items():
         is_level = quantity.scale.rstrip("+-") == "level"
-        unit = "N" if is_level else IN_FORCES.get(quantity.unit)
+        unit = "N" if is_level else IN_FORCES.get(quantity.unit, PER_FORCE.get(quantity.scale))
         if unit is not None:
             key = name.replace("_coefficient", "_force") if is_level else name
             symbol = quantity.symbol.replace("mu_", "F_") if is_level else quantity.symbol

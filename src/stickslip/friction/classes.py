@@ -5,7 +5,8 @@ import dataclasses
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import TypeVar, final
+from types import MappingProxyType
+from typing import Any, cast, final
 
 from stickslip.friction.base import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.friction.composition import Composition
@@ -13,23 +14,70 @@ from stickslip.friction.containment import Contained
 from stickslip.friction.equations import equations_of, one_way
 from stickslip.friction.formulas import formula_of
 from stickslip.friction.notation import Term, canonical, read
-from stickslip.friction.parts.base import Parameter
+from stickslip.friction.parts.base import Memory, Parameter
 from stickslip.friction.text import for_floats
 
-__all__ = ["HOME", "class_of", "composed"]
+__all__ = ["CATALOGUE", "HOME", "Entry", "class_of", "composed"]
 
-K = TypeVar("K", bound=FrictionLaw)
-KNOWN: dict[str, type[FrictionLaw]] = {}
-"""Laws that have a name by their canonical composition; of equal ones the first."""
 HOME = "stickslip.friction.registry"
 """Module in which pickle looks for classes without a name."""
+PUBLIC = "stickslip.friction"
+"""Where it looks for those with one."""
 
 
-def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[type[K]], type[K]]:
-    """Return what makes a class of laws of a class statement: fields and equations of its parts.
+@final
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A law of the catalogue: what is said of it, and its class, which is made when asked for."""
+
+    composition: str
+    """Its parts, as they are written in the entry."""
+    names: Mapping[str, str]
+    """Fields by the names that parts have for them, where these differ."""
+    statement: type
+    """The class statement, which says what the law is called and where it comes from."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the entry says; what it leaves out is as in all laws."""
+        if name.startswith("_") or name == "statement":
+            raise AttributeError(name)
+        return getattr(self.statement if hasattr(self.statement, name) else FrictionLaw, name)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states of the contact."""
+        heads = (one for one in read(self.composition).parts() if one.role == "memory")
+        return tuple(
+            state for one in heads for state in cast(Memory, one.part).states(one.argument)
+        )
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what it asks of the contact."""
+        names = read(self.composition).parts()
+        return tuple(dict.fromkeys(one for name in names for one in name.inputs))
+
+    @functools.cached_property
+    def law(self) -> type[FrictionLaw]:
+        """The class of the law."""
+        said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
+        space = {**said, "__module__": PUBLIC}
+        return _made(
+            Composition(read(self.composition), self.names), self.statement.__name__, space
+        )
+
+
+MACHINERY = ("__dict__", "__weakref__", "__abstractmethods__", "_abc_impl")
+"""Attributes of classes that belong to one class alone."""
+CATALOGUE: dict[str, Entry] = {}
+"""Entries by the name of their law, in the order in which they are listed."""
+
+
+def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[type], Entry]:
+    """Return what makes a class statement an entry of the catalogue.
 
     The statement says what the law is called and where it comes from. It may give parameters a
-    default, or another quantity, as a dataclass does.
+    default, or another quantity, as a dataclass does. Fields and equations are those of the parts.
 
     Parameters
     ----------
@@ -38,35 +86,50 @@ def composed(text: str, *, names: Mapping[str, str] | None = None) -> Callable[[
     names : mapping of str to str, optional
         Fields by the names that parts have for them, where these differ.
     """
-    composition = Composition(read(text), names or {})
 
-    def of(kind: type[K]) -> type[K]:
-        for name, hint in inspect.get_annotations(kind).items():
-            composition.fields[name] = Parameter(name=name, hint=hint, default=dataclasses.MISSING)
-        fields = sorted(composition.fields.values(), key=lambda one: one.quantity.structural)
-        for field in fields:
-            if field.default is not dataclasses.MISSING and field.name not in vars(kind):
-                setattr(kind, field.name, field.default)
-        kind.__annotations__ = {field.name: field.hint for field in fields}
-        equations = equations_of(composition, lambda: class_of(one_way(composition.term)))
-        for name, equation in equations.items():
-            if name not in vars(kind):
-                setattr(kind, name, equation)
-        kind.composition, kind.made_of = composition.term, composition
-        kind.directional = composition.directional
-        kind.contained = Contained(composition, KNOWN)  # type: ignore[assignment]  # a descriptor
-        if "formula" not in vars(kind):
-            kind.formula = formula_of(composition)
-        abc.update_abstractmethods(kind)
-        made = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
-        for name, arguments in FLOATS.items():
-            if name in equations and (composition.memory is not None or not made.directional):
-                setattr(made, name, for_floats(made, name, equations[name], arguments))
-        if made.__module__ != HOME:
-            KNOWN.setdefault(canonical(composition.term), made)
-        return made
+    def entered(statement: type) -> Entry:
+        entry = Entry(composition=text, names=names or {}, statement=statement)
+        return CATALOGUE.setdefault(entry.name, entry)
 
-    return of
+    return entered
+
+
+@functools.cache
+def _by_parts() -> Mapping[str, Entry]:
+    """Return the entries by their canonical composition; of equal ones the first."""
+    found: dict[str, Entry] = {}
+    for entry in CATALOGUE.values():
+        found.setdefault(canonical(read(entry.composition)), entry)
+    return MappingProxyType(found)
+
+
+def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionLaw]:
+    """Return the class of a composition, with what is said of it."""
+    without: Any = FrictionLaw if c.directional else SetValuedLaw
+    base: Any = BristleLaw if c.memory is not None else without
+    kind: Any = type(base)(name, (base,), dict(space))
+    for field, hint in inspect.get_annotations(kind).items():
+        c.fields[field] = Parameter(name=field, hint=hint, default=dataclasses.MISSING)
+    fields = sorted(c.fields.values(), key=lambda one: one.quantity.structural)
+    for one in fields:
+        if one.default is not dataclasses.MISSING and one.name not in space:
+            setattr(kind, one.name, one.default)
+    kind.__annotations__ = {one.name: one.hint for one in fields}
+    equations = equations_of(c, lambda: class_of(one_way(c.term)))
+    for key, equation in equations.items():
+        if key not in space:
+            setattr(kind, key, equation)
+    kind.composition, kind.made_of = c.term, c
+    kind.directional, kind.inputs = c.directional, c.inputs
+    kind.contained = Contained(c, _by_parts)
+    if "formula" not in space:
+        kind.formula = formula_of(c)
+    abc.update_abstractmethods(kind)
+    made: Any = final(dataclasses.dataclass(frozen=True, kw_only=True)(kind))
+    for key, arguments in FLOATS.items():
+        if key in equations and (c.memory is not None or not made.directional):
+            setattr(made, key, for_floats(made, key, equations[key], arguments))
+    return made  # type: ignore[no-any-return]  # a class made by a call
 
 
 FLOATS = {
@@ -85,12 +148,11 @@ def class_of(term: Term) -> type[FrictionLaw]:
 
 @functools.cache
 def _by_text(text: str) -> type[FrictionLaw]:
-    c = Composition(read(text), {})
-    named = KNOWN.get(canonical(c.term))
-    if named is not None:
-        return named
-    base = BristleLaw if c.memory is not None else FrictionLaw if c.directional else SetValuedLaw
-    space = {
+    c = Composition(read(text), {})  # refuses what cannot stand together, optional parts included
+    entry = _by_parts().get(canonical(c.term))
+    if entry is not None:
+        return entry.law
+    said = {
         "__module__": HOME,
         "__qualname__": text,
         "__doc__": f"The composition {text}.",
@@ -99,4 +161,4 @@ def _by_text(text: str) -> type[FrictionLaw]:
         "sources": (),
         "on_request": True,
     }
-    return composed(text)(type(text, (base,), space))
+    return _made(c, text, said)

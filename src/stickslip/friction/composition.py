@@ -4,12 +4,22 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, NoReturn, TypeAlias, final
+from typing import Any, NoReturn, TypeAlias, final
 
-from stickslip.described import alternatives, marks
-from stickslip.errors import InputError
-from stickslip.friction.notation import BOTH_WAYS, Around, Name, Sum, Term, terms_of
-from stickslip.friction.parts.base import Level, Parameter, Part
+from typing_extensions import override
+
+from stickslip.described import with_marks
+from stickslip.errors import InputError, UnknownNameError
+from stickslip.friction.notation import (
+    BOTH_WAYS,
+    Around,
+    Name,
+    Product,
+    Sum,
+    Term,
+    terms_of,
+)
+from stickslip.friction.parts.base import Extra, Factor, Level, Parameter, Part, Slip
 from stickslip.quantities import Quantity
 
 __all__ = ["SIDES", "Choose", "Composition", "Leaf"]
@@ -28,31 +38,66 @@ Choose: TypeAlias = Callable[[Any, Any], Any]
 @final
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Leaf:
-    """A part in its place: what its parameters are called, and the smooth sign around it."""
+    """A part in its place: what its parameters are called, and what stands around it."""
 
     part: Part
     names: Names
+    inputs: tuple[str, ...] = ()
+    """Contact inputs that it asks for."""
     sign: "Leaf | None" = None
+    """The smooth sign around it."""
+    factors: "tuple[Leaf, ...]" = ()
+    """Factors behind it."""
+    modulated: "Mapping[str, tuple[Leaf, ...]]" = dataclasses.field(default_factory=dict)
+    """Factors of parameters, by the part's own name of these."""
 
-    def values(self, law: Any, choose: Choose | None) -> Any:
-        """Return the parameters of a law as the part calls them."""
-        return _Values(law, self.names, choose) if self.names else law
+    @override
+    def __str__(self) -> str:
+        holds = self.inputs if self.part.argument == "input" else ()
+        return self.part.name + "".join(f"[{one}]" for one in holds)
+
+    def told(self, law: Any, slip: Slip, choose: Choose | None) -> tuple[Any, Slip]:
+        """Return the parameters of a law as the part calls them, and what it asks for."""
+        if self.inputs:
+            slip = dataclasses.replace(slip, inputs=tuple(map(law.contact, self.inputs)))
+        if not (self.names or self.modulated):
+            return law, slip
+        return _Values(law, self, choose), slip
+
+    def times(self, value: Any, law: Any, slip: Slip, choose: Choose | None) -> Any:
+        """Return a value of the part times its factors."""
+        for leaf in self.factors:
+            value = value * leaf.factor(law, slip, choose)
+        return value
+
+    def factor(self, law: Any, slip: Slip, choose: Choose | None) -> Any:
+        """Return the number that a factor multiplies with."""
+        assert isinstance(self.part, Factor)
+        return self.part.factor(*self.told(law, slip, choose))
 
 
 class _Values:
     """The parameters of a law under the names that a part has for them."""
 
-    __slots__ = ("_choose", "_law", "_names")
+    __slots__ = ("_choose", "_law", "_leaf")
 
-    def __init__(self, law: Any, names: Names, choose: Choose | None) -> None:
-        self._law, self._names, self._choose = law, names, choose
+    def __init__(self, law: Any, leaf: Leaf, choose: Choose | None) -> None:
+        self._law, self._leaf, self._choose = law, leaf, choose
 
     def __getattr__(self, name: str) -> Any:
-        field = self._names.get(name, name)
+        field = self._leaf.names.get(name, name)
         if isinstance(field, tuple):
             assert self._choose is not None
-            return self._choose(*(getattr(self._law, one) for one in field))
-        return getattr(self._law, field)
+            value = self._choose(*(getattr(self._law, one) for one in field))
+        else:
+            value = getattr(self._law, field)
+        for factor in self._leaf.modulated.get(name, ()):
+            value = value * factor.factor(self._law, STILL, self._choose)
+        return value
+
+
+STILL = Slip(speed=0.0, along=0.0)
+"""A contact at rest; factors do not ask for the slip."""
 
 
 @final
@@ -77,6 +122,7 @@ class Composition:
         self.fields: dict[str, Parameter] = {}
         self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
+        self.factors: dict[str, Leaf] = {}
         self.argument = ""
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
@@ -111,16 +157,60 @@ class Composition:
                     return _scoped(self._leaves(inner, head.argument or "all", inside=inside))
                 self._check_around(head, inside=inside)
                 return self._smoothed(head, self._leaves(inner, sides, inside=False))
+            case Product(first=Around(head=Name(role="memory") as head), factors=factors):
+                self._refuse(
+                    f"has {factors[0]} behind the memory {head.name}: write it inside, as in"
+                    f" {head}(level * {factors[0]})."
+                )
+            case Product(first=first):
+                return self._multiplied(term, self._leaves(first, sides, inside=inside), sides)
             case Name(name=name, role=role):
                 if role in (BOTH_WAYS, "memory", "sign"):
                     self._refuse(f"has {name} without brackets: write {name}(level).")
+                if role == "factor":
+                    self._refuse(
+                        f"has the factor {term} without what it multiplies: write level * {term}."
+                    )
                 if inside and role != "level":
                     self._refuse(
                         f"has {name} inside a memory, which holds levels only"
                         + (f": write dahl(level) + {name}." if role == "flow" else ".")
                     )
-                return [Leaf(part=term.part, names=self._enter(term, sides, inside=inside))]
+                # a memory divides by its levels; what an extra adds may be 0
+                names = self._enter(term, sides, inside=inside and isinstance(term.part, Level))
+                return [Leaf(part=term.part, names=names, inputs=term.inputs)]
         raise AssertionError(term)
+
+    def _multiplied(self, term: Product, leaves: list[Leaf], sides: str) -> list[Leaf]:
+        """Enter the parameters of factors; return what they multiply with them."""
+        whole: tuple[Leaf, ...] = ()
+        modulated: dict[str, tuple[Leaf, ...]] = {}
+        for factor in term.factors:
+            names = self._enter(factor, sides, stem=term.stem(factor), owner=str(term))
+            leaf = Leaf(part=factor.part, names=names, inputs=factor.inputs)
+            self.factors[str(Product(term.first, (factor,)))] = leaf
+            if factor.modulated:
+                self._check_modulated(factor, leaves)
+                there = modulated.get(factor.modulated, ())
+                modulated[factor.modulated] = (*there, leaf)
+            else:
+                whole = (*whole, leaf)
+        return [
+            dataclasses.replace(
+                one,
+                factors=(*one.factors, *whole),
+                modulated={**one.modulated, **modulated},
+            )
+            for one in leaves
+        ]
+
+    def _check_modulated(self, factor: Name, leaves: list[Leaf]) -> None:
+        """Refuse a factor of a parameter that is not there, or that shapes the equations."""
+        known = {one.name: one for leaf in leaves for one in leaf.part.parameters}
+        if factor.modulated not in known:
+            raise UnknownNameError(f"parameter in {factor}:", factor.modulated, known)
+        if known[factor.modulated].quantity.structural:
+            self._refuse(f"has {factor} on an exponent, which is a constant: leave it out.")
 
     def _check_around(self, head: Name, *, inside: bool) -> None:
         """Refuse what cannot stand around a term."""
@@ -139,7 +229,7 @@ class Composition:
             )
 
     def _smoothed(self, head: Name, leaves: list[Leaf]) -> list[Leaf]:
-        if not all(isinstance(leaf.part, Level) and leaf.sign is None for leaf in leaves):
+        if not all(isinstance(leaf.part, (Level, Extra)) and not leaf.sign for leaf in leaves):
             self._refuse(
                 f"has other parts than levels inside {head.name}: write them beside it, as in"
                 f" {head.name}(level) + viscous."
@@ -150,73 +240,93 @@ class Composition:
         return [dataclasses.replace(leaf, sign=smooth) for leaf in _scoped(leaves)]
 
     def _refuse_twice(self) -> None:
-        parts = [name for name in self.term.parts() if name.name != BOTH_WAYS]
+        parts = [name for name in self.term.parts() if name.role not in (BOTH_WAYS, "factor")]
         memories = [one.name for one in parts if one.role == "memory"]
         if len(memories) > 1:
             self._refuse(f"has two memories, {' and '.join(memories)}: keep one of them.")
-        named = [one.name for one in parts]
+        named = [str(one) for one in parts]
         for name in dict.fromkeys(named):
             if named.count(name) > 1:
                 self._refuse(f"has {name} twice: leave one of them out.")
         owners: dict[str, str] = {}
         for one in parts:
             for parameter in one.part.parameters:
-                other = owners.setdefault(parameter.name, one.name)
-                if other != one.name:
+                name = one.meaning(parameter.name)
+                other = owners.setdefault(name, str(one))
+                if other != str(one):
                     self._refuse(
-                        f"has {other} and {one.name}, which both have {parameter.name}: keep one"
-                        " of them."
+                        f"has {other} and {one}, which both have {name}: keep one of them."
                     )
 
     def _check(self) -> None:
         """Refuse levels that have nothing to stand on."""
+        if self.memory is not None and not any(leaf.part.name == "level" for leaf in self.inside):
+            self._refuse(
+                f"has {self.inside[0]} without level, by which a memory divides: write level +"
+                f" {self.inside[0]}."
+            )
         for leaves in (self.inside, self.outside):
             levels = [leaf.part for leaf in leaves if isinstance(leaf.part, Level)]
             names = [part.name for part in levels]
+            known = {one.name for leaf in leaves for one in leaf.part.parameters}
+            for leaf in (one for one in leaves if not known.issuperset(one.part.needs)):
+                self._refuse(
+                    f"has {leaf} without stribeck, as which it fades: write level + stribeck +"
+                    f" {leaf}."
+                )
             if levels and "level" not in names:
                 self._refuse(f"has {names[0]} without level: write level + {names[0]}.")
-            if (
-                len({leaf.sign and leaf.sign.part.name for leaf in leaves if leaf.part in levels})
-                > 1
-            ):
+            held = [leaf for leaf in leaves if isinstance(leaf.part, (Level, Extra))]
+            if len({leaf.sign and leaf.sign.part.name for leaf in held}) > 1:
                 self._refuse(
-                    f"has only some of {' and '.join(names)} inside a smooth sign: write all"
-                    " inside, or none."
+                    f"has only some of {' and '.join(map(str, held))} inside a smooth sign: write"
+                    " all inside, or none."
                 )
             if "peak" in names and all(part.rest != "static_coefficient" for part in levels):
                 self._refuse("has peak without a static surplus: write level + stribeck + peak.")
 
-    def _enter(self, name: Name, sides: str, *, inside: bool = False) -> Names:
+    def _enter(
+        self, name: Name, sides: str, *, inside: bool = False, stem: str = "", owner: str = ""
+    ) -> Names:
         """Enter the parameters of a part; return what they are called where that differs."""
         names: dict[str, str | tuple[str, str]] = {}
-        for one in name.part.parameters:
-            given = self.renamed.get(one.name, one.name)
+        for one in name.parameters:
+            plain = name.meaning(one.name, stem)
+            given = self.renamed.get(plain, plain)
             doubled = sides == "all" or (bool(sides) and one.quantity.scale in PER_DIRECTION)
             made = []
             for prefix, mark in SIDES.values() if doubled else (("", ""),):
-                field, meaning = prefix + given, prefix + one.name
+                field, meaning = prefix + given, prefix + plain
+                if owner and field in self.fields:
+                    self._refuse(
+                        f"has {field} twice: put all that {name} multiplies in one pair of"
+                        " brackets, and write it once."
+                    )
                 if self.meanings.setdefault(field, meaning) != meaning:
                     self._refuse(f"has two parameters called {field}, of different meaning.")
-                change = functools.partial(self._placed, name.name, prefix, mark, inside)
-                self.fields[field] = dataclasses.replace(
-                    one, name=field, hint=_changed(one.hint, change)
-                )
+                change = functools.partial(self._placed, owner or name.name, prefix, mark, inside)
+                hint = with_marks(one.hint, change)
+                self.fields[field] = dataclasses.replace(one, name=field, hint=hint)
                 made.append(field)
             if doubled:
                 names[one.name] = (made[0], made[1])
-            elif given != one.name:
-                names[one.name] = given
+            elif made[0] != one.name:
+                names[one.name] = made[0]
         return names
 
-    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Quantity) -> Quantity:
-        """Return the quantity of a part's parameter as it is in this law."""
+    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Any) -> Any:
+        """Return the quantity of a part's parameter as it is in this law, all else as it is."""
+        if not isinstance(q, Quantity):
+            return q
         symbol = q.symbol
         if mark:
             stem, _, index = symbol.partition("_")
             symbol = f"{stem}_{mark}" if index in ("k", "2", "") else f"{symbol}{mark}"
-        if symbol in {one.quantity.symbol for one in self.fields.values()}:
-            symbol = f"{symbol}_{part[0]}"
-        # a memory divides by its levels
+        taken = {one.quantity.symbol for one in self.fields.values()}
+        if symbol in taken:
+            first = f"{symbol}_{part.lstrip('(')[0]}"
+            others = (f"{first}{i}" for i in range(2, len(taken) + 3))
+            symbol = next(one for one in (first, *others) if one not in taken)
         positive = inside and q.scale == "level" and q.low == 0
         return dataclasses.replace(
             q,
@@ -228,6 +338,11 @@ class Composition:
         )
 
     @property
+    def inputs(self) -> tuple[str, ...]:
+        """The contact inputs that its law asks for, in the order of the text."""
+        return tuple(dict.fromkeys(one for name in self.term.parts() for one in name.inputs))
+
+    @property
     def directional(self) -> bool:
         """Whether the directions have parameters of their own."""
         return any(name.name == BOTH_WAYS for name in self.term.parts())
@@ -236,15 +351,12 @@ class Composition:
 def _scoped(leaves: list[Leaf]) -> list[Leaf]:
     """Let the parts of a sum see each other's parameters."""
     known: dict[str, str | tuple[str, str]] = {}
+    modulated: dict[str, tuple[Leaf, ...]] = {}
     for leaf in leaves:
-        known |= leaf.names
-    return [dataclasses.replace(leaf, names={**known, **leaf.names}) for leaf in leaves]
-
-
-def _changed(hint: Any, change: Callable[[Quantity], Quantity]) -> Any:
-    """Return a hint with its quantity changed."""
-    found = []
-    for one in alternatives(hint):
-        told = tuple(change(mark) if isinstance(mark, Quantity) else mark for mark in marks(one))
-        found.append(Annotated[(one.__origin__, *told)] if told else one)
-    return functools.reduce(lambda one, other: one | other, found)
+        # names with a contact input in them are the part's alone: two may have the same
+        known |= {} if leaf.part.argument == "input" else leaf.names
+        modulated |= leaf.modulated
+    return [
+        dataclasses.replace(leaf, names={**known, **leaf.names}, modulated=modulated)
+        for leaf in leaves
+    ]

@@ -1,22 +1,24 @@
 """Which laws a composition contains: those that are left as parts vanish or become simpler."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, final
 
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.composition import SIDES, Composition
 from stickslip.friction.notation import (
-    BOTH_WAYS,
     OPTIONAL,
     Around,
     Name,
+    Product,
     Sum,
     Term,
     canonical,
     summed,
     terms_of,
 )
+from stickslip.friction.parts import PARTS
+from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 
 __all__ = ["Contained"]
@@ -31,26 +33,39 @@ Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
 class Contained:
     """The attribute `contained` of a class of laws, which is worked out when it is asked for."""
 
-    def __init__(self, composition: Composition, known: Mapping[str, type[FrictionLaw]]) -> None:
+    def __init__(self, composition: Composition, known: Callable[[], Mapping[str, Any]]) -> None:
         self._composition, self._known = composition, known
         self._found: tuple[Containment, ...] | None = None
 
     def __get__(self, law: object, kind: type[FrictionLaw]) -> tuple[Containment, ...]:
         if self._found is None:
-            self._found = tuple(_nearest(self._composition, kind, self._known))
+            self._found = tuple(_nearest(self._composition, kind, self._known()))
         return self._found
 
 
 def _nearest(
-    c: Composition, kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]
+    c: Composition, kind: type[FrictionLaw], known: Mapping[str, Any]
 ) -> Iterator[Containment]:
-    """Yield the laws with a name that are reached first; what these contain is theirs."""
-    found: dict[type[FrictionLaw], Containment] = {}
-    same = known.get(canonical(c.term), kind)
-    if (
-        same is not kind
-    ):  # a name of its own for the same parts, where optional ones have to be there
-        found[same] = _containment(c, same, dict(_vanished(c.term)), ())
+    """Yield the laws with a name that are reached first; what these contain is theirs.
+
+    What is known are entries by their canonical composition; only of laws that are found are
+    classes asked for.
+    """
+    found: dict[str, tuple[type[FrictionLaw], Containment]] = {}
+
+    def find(one: Any, values: Values, limits: tuple[str, ...]) -> None:
+        if one.name not in found:
+            found[one.name] = one.law, _containment(c, one.law, values, limits)
+
+    def named(term: Term) -> Any:
+        """Return the law of a term, or of the same with a power of the speed that is 1."""
+        plain, raised = (known.get(canonical(one)) for one in (term, _with_power(term)))
+        return plain if plain is not None or raised is None or raised.name == kind.name else raised
+
+    same = named(c.term)
+    # a name of its own for the same parts, where optional ones have to be there
+    if same is not None and same.name != kind.name:
+        find(same, dict(_vanished(c.term)), ())
     level: list[Reduction] = [(c.term, {}, ())]
     seen = {canonical(c.term)}
     while level:
@@ -61,29 +76,44 @@ def _nearest(
                     continue
                 seen.add(canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
-                there = known.get(canonical(simpler))
+                there = named(simpler)
                 # a law that is tried only on request stands between no others
                 if there is None or (there.on_request and not kind.on_request):
                     below.append(state)
-                elif there not in found:
-                    found[there] = _containment(c, there, *state[1:])
+                else:
+                    find(there, *state[1:])
         level = below
     by_name = {one.name: one for one in known.values()}
-    within = {name for one in found for name in _all_within(one, by_name)}
-    yield from (one for law, one in found.items() if law.name not in within)
+    within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
+    yield from (one for law, one in found.values() if law.name not in within)
 
 
-def _all_within(kind: type[FrictionLaw], known: Mapping[str, type[FrictionLaw]]) -> Iterator[str]:
+def _with_power(term: Term) -> Term:
+    """Return a term with a power of the speed in place of a viscous part."""
+    match term:
+        case Name(name="viscous"):
+            return Name("power")
+        case Sum(items=items):
+            return Sum(tuple(map(_with_power, items)))
+        case Around(head=head, inner=inner):
+            return Around(head, _with_power(inner))
+        case Product(first=first, factors=factors):
+            return Product(_with_power(first), factors)
+        case _:
+            return term
+
+
+def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[str]:
     for one in kind.contained:
         yield one.law
-        yield from _all_within(known[one.law], known)
+        yield from _all_within(known[one.law].law, known)
 
 
 def _vanished(term: Term) -> Iterator[tuple[str, float | str]]:
     """Yield the values for which optional parts are not there."""
     for name in term.parts():
         if name.name in OPTIONAL:
-            yield from (name.part.vanishes or {}).items()
+            yield from _vanishing(name).items()
 
 
 def _containment(
@@ -114,6 +144,9 @@ def _containment(
         for field in theirs.values()
         if field not in reached and defaults[field] not in (None, dataclasses.MISSING)
     }
+    power = theirs.get("viscous_exponent")
+    if power in where and "viscous_exponent" not in mine and "viscous_exponent" not in values:
+        where[power] = 1.0  # whatever its default is
     return Containment(
         law=simpler.name,
         values=found,
@@ -137,13 +170,56 @@ def _reductions(term: Term) -> Iterator[Reduction]:
         case Around(head=Name(name="both_ways"), inner=inner):
             yield from _of_both_ways(term.head, inner)
         case Around(head=head, inner=inner):
-            for one in head.part.becomes:
-                yield Around(Name(one.name), inner) if one.name else inner, one.values, one.limits
+            for becoming in head.part.becomes:
+                name, values, limits = _became(head, becoming)
+                yield inner if name is None else Around(name, inner), values, limits
             for simpler, values, limits in _reductions(inner):
                 yield Around(head, simpler), values, limits
+        case Product():
+            yield from _of_product(term)
         case Name():
-            for one in term.part.becomes:
-                yield Name(one.name, term.argument), one.values, one.limits
+            for becoming in term.part.becomes:
+                name, values, limits = _became(term, becoming)
+                assert name is not None  # only what stands around a term leaves it
+                yield name, values, limits
+
+
+def _became(name: Name, one: Becomes) -> tuple[Name | None, Values, tuple[str, ...]]:
+    """Return the simpler part, None where what stands in the brackets is left."""
+    kept = name.argument if one.name in PARTS and PARTS[one.name].argument else ""
+    simpler = Name(one.name, one.argument or kept) if one.name else None
+    values = {name.meaning(own): value for own, value in one.values.items()}
+    return simpler, values, tuple(map(name.meaning, one.limits))
+
+
+def _vanishing(name: Name, stem: str = "") -> dict[str, float | str]:
+    """Return the values for which a part is not there, or a factor is 1."""
+    return {name.meaning(own, stem): value for own, value in (name.part.vanishes or {}).items()}
+
+
+def _of_product(term: Product) -> Iterator[Reduction]:
+    """Yield a product without one of its factors, and with less that they multiply."""
+    for index, factor in enumerate(term.factors):
+        others = (*term.factors[:index], *term.factors[index + 1 :])
+        left = Product(term.first, others) if others else term.first
+        yield left, _vanishing(factor, term.stem(factor)), ()
+    for simpler, values, limits in _reductions(term.first):
+        product = Product(simpler, term.factors)
+        known = {one for name in simpler.parts() for one in map(name.meaning, _own(name))}
+        if not all(one.modulated in known for one in term.factors if one.modulated):
+            continue  # a factor of a parameter that is not there any more
+        # parameters of factors are called by what these multiply
+        called = {
+            factor.meaning(own, term.stem(factor)): factor.meaning(own, product.stem(factor))
+            for factor in term.factors
+            for own in _own(factor)
+        }
+        same = {before: after for before, after in called.items() if before != after}
+        yield product, {**values, **same}, limits
+
+
+def _own(name: Name) -> tuple[str, ...]:
+    return tuple(one.name for one in name.part.parameters)
 
 
 def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
@@ -164,10 +240,23 @@ def _of_both_ways(head: Name, inner: Term) -> Iterator[Reduction]:
 def _without(items: tuple[Term, ...]) -> Iterator[Reduction]:
     """Yield a sum without one of its parts, and without what stands on this one."""
     for index, item in enumerate(items):
-        if not isinstance(item, Name) or item.name == BOTH_WAYS or item.part.vanishes is None:
+        name = item.first if isinstance(item, Product) else item
+        if not isinstance(name, Name) or name.part.vanishes is None:
             continue
         others = (*items[:index], *items[index + 1 :])
-        rest = tuple(one for one in others if str(one) not in item.part.below)
-        surplus = any(isinstance(one, Name) and isinstance(one.part, Surplus) for one in rest)
-        if rest and not (item.name == "level" and surplus):
-            yield summed(rest), item.part.vanishes, ()
+        rest = tuple(one for one in others if _named(one) not in name.part.below)
+        left = {own for one in rest for part in one.parts() for own in _own(part)}
+        needed = {own for one in rest for part in one.parts() for own in part.part.needs}
+        surplus = any(isinstance(part.part, Surplus) for one in rest for part in _levels(one))
+        if rest and needed <= left and not (name.name == "level" and surplus):
+            yield summed(rest), _vanishing(name), ()
+
+
+def _named(term: Term) -> str:
+    """Return the name of the part that a term is, with factors or without; empty of others."""
+    first = term.first if isinstance(term, Product) else term
+    return first.name if isinstance(first, Name) else ""
+
+
+def _levels(term: Term) -> Iterator[Name]:
+    return (name for name in term.parts() if name.role == "level")

@@ -5,9 +5,19 @@ from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 from stickslip.errors import InputError
-from stickslip.friction.composition import SIDES, Choose, Composition, Leaf
-from stickslip.friction.notation import Around, Name, Sum, Term, summed, terms_of
-from stickslip.friction.parts.base import Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
+from stickslip.friction.base import BOUND, bound, is_bound
+from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
+from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
+from stickslip.friction.parts.base import (
+    Extra,
+    Factor,
+    Flow,
+    Level,
+    Memory,
+    Slip,
+    SmoothLevel,
+    SmoothSign,
+)
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import unchecked
 
@@ -29,10 +39,12 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     dict of str to callable
         Methods; of laws with memory the names of the states as well.
     """
+    more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
-        return _set_valued(c)
-    towards = {"towards": _towards(c, one_way)} if c.directional else {}
-    return towards | (_directional() if c.memory is None else _with_memory(c, c.memory))
+        return more | _set_valued(c)
+    if c.directional:
+        more["towards"] = _towards(c, one_way)
+    return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
 def one_way(term: Term) -> Term:
@@ -44,6 +56,8 @@ def one_way(term: Term) -> Term:
             return summed(tuple(one for item in items for one in terms_of(one_way(item))))
         case Around(head=head, inner=inner):
             return Around(head, one_way(inner))
+        case Product(first=first, factors=factors):
+            return Product(one_way(first), factors)
         case _:
             return term
 
@@ -52,32 +66,47 @@ def _level(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None =
     """Return the level of sliding, over the load; None where no part has one."""
     found = []
     for leaf in leaves:
-        if isinstance(leaf.part, (Level, SmoothLevel)):
-            value = leaf.part.sliding(leaf.values(law, choose), slip)
+        if isinstance(leaf.part, (Level, Extra, SmoothLevel)):
+            value = leaf.part.sliding(*leaf.told(law, slip, choose))
+            if value is not None:
+                value = leaf.times(value, law, slip, choose)
             if leaf.sign is not None and value is not None:
                 smooth = cast(SmoothSign, leaf.sign.part)
-                value = value * smooth.shape(leaf.sign.values(law, choose), slip)
+                value = value * smooth.shape(*leaf.sign.told(law, slip, choose))
             found.append(value)
     return _total(found)
 
 
 def _rest(leaves: Sequence[Leaf], law: Any, choose: Choose | None = None) -> Scalar:
-    """Return the level at rest, over the load: the last whole level that is given."""
-    found = 0.0
+    """Return the level at rest, over the load: the last whole level that is given, and extras."""
+    own = [leaf for leaf in leaves if not leaf.sign]
     ranks = ("kinetic_coefficient", "static_coefficient", "break_away_coefficient")
-    held = {
-        leaf.part.rest: leaf for leaf in leaves if isinstance(leaf.part, Level) and not leaf.sign
-    }
-    for rest in ranks:
-        given = getattr(held[rest].values(law, choose), rest) if rest in held else None
-        found = found if given is None else given
-    return found
+    held = {leaf.part.rest: leaf for leaf in own if isinstance(leaf.part, Level)}
+    found: Scalar = 0.0
+    steps: list[Scalar] = []
+    for leaf in (held[rest] for rest in ranks if rest in held):
+        given = getattr(leaf.told(law, STILL, choose)[0], cast(Level, leaf.part).rest)
+        if given is not None:
+            steps.append(leaf.times(given - found if steps else given, law, STILL, choose))
+            found = given
+    # a level of its own, and not the sum of its steps, where no factor tells these apart
+    total = _total(steps) if any(leaf.factors for leaf in held.values()) else found
+    for leaf in own:
+        if isinstance(leaf.part, Extra) and leaf.part.holds:
+            value = leaf.part.at_rest(*leaf.told(law, STILL, choose))
+            total = total + leaf.times(value, law, STILL, choose)
+    return total
 
 
 def _flow(leaves: Sequence[Leaf], law: Any, slip: Slip, choose: Choose | None = None) -> Scalar:
     """Return the force of the parts without levels; None where there are none."""
-    flows = [leaf for leaf in leaves if isinstance(leaf.part, Flow)]
-    return _total([cast(Flow, leaf.part).flow(leaf.values(law, choose), slip) for leaf in flows])
+    return _total(
+        [
+            leaf.times(leaf.part.flow(*leaf.told(law, slip, choose)), law, slip, choose)
+            for leaf in leaves
+            if isinstance(leaf.part, Flow)
+        ]
+    )
 
 
 def _total(values: Sequence[Scalar]) -> Scalar | None:
@@ -113,7 +142,9 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
     memory = cast(Memory, leaf.part)
 
     def at(self: Any, velocity: Scalar) -> tuple[Slip, Choose, Scalar]:
-        slip, choose = Slip(speed=abs(velocity), along=velocity), _by_velocity(velocity)
+        choose = _by_velocity(velocity)
+        rest = _rest(c.inside, self, choose)
+        slip = Slip(speed=abs(velocity), along=velocity, rest=rest)
         return slip, choose, _level(c.inside, self, slip, choose)
 
     def beside(self: Any, slip: Slip, choose: Choose, load: Scalar) -> Scalar:
@@ -130,7 +161,7 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
                 f" force(velocity, load, states), got {len(states)} states."
             )
         slip, choose, g = at(self, velocity)
-        held = memory.force(leaf.values(self, choose), slip, states, g)
+        held = memory.force(leaf.told(self, slip, choose)[0], slip, states, g)
         return _total([held * load, beside(self, slip, choose, load)])
 
     def rates(
@@ -140,19 +171,30 @@ def _with_memory(c: Composition, leaf: Leaf) -> dict[str, Any]:
         states: tuple[Scalar, ...],
     ) -> tuple[Scalar, ...]:
         slip, choose, g = at(self, velocity)
-        return memory.rates(leaf.values(self, choose), slip, states, g)
+        return memory.rates(leaf.told(self, slip, choose)[0], slip, states, g)
+
+    def moved(
+        self: Any,
+        velocity: Scalar,
+        load: Scalar,  # noqa: ARG001
+        states: tuple[Scalar, ...],
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        slip, choose, g = at(self, velocity)
+        return memory.moved(leaf.told(self, slip, choose)[0], slip, states, g, time)
 
     def steady(self: Any, velocity: Scalar, load: Scalar) -> Scalar:
         slip, choose, g = at(self, velocity)
         return _total([g * load * sign(velocity), beside(self, slip, choose, load)])
 
     def break_away(self: Any, load: Scalar) -> Scalar:
-        return _rest(c.inside, self, _least) * load
+        return memory.peak(leaf.told(self, STILL, _least)[0]) * _rest(c.inside, self, _least) * load
 
     return {
         "states": names,
         "force": force,
         "rates": rates,
+        "moved": moved,
         "steady": steady,
         "break_away": break_away,
     }
@@ -176,6 +218,29 @@ def _directional() -> dict[str, Any]:
     return {"force": force, "break_away": break_away}
 
 
+LEAST = 1e-3
+"""Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
+
+
+def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
+    """Return the method that gives the factors that may fall below 0."""
+    found = {text: leaf for text, leaf in c.factors.items() if not cast(Factor, leaf.part).positive}
+
+    def limits(self: Any) -> dict[str, Scalar]:
+        if c.directional:
+            return {
+                f"{way} {text}": margin
+                for side, way in ((1, "forward"), (-1, "backward"))
+                for text, margin in self.towards(side).limits().items()
+            }
+        return {
+            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            for text, leaf in found.items()
+        }
+
+    return limits
+
+
 def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:
     """Return the method that gives the law of one direction."""
 
@@ -188,6 +253,7 @@ def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any,
             values[name] = kind.made_of.fields[name].default if own is None else getattr(self, own)
         if kind.states:
             values["static_switch"] = self.static_switch
-        return unchecked(kind, **values)
+        one: Any = unchecked(kind, **values)
+        return bound(one, vars(self)[BOUND]) if is_bound(self) else one
 
     return towards

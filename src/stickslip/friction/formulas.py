@@ -1,16 +1,18 @@
 """The formula of a composition in LaTeX, put together from those of its parts."""
 
 import functools
+import itertools
 import re
 from collections.abc import Iterable, Sequence
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.friction.composition import Composition, Leaf
-from stickslip.friction.parts.base import Flow, Level, SmoothLevel
+from stickslip.friction.parts.base import Extra, Flow, Level, SmoothLevel
 
 __all__ = ["formula_of"]
 
 SGN = r"\operatorname{sgn} v"
-GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta")
+GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "rho", "theta", "xi")
 
 
 def formula_of(c: Composition) -> str:
@@ -55,17 +57,27 @@ def _force(c: Composition, side: int | None = None) -> str:
             else next(_placed(c, leaf.sign, smooth) for leaf in own if leaf.sign)
         )
         held += [f"{text} N {sign}"] if levels else []
-    flows = [
-        _placed(c, leaf, leaf.part.tex, side) for leaf in c.outside if isinstance(leaf.part, Flow)
-    ]
+    flows = [_term(c, leaf, side) for leaf in c.outside if isinstance(leaf.part, Flow)]
     return " + ".join([*held, *flows])
+
+
+def _term(c: Composition, leaf: Leaf, side: int | None, tex: str = "") -> str:
+    """Return the LaTeX of a part, or another one in its place, with its factors."""
+    placed = _placed(c, leaf, tex or leaf.part.tex, side)
+    factors = [_placed(c, one, one.part.tex, side) for one in leaf.factors]
+    if factors and " + " in placed and not placed.startswith(BRACKETS):
+        placed = rf"\left({placed}\right)"
+    return r" \, ".join([placed, *factors])
+
+
+BRACKETS = ("(", "|", r"\left", r"\frac")
 
 
 def _levels(c: Composition, leaves: Iterable[Leaf], side: int | None = None) -> list[str]:
     return [
-        _placed(c, leaf, leaf.part.tex, side)
+        _term(c, leaf, side)
         for leaf in leaves
-        if isinstance(leaf.part, (Level, SmoothLevel)) and leaf.part.tex
+        if isinstance(leaf.part, (Level, Extra, SmoothLevel)) and leaf.part.tex
     ]
 
 
@@ -79,23 +91,45 @@ def _rest(c: Composition) -> Sequence[str]:
     if c.memory is not None or not chain:
         return []
     symbols = [_placed(c, leaf, _tex(STANDARD[rest])) for leaf, rest in chain]
-    text = rf"|F| \le {symbols[-1]} N \text{{ at rest}}"
+    if any(leaf.factors for leaf, _ in chain):
+        steps = (f"({one} - {before})" for before, one in itertools.pairwise(symbols))
+        levels = zip((leaf for leaf, _ in chain), (symbols[0], *steps), strict=True)
+        terms = [_term(c, leaf, None, tex) for leaf, tex in levels]
+    else:
+        terms = [symbols[-1]]
+    extras = [leaf for leaf in c.outside if isinstance(leaf.part, Extra) and leaf.part.holds]
+    terms += [_term(c, leaf, None, leaf.part.tex.replace(FADED, "")) for leaf in extras]
+    whole = terms[0] if len(terms) == 1 else rf"\left[{' + '.join(terms)}\right]"
+    text = rf"|F| \le {whole} N \text{{ at rest}}"
     return (
         [text, rf"{symbols[-1]} \ge {symbols[-2]}"] if chain[-1][0].part.name == "peak" else [text]
     )
 
 
+FADED = " e^{-|v/v_s|^n}"
+"""What parts fade with, which is 1 at rest."""
+
+
 def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> str:
     """Return a part's LaTeX with the symbols and the argument that it has in this law."""
-    text = tex.replace("{0}", c.argument)
-    own = {one.name: one.quantity for one in leaf.part.parameters}
+    of_input = leaf.part.argument == "input"
+    x = CONTACT_INPUTS[leaf.inputs[0]] if of_input else None
+    number = str(getattr(leaf.part, "degree", c.argument))
+    text = tex.replace("{0}", x.tex if x else number).replace("{1}", x.index if x else "")
+    own = {
+        one.name: one.quantity.symbol.replace("{0}", x.index if x else "")
+        for one in leaf.part.parameters
+    }
     for name in {*own, *leaf.names}:
         field = leaf.names.get(name, name)
         chosen = field if isinstance(field, str) else field[side or 0]
         one = c.fields.get(chosen)
-        standard = own[name].symbol if name in own else STANDARD.get(name)
-        if one is not None and standard is not None and one.quantity.symbol != standard:
+        standard = own.get(name, STANDARD.get(name))
+        factors = [_placed(c, leaf, leaf.part.tex, side) for leaf in leaf.modulated.get(name, ())]
+        renamed = one is not None and one.quantity.symbol != standard
+        if one is not None and standard is not None and (renamed or factors):
             before, after = _tex(standard), _tex(one.quantity.symbol)
+            after = rf"({' '.join([after, *factors])})" if factors else after
             there = rf"(\^)?(?<![A-Za-z\\]){re.escape(before)}(?![A-Za-z_])"
             text = re.sub(there, functools.partial(_raised, after), text)
     return text

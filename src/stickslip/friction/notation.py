@@ -1,5 +1,6 @@
 """The notation of laws: ``dahl(both_ways[levels](level + stribeck)) + power``, read and written."""
 
+import dataclasses
 import re
 from abc import ABC
 from collections.abc import Iterator
@@ -8,15 +9,19 @@ from typing import final
 
 from typing_extensions import override
 
+from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
+from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.parts import PARTS
-from stickslip.friction.parts.base import Part
+from stickslip.friction.parts.base import Parameter, Part
+from stickslip.quantities import Quantity
 
 __all__ = [
     "BOTH_WAYS",
     "OPTIONAL",
     "Around",
     "Name",
+    "Product",
     "Sum",
     "Term",
     "canonical",
@@ -31,6 +36,17 @@ BOTH_WAYS = "both_ways"
 """What stands around terms that have parameters of their own for each direction."""
 
 
+@final
+class Directions(Part):
+    """What stands for `BOTH_WAYS` among the parts: it has no parameters, and no equation."""
+
+    name = role = BOTH_WAYS
+    argument = "levels"
+
+
+DIRECTIONS = Directions()
+
+
 class Term(ABC):  # noqa: B024  # what is asked of all of them is here
     """A part, or a sum or something around it; `str` writes what `read` reads.
 
@@ -40,11 +56,29 @@ class Term(ABC):  # noqa: B024  # what is asked of all of them is here
     def __add__(self, other: "Term") -> "Term":
         return summed((*terms_of(self), *terms_of(_term(other))))
 
+    def __mul__(self, other: "Term") -> "Term":
+        factor = _term(other)
+        if isinstance(self, Name) and self.role == "factor":
+            raise InputError(
+                f"a factor stands behind what it multiplies: write {_bracketed(factor)} * {self}."
+            )
+        if not (isinstance(factor, Name) and factor.role == "factor"):
+            raise InputError(
+                f"behind * stands a factor, not {factor}: one of {', '.join(FACTORS)}, with what it"
+                " depends on in brackets, such as viscous * exponential[temperature]."
+            )
+        if isinstance(self, Product):
+            return Product(self.first, (*self.factors, factor))
+        return Product(self, (factor,))
+
     def parts(self) -> Iterator["Name"]:
         """Yield the names of all parts in it, from left to right."""
         match self:
             case Name():
                 yield self
+            case Product(first=first, factors=factors):
+                yield from first.parts()
+                yield from factors
             case Sum(items=items):
                 for item in items:
                     yield from item.parts()
@@ -73,14 +107,28 @@ class Name(Term):
                 f"{self}: the brackets of both_ways hold nothing (all parameters differ between the"
                 " directions) or levels (levels and viscous parts do)."
             )
-        holds = "levels" if self.name == BOTH_WAYS else self.part.argument
+        holds = self.part.argument
         if self.argument and not holds:
             raise InputError(f"{self}: {self.name} has no argument: write {self.name}.")
         if holds == "number" and self.argument and not re.fullmatch(r"[1-9][0-9]?", self.argument):
             raise InputError(f"{self}: the number of elements must be 1 to 99.")
+        if holds == "input":
+            self._check_input()
+
+    def _check_input(self) -> None:
+        """Check the contact input in the brackets, and that only a factor has more there."""
+        if not self.argument:
+            raise InputError(
+                f"{self} does not say what it depends on: write {self.name}[temperature], or"
+                f" another one of {', '.join(CONTACT_INPUTS)}."
+            )
+        checked_inputs([self.input])
+        if self.role != "factor" and "," in self.argument:
+            raise InputError(f"{self}: the brackets of {self.name} hold one contact input.")
 
     def __getitem__(self, argument: object) -> "Name":
-        return replace(self, argument=str(argument))
+        several = argument if isinstance(argument, tuple) else (argument,)
+        return replace(self, argument=", ".join(map(str, several)))
 
     def __call__(self, inner: Term) -> "Around":
         """Return this around a term."""
@@ -93,12 +141,69 @@ class Name(Term):
     @property
     def role(self) -> str:
         """Where it may stand."""
-        return BOTH_WAYS if self.name == BOTH_WAYS else self.part.role
+        return self.part.role
 
     @property
     def part(self) -> Part:
         """The part that is named."""
-        return PARTS[self.name]
+        return PARTS.get(self.name, DIRECTIONS).of(self.argument)
+
+    @property
+    def input(self) -> str:
+        """The contact input in its brackets; empty where these hold something else."""
+        return self.argument.partition(",")[0] if self.part.argument == "input" else ""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The contact inputs that it asks for."""
+        return self.part.inputs or ((self.input,) if self.input else ())
+
+    @property
+    def modulated(self) -> str:
+        """The parameter that a factor multiplies; empty where it multiplies all before it."""
+        return self.argument.partition(", ")[2] if self.input else ""
+
+    def meaning(self, parameter: str, stem: str = "") -> str:
+        """Return a parameter's name in laws, of a factor with the stem of what it multiplies."""
+        return "_".join(filter(None, (stem, self.input, parameter)))
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The parameters of the part, with symbols and units as the contact input has them."""
+        if not self.input:
+            return self.part.parameters
+        over = CONTACT_INPUTS[self.input].over
+        return tuple(
+            dataclasses.replace(
+                one,
+                hint=with_marks(
+                    one.hint, lambda mark: over(mark) if isinstance(mark, Quantity) else mark
+                ),
+            )
+            for one in self.part.parameters
+        )
+
+
+@final
+@dataclass(frozen=True, repr=False)
+class Product(Term):
+    """Factors behind what they multiply."""
+
+    first: Term
+    factors: tuple[Name, ...]
+
+    @override
+    def __str__(self) -> str:
+        return " * ".join((_bracketed(self.first), *map(str, self.factors)))
+
+    def stem(self, factor: Name) -> str:
+        """Return what parameters of a factor begin with: the part or the parameter it multiplies.
+
+        Of several parts it is empty.
+        """
+        named = [one for one in self.first.parts() if one.role in MULTIPLIED]
+        only = "_".join(filter(None, (named[0].name, named[0].input))) if len(named) == 1 else ""
+        return factor.modulated or only
 
 
 @final
@@ -126,6 +231,15 @@ class Around(Term):
         return f"{self.head}({self.inner})"
 
 
+FACTORS = tuple(name for name, part in PARTS.items() if part.role == "factor")
+MULTIPLIED = ("level", "smooth level", "flow")
+"""Roles of parts that factors multiply."""
+
+
+def _bracketed(term: Term) -> str:
+    return f"({term})" if isinstance(term, Sum) else str(term)
+
+
 def _term(other: object) -> Term:
     if not isinstance(other, Term):
         raise InputError(f"{other!r} is no part of a friction law: parts are {', '.join(PARTS)}.")
@@ -149,12 +263,15 @@ def canonical(term: Term) -> str:
             return " + ".join(sorted(canonical(one) for one in items if str(one) not in OPTIONAL))
         case Around(head=head, inner=inner):
             return f"{head}({canonical(inner)})"
+        case Product(first=first, factors=factors):
+            text = canonical(first)
+            return " * ".join((f"({text})" if "+" in text else text, *sorted(map(str, factors))))
         case _:
             return str(term)
 
 
 TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+])|(?P<other>\S))"
+    r"\s*(?:(?P<name>[A-Za-z_][\w-]*)|(?P<argument>\[[^\]]*\])|(?P<mark>[()+*])|(?P<other>\S))"
 )
 
 LONGEST, DEEPEST = 500, 20
@@ -199,14 +316,29 @@ class _Reader:
         """Return the term of the whole text."""
         found = self.sum()
         if self.at < len(self.tokens):
-            self.refuse("'+'")
+            self.refuse("'+' or '*'")
         return found
 
     def sum(self) -> Term:
-        items = [*terms_of(self.one())]
+        items = [*terms_of(self.product())]
         while self.took("+"):
-            items += terms_of(self.one())
+            items += terms_of(self.product())
         return summed(tuple(items))
+
+    def product(self) -> Term:
+        found = self.one()
+        place = self.here()[2]
+        while self.took("*"):
+            factor = self.one()
+            try:
+                found = found * factor
+            except InputError as error:
+                raise InputError(
+                    f"the friction law {self.text!r} cannot be read at character {place + 1}:"
+                    f" {error}"
+                ) from None
+            place = self.here()[2]
+        return found
 
     def one(self) -> Term:
         if self.took("("):
@@ -217,14 +349,14 @@ class _Reader:
         self.at += 1
         kind, argument, _ = self.here()
         self.at += kind == "argument"
+        given = argument[1:-1].split(",") if kind == "argument" else ()
         try:
-            name = Name(
-                word.replace("-", "_"), argument[1:-1].strip() if kind == "argument" else ""
-            )
+            name = Name(word.replace("-", "_"), ", ".join(one.strip() for one in given))
         except UnknownNameError as error:
+            of = error.kind.partition(" of ")[0]
             raise UnknownNameError(
-                f"part at character {place + 1} of the friction law {self.text!r}:",
-                word,
+                f"{of} at character {place + 1} of the friction law {self.text!r}:",
+                word if of == "part" else error.name,
                 error.known,
             ) from None
         return name(self.closed()) if self.took("(") else name

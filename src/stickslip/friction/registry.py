@@ -4,24 +4,15 @@ import functools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, final
 
+from typing_extensions import override
+
 from stickslip.errors import InputError
-from stickslip.friction import (
-    LAW_MODULES,
-    Coulomb,
-    CoulombViscous,
-    Dahl,
-    DirectionDependent,
-    LuGre,
-    PowerViscous,
-    QuadraticDrag,
-    Stribeck,
-    Viscous,
-)
+from stickslip.friction import LAW_MODULES
+from stickslip.friction import named as entries
 from stickslip.friction.base import FrictionLaw
-from stickslip.friction.classes import class_of
+from stickslip.friction.classes import CATALOGUE, Entry, class_of
 from stickslip.friction.notation import Term, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
@@ -35,18 +26,54 @@ __all__ = [
     "law",
     "law_type",
     "laws",
+    "listed",
     "specification",
     "usual_specifications",
 ]
 
-LAWS: Mapping[str, type[FrictionLaw]] = MappingProxyType(
-    {
-        one.name: one
-        for one in own_classes("stickslip.friction", LAW_MODULES, FrictionLaw)  # type: ignore[type-abstract]  # a base
-    }
-)
+
+@final
+class _Lazy(Mapping[str, type[FrictionLaw]]):
+    """Classes of laws by name; that of a composition is made when it is asked for."""
+
+    def __init__(self) -> None:
+        own = {name: module for name, module in LAW_MODULES.items() if module != "registry"}
+        kinds = own_classes("stickslip.friction", own, FrictionLaw)  # type: ignore[type-abstract]  # a base
+        self._known: dict[str, Entry | type[FrictionLaw]] = dict(CATALOGUE)
+        self._known |= {kind.name: kind for kind in kinds}
+
+    @override
+    def __getitem__(self, name: str) -> type[FrictionLaw]:
+        found = self._known[name]
+        return found.law if isinstance(found, Entry) else found
+
+    @override
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    @override
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    @override
+    def __len__(self) -> int:
+        return len(self._known)
+
+
+LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
+USUAL = (
+    "viscous",
+    "coulomb",
+    "coulomb-viscous",
+    "direction-dependent",
+    "power-viscous",
+    "quadratic-drag",
+    "stribeck",
+    "lugre",
+)
+"""Laws that records are compared with by default, with all they can fit."""
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
@@ -95,6 +122,18 @@ def laws() -> Mapping[str, type[FrictionLaw]]:
     return gathered(LAWS, "stickslip.friction", FrictionLaw)  # type: ignore[type-abstract]  # a base
 
 
+def listed() -> Mapping[str, Entry | type[FrictionLaw]]:
+    """Return what says of each law its title, sources and composition: entry, or class of its own.
+
+    Examples
+    --------
+    >>> listed()["lugre"].title
+    'LuGre'
+    """
+    known = laws()
+    return {name: CATALOGUE[name] if name in CATALOGUE else known[name] for name in known}
+
+
 def law_type(name: str) -> type[FrictionLaw]:
     """Return the law of that name, or say which known names are nearest.
 
@@ -103,13 +142,15 @@ def law_type(name: str) -> type[FrictionLaw]:
     >>> law_type("lugre").title
     'LuGre'
     """
-    for one in usual_specifications():
-        if one.name == name and name not in laws():
+    if is_composition(name):
+        return law(name)
+    for one in usual_specifications() if name not in laws() else ():
+        if one.name == name:
             raise InputError(
                 f"{name} is available only for fits to records: {one.law.name} with its exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
-    kind: type[FrictionLaw] = law(name) if is_composition(name) else _law_named(laws(), name)
+    kind: type[FrictionLaw] = _law_named(laws(), name)
     return kind
 
 
@@ -121,26 +162,17 @@ def usual_specifications() -> tuple[CandidateSpec, ...]:
     >>> [one.name for one in usual_specifications()][-3:]
     ['stribeck-exponent', 'dahl', 'dahl-exponent']
     """
-    usual = (
-        Viscous,
-        Coulomb,
-        CoulombViscous,
-        DirectionDependent,
-        PowerViscous,
-        QuadraticDrag,
-        Stribeck,
-        LuGre,
-    )
+    stribeck, dahl = LAWS["stribeck"], LAWS["dahl"]
     return (
-        *(CandidateSpec.of(one.name, one) for one in usual),
+        *(CandidateSpec.of(name, LAWS[name]) for name in USUAL),
         CandidateSpec(
             name="stribeck-exponent",
             title="Stribeck with exponent",
-            law=Stribeck,
-            free=(*Stribeck.fit_order, "exponent"),
+            law=stribeck,
+            free=(*stribeck.fit_order, "exponent"),
         ),
-        CandidateSpec(name="dahl", title="Dahl", law=Dahl, free=PLAIN_DAHL),
-        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=Dahl),
+        CandidateSpec(name="dahl", title="Dahl", law=dahl, free=PLAIN_DAHL),
+        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=dahl),
     )
 
 
@@ -161,10 +193,11 @@ def specification(name: str) -> CandidateSpec:
     """
     if is_composition(name):
         return CandidateSpec.of(name, law(name))
-    known = {one: CandidateSpec.of(one, kind) for one, kind in laws().items()}
-    known |= {one.name: one for one in usual_specifications()}
-    found: CandidateSpec = _law_named(known, name)
-    return found
+    usual = {one.name: one for one in usual_specifications()}
+    if name in usual:
+        return usual[name]
+    _law_named(dict.fromkeys((*laws(), *usual)), name)  # refuses unknown names
+    return CandidateSpec.of(name, laws()[name])
 
 
 def law(composition: str | Term) -> type[FrictionLaw]:
@@ -205,6 +238,9 @@ def law(composition: str | Term) -> type[FrictionLaw]:
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:
+    entry = vars(entries).get(name)
+    if isinstance(entry, Entry):
+        return entry.law
     try:
         return law(name)
     except InputError:

@@ -73,6 +73,65 @@ SOURCES = MappingProxyType(
             "M. Otter, H. Elmqvist, S. E. Mattsson. Hybrid modeling in Modelica based on the"
             " synchronous data flow principle. CACSD'99, Hawaii, 1999."
         ),
+        "tustin1947": (
+            "A. Tustin. The effects of backlash and of speed-dependent friction on the stability of"
+            " closed-cycle control systems. Journal of the IEE 94(2A), 1947."
+        ),
+        "hess1990": (
+            "D. P. Hess, A. Soom. Friction at a lubricated line contact operating at oscillating"
+            " sliding velocities. Journal of Tribology 112(1), 1990."
+        ),
+        "popp1990": (
+            "K. Popp, P. Stelter. Stick-slip vibrations and chaos. Phil. Trans. R. Soc. A 332,"
+            " 1990."
+        ),
+        "andersson2007": (
+            "S. Andersson, A. Söderberg, S. Björklund. Friction models for sliding dry, boundary"
+            " and mixed lubricated contacts. Tribology International 40(4), 2007."
+        ),
+        "mostaghel1997": (
+            "N. Mostaghel, T. Davis. Representations of Coulomb friction for dynamic analysis."
+            " Earthquake Engineering and Structural Dynamics 26(5), 1997."
+        ),
+        "ambrosio2003": (
+            "J. A. C. Ambrósio. Impact of rigid and flexible multibody systems: deformation"
+            " description and contact models. Virtual Nonlinear Multibody Systems, Kluwer, 2003."
+        ),
+        "threlfall1978": (
+            "D. C. Threlfall. The inclusion of Coulomb friction in mechanisms programs with"
+            " particular reference to DRAM. Mechanism and Machine Theory 13(4), 1978."
+        ),
+        "brown2016": (
+            "P. Brown, J. McPhee. A continuous velocity-based friction model for dynamics and"
+            " control with physically meaningful parameters. Journal of Computational and Nonlinear"
+            " Dynamics 11(5), 2016."
+        ),
+        "simscape": "The MathWorks. Simscape: Translational Friction. Documentation of the block.",
+        "olsson1996": "H. Olsson. Control Systems with Friction. Thesis, Lund University, 1996.",
+        "dupont2002": (
+            "P. Dupont, V. Hayward, B. Armstrong, F. Altpeter. Single state elastoplastic friction"
+            " models. IEEE Transactions on Automatic Control 47(5), 2002."
+        ),
+        "bouc1967": (
+            "R. Bouc. Forced vibration of mechanical systems with hysteresis. 4th Conference on"
+            " Nonlinear Oscillation, Prague, 1967."
+        ),
+        "wen1976": (
+            "Y.-K. Wen. Method for random vibration of hysteretic systems. Journal of the"
+            " Engineering Mechanics Division 102(2), 1976."
+        ),
+        "iwan1966": (
+            "W. D. Iwan. A distributed-element model for hysteresis and its steady-state dynamic"
+            " response. Journal of Applied Mechanics 33(4), 1966."
+        ),
+        "simoni2015": (
+            "L. Simoni, M. Beschi, G. Legnani, A. Visioli. Friction modeling with temperature"
+            " effects for industrial robot manipulators. IEEE/RSJ IROS, 2015."
+        ),
+        "duclusaud2025": (
+            "M. Duclusaud, G. Passault, V. Padois, O. Ly. Extended friction models for the physics"
+            " simulation of servo actuators. IEEE ICRA, 2025."
+        ),
     }
 )
 """Citation in plain text by key."""

@@ -5,7 +5,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
-from stickslip.maths import Scalar, power, sign
+from stickslip.friction.base import bound
+from stickslip.maths import Scalar, latched, power, sign
 from stickslip.quantities import fields_of, unchecked
 
 __all__ = ["for_floats"]
@@ -85,7 +86,7 @@ def _text(value: Scalar) -> str:
 NAMES: Mapping[str, Any] = {
     name: getattr(math, name)
     for name in ("atan", "copysign", "cos", "exp", "log", "sin", "sqrt", "tanh")
-} | {"power": power, "sign": sign}
+} | {"latched": latched, "power": power, "sign": sign}
 
 
 def for_floats(
@@ -122,7 +123,9 @@ def _dispatching(
                 value = Written(f"p_{name}")
                 lines.append(f"    p_{name} = law.{name}\n")
             values[name] = value
-        twin: Any = unchecked(kind, **values)
+        told = {name: Written(f"x_{name}") for name in law.inputs}
+        lines += [f"    x_{name} = law.contact({name!r})\n" for name in law.inputs]
+        twin: Any = bound(unchecked(kind, **values), told)
         given = [
             tuple(Written(f"{name}[{i}]") for i in range(len(law.states)))
             if name == "states"
@@ -137,7 +140,9 @@ def _dispatching(
         function: Callable[..., Scalar] = space["made"]
         return function
 
-    floats = " and ".join(f"type({name}) is float" for name in arguments if name != "states")
+    asked = [name for name in arguments if name != "states"]
+    asked += [f"law.contact({name!r})" for name in getattr(kind, "inputs", ())]
+    floats = " and ".join(f"type({one}) is float" for one in asked)
     # what shapes the equations: a whole exponent, a level that is not given
     shape = "".join(
         f"law.{name} if law.{name}.is_integer() else None, "

@@ -12,11 +12,13 @@ from stickslip.mechanisms.actuators import Torque as _Torque
 from stickslip.mechanisms.axis import Axis as _Axis
 from stickslip.mechanisms.base import BoundedMechanism as BoundedMechanism
 from stickslip.mechanisms.base import Contact as Contact
+from stickslip.mechanisms.base import ContactInputs as ContactInputs
 from stickslip.mechanisms.base import Guide as Guide
 from stickslip.mechanisms.base import LinearOrRotary as LinearOrRotary
 from stickslip.mechanisms.base import Mechanism as Mechanism
 from stickslip.mechanisms.base import Stop as Stop
 from stickslip.mechanisms.base import as_rotary as as_rotary
+from stickslip.mechanisms.base import gear_inputs as gear_inputs
 from stickslip.mechanisms.base import stops_between as stops_between
 from stickslip.mechanisms.base import stops_of as stops_of
 from stickslip.mechanisms.block_chain import BlockChain as _BlockChain
@@ -51,6 +53,12 @@ from stickslip.mechanisms.robot import RobotJoint as _RobotJoint
 from stickslip.mechanisms.serial_arm import Link as _Link
 from stickslip.mechanisms.serial_arm import SerialArm as _SerialArm
 from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
+from stickslip.mechanisms.told_inputs import given_inputs as given_inputs
+from stickslip.mechanisms.told_inputs import given_names as given_names
+from stickslip.mechanisms.told_inputs import input_names as input_names
+from stickslip.mechanisms.told_inputs import input_quantity as input_quantity
+from stickslip.mechanisms.told_inputs import of_contact as of_contact
+from stickslip.mechanisms.told_inputs import without_given as without_given
 from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock
 from stickslip.mechanisms.two_feet import TwoFeet as _TwoFeet
 from stickslip.mechanisms.two_link_arm import TwoLinkArm as _TwoLinkArm
@@ -366,6 +374,7 @@ __all__ = [
     "Capsule",
     "ClutchTrain",
     "Contact",
+    "ContactInputs",
     "DiscBrake",
     "Guide",
     "Lining",
@@ -390,6 +399,8 @@ __all__ = [
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
+    "gear_inputs",
+    "given_inputs",
     "mechanisms",
     "read_urdf",
     "slip_names",

@@ -11,8 +11,10 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
+    ContactInputs,
     LinearOrRotary,
     Stop,
+    gear_inputs,
     stops_between,
 )
 from stickslip.quantities import Quantity
@@ -82,6 +84,17 @@ class Axis(LinearOrRotary, BoundedMechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", load=self.load),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        external = -self.stiffness * q["x"] - self.damping * q_dot["x"] - self.offset
+        return gear_inputs(drives.get("drive", 0.0), external, position=q["x"])
 
     @override
     def stops(self) -> tuple[Stop, ...]:

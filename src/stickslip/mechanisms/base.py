@@ -17,12 +17,14 @@ from stickslip.quantities import Parametrised, Quantity, is_rotary, motion_kinds
 __all__ = [
     "BoundedMechanism",
     "Contact",
+    "ContactInputs",
     "Guide",
     "Incline",
     "LinearOrRotary",
     "Mechanism",
     "Stop",
     "as_rotary",
+    "gear_inputs",
     "height",
     "stops_between",
     "stops_of",
@@ -31,6 +33,10 @@ __all__ = [
 
 Incline: TypeAlias = Annotated[float, Quantity("beta", "rad", low=-1.57, high=1.57)]
 """Angle of the ground from the horizontal: with a positive one, positive x is uphill."""
+
+
+ContactInputs: TypeAlias = Mapping[str, Scalar | Mapping[str, Scalar]]
+"""Inputs of a contact by name; those of one of several contacts under the name of the contact."""
 
 
 _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
@@ -248,6 +254,38 @@ class Mechanism(Parametrised, ABC):
         """
         return {}
 
+    def contact_inputs(
+        self,
+        t: Scalar,  # noqa: ARG002  # for those that can tell
+        q: Mapping[str, Scalar],  # noqa: ARG002
+        q_dot: Mapping[str, Scalar],  # noqa: ARG002
+        drives: Mapping[str, Scalar],  # noqa: ARG002
+    ) -> ContactInputs:
+        """Return what friction laws may ask of the contact beside speed and load.
+
+        Forces count along the motion of what slips, those of the drive and the others apart: a
+        motor that holds a weight has the opposite sign of gravity, and the gear between both
+        transmits ``motor - external``, twice the weight.
+
+        Parameters
+        ----------
+        t : float or array
+            Time [s].
+        q : mapping of str to float or array
+            Coordinates by name.
+        q_dot : mapping of str to float or array
+            Their rates, by name of the coordinate.
+        drives : mapping
+            Present values of the drives by name.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Some of `CONTACT_INPUTS`, by name. Where several contacts rub, a mapping of them by the
+            name of the contact.
+        """
+        return {}
+
     @abstractmethod
     def drives(self) -> Mapping[str, Drive]:
         """Return the drives that are fitted, by name."""
@@ -331,6 +369,31 @@ class LinearOrRotary(Mechanism, ABC):
     def units(self) -> tuple[str, ...]:  # type: ignore[override]
         """SI units of the coordinates."""
         return ("rad" if self.rotary else "m",) * len(self.coordinates)
+
+
+def gear_inputs(motor: Scalar, external: Scalar, **others: Scalar) -> dict[str, Scalar]:
+    """Return contact inputs of a force of the drive and the sum of all others.
+
+    Parameters
+    ----------
+    motor : float or array
+        Force or torque of the drive, along the motion.
+    external : float or array
+        All others, without inertia and friction.
+    **others : float or array
+        Further inputs by name.
+
+    Returns
+    -------
+    dict of str to float or array
+        These, and what a gear between motor and the rest transmits.
+
+    Examples
+    --------
+    >>> gear_inputs(5.0, -5.0)["transmitted"]  # a motor that holds a weight
+    10.0
+    """
+    return {"motor": motor, "external": external, "transmitted": motor - external, **others}
 
 
 def as_rotary(mechanism: Mechanism) -> Mechanism:

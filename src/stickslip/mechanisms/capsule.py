@@ -7,11 +7,12 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.drives import Drive
-from stickslip.maths import Scalar
+from stickslip.maths import Scalar, sin
 from stickslip.mechanisms.actuators import IDLE, Motor
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
+    ContactInputs,
     Guide,
     Incline,
     Stop,
@@ -97,6 +98,17 @@ class Capsule(BoundedMechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", normal="y"),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        whole = self.capsule_mass + self.inner_mass
+        return {"gravity": -whole * self.gravity * sin(self.incline), "position": q["x"]}
 
     @override
     def stops(self) -> tuple[Stop, ...]:

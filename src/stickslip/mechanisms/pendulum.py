@@ -7,8 +7,8 @@ from typing import Annotated, ClassVar, final
 from typing_extensions import override
 
 from stickslip.drives import Drive
-from stickslip.maths import Scalar, cos
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Quantity
 
 __all__ = ["Pendulum"]
@@ -74,6 +74,22 @@ class Pendulum(Mechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="theta", load=self.load),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        weight = -self.mass * self.gravity * self.length * sin(q["theta"])
+        return gear_inputs(
+            drives.get("drive", 0.0),
+            weight - self.damping * q_dot["theta"],
+            gravity=weight,
+            position=q["theta"],
+        )
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -9,7 +9,15 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.maths import Scalar, cos, sin
 from stickslip.mechanisms.actuators import IDLE, Motor
-from stickslip.mechanisms.base import Contact, Guide, Incline, Mechanism, height
+from stickslip.mechanisms.base import (
+    Contact,
+    ContactInputs,
+    Guide,
+    Incline,
+    Mechanism,
+    gear_inputs,
+    height,
+)
 from stickslip.quantities import Quantity
 
 __all__ = ["PendulumCart"]
@@ -132,6 +140,28 @@ class PendulumCart(Mechanism):
             Contact(slip="x", normal="y", name="wheels"),
             Contact(slip="theta", load=self.pivot_load, name="pivot"),
         )
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        whole = self.cart_mass + self.ball_mass
+        slope = -whole * self.gravity * sin(self.incline)
+        wheels: dict[str, Scalar] = {"gravity": slope, "position": q["x"]}
+        if self.pivot_load is None:
+            return wheels
+        leaning = self.ball_mass * self.gravity * self.length
+        weight = leaning * sin(q["theta"] + self.incline)
+        pivot: dict[str, Scalar] = {"gravity": weight, "position": q["theta"]}
+        if not self.guided():  # the torque of a prescribed motion follows from the motion
+            wound = self.pivot_stiffness * (q["theta"] - self.pivot_angle)
+            others = weight - wound - self.pivot_damping * q_dot["theta"]
+            pivot = gear_inputs(self.pendulum.force(drives), others, **pivot)
+        return {"wheels": wheels, "pivot": pivot}
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -16,6 +16,7 @@ from typing import TypeAlias, final
 from typing_extensions import override
 
 from stickslip.maths import Scalar, cos, sin
+from stickslip.mechanisms.base import ContactInputs, gear_inputs
 from stickslip.mechanisms.matrix_mechanism import MatrixMechanism
 
 __all__ = [
@@ -463,6 +464,29 @@ class JointedMechanism(MatrixMechanism, ABC):
         efforts = self.efforts(q_dot, drives)
         names = zip(self.coordinates, needed, strict=True)
         return {name: efforts[name] - taken for name, taken in names}
+
+    @final
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        still = dict.fromkeys(self.coordinates, 0.0)
+        at = [q[name] for name in self.coordinates]
+        carried = taken_by(self.bodies(), at, [*still.values()], self.free_fall())
+        gravity = {name: -1.0 * one for name, one in zip(self.coordinates, carried, strict=True)}
+        motors, efforts = self.efforts(still, drives), self.efforts(q_dot, drives)
+        found = {}
+        for contact in self.contacts():
+            (x,) = contact.slips
+            damped = efforts[x] - motors[x]
+            found[contact.name] = gear_inputs(
+                motors[x], gravity[x] + damped, gravity=gravity[x], position=q[x]
+            )
+        return found
 
     @final
     @override

@@ -9,12 +9,14 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.formatting import number
-from stickslip.maths import Scalar, where
+from stickslip.maths import Scalar, sin, where
 from stickslip.mechanisms.base import (
     BoundedMechanism,
     Contact,
+    ContactInputs,
     Incline,
     Stop,
+    gear_inputs,
     height,
     stops_between,
 )
@@ -95,13 +97,16 @@ class SpringBlock(BoundedMechanism):
 
     @override
     def potential_energy(self, t: Scalar, q: Mapping[str, Scalar]) -> Scalar:
-        m, g, k, x_0 = self.mass, self.gravity, self.stiffness, self.compression
-        gap = x_0 - q["x"]
-        spring = 0.5 * k * gap * gap
-        if not self.attached:
-            pushes = gap * x_0 > 0.0
-            spring = where(pushes, spring, 0.0, ("spring touches", "block leaves the spring"))
+        m, g, k, gap = self.mass, self.gravity, self.stiffness, self.compression - q["x"]
+        spring = self._touching(gap, 0.5 * k * gap * gap)
         return m * g * height(self.incline, q["x"], q["y"]) + spring
+
+    def _touching(self, gap: Scalar, of_spring: Scalar) -> Scalar:
+        """Return what the spring does: nothing where the block has left it."""
+        if self.attached:
+            return of_spring
+        pushes = gap * self.compression > 0.0
+        return where(pushes, of_spring, 0.0, ("spring touches", "block leaves the spring"))
 
     @override
     def forces(
@@ -116,6 +121,23 @@ class SpringBlock(BoundedMechanism):
     @override
     def contacts(self) -> tuple[Contact, ...]:
         return (Contact(slip="x", normal="y"),)
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        gap = self.compression - q["x"]
+        weight = -self.mass * self.gravity * sin(self.incline)
+        return gear_inputs(
+            drives.get("drive", 0.0),
+            self._touching(gap, self.stiffness * gap) + weight,
+            gravity=weight,
+            position=q["x"],
+        )
 
     @override
     def stops(self) -> tuple[Stop, ...]:

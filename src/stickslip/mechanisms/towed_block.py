@@ -8,7 +8,7 @@ from typing_extensions import override
 
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, Mechanism
+from stickslip.mechanisms.base import Contact, ContactInputs, Mechanism, gear_inputs
 from stickslip.quantities import Quantity
 
 __all__ = ["TowedBlock"]
@@ -83,6 +83,18 @@ class TowedBlock(Mechanism):
     def _pressed(self) -> Scalar:
         """Normal force without its modulation [N]."""
         return self.mass * self.gravity if self.load is None else self.load
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        pull = self.stiffness * (self.speed * t - q["x"])
+        pull = pull + self.damping * (self.speed - q_dot["x"])
+        return gear_inputs(pull, 0.0, position=q["x"])
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -9,7 +9,7 @@ from typing_extensions import override
 from stickslip.drives import Drive
 from stickslip.errors import ParameterError
 from stickslip.maths import Scalar
-from stickslip.mechanisms.base import Contact, LinearOrRotary
+from stickslip.mechanisms.base import Contact, ContactInputs, LinearOrRotary, gear_inputs
 from stickslip.quantities import Quantity
 
 __all__ = ["TwoMassAxis"]
@@ -108,6 +108,23 @@ class TwoMassAxis(LinearOrRotary):
             Contact(name="load", slip="x", load=self.load),
             Contact(name="motor", slip="other", load=self.load),
         )
+
+    @override
+    def contact_inputs(
+        self,
+        t: Scalar,
+        q: Mapping[str, Scalar],
+        q_dot: Mapping[str, Scalar],
+        drives: Mapping[str, Scalar],
+    ) -> ContactInputs:
+        motor, load = self._sides
+        wound = self.stiffness * (q[motor] - q[load])
+        wound = wound + self.damping * (q_dot[motor] - q_dot[load])
+        sides = {
+            "load": gear_inputs(wound, -self.offset, position=q[load]),
+            "motor": gear_inputs(drives.get("drive", 0.0), -wound, position=q[motor]),
+        }
+        return sides if self.rubs == "both" else sides[self.rubs]
 
     @override
     def drives(self) -> Mapping[str, Drive]:

@@ -1,6 +1,7 @@
 """The force of a spring that pulls a block, compared by features of stick-slip."""
 
 import math
+from collections.abc import Collection
 from functools import partial
 from typing import final
 
@@ -9,6 +10,7 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE, percent, quantity, signed_percent
 from stickslip.identification import COMPARED, FEATURES, FeatureFit, Laws, by_features, fit_features
+from stickslip.mechanisms import Mechanism, input_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.route import (
     Comparison,
@@ -54,6 +56,10 @@ class FeatureRoute(Route[FeatureFit, FeatureVerdict]):
     @override
     def residual_text(self, error: float, measurement: Measurement, options: Options) -> str:
         return f"error of the features {percent(error)}"
+
+    @override
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        return input_names(mechanism)
 
     @override
     def fit(self, request: FitRequest, options: Options) -> FeatureFit:

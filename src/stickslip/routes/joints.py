@@ -9,6 +9,7 @@ from typing_extensions import override
 from stickslip.experiments import Measurement
 from stickslip.formatting import NO_VALUE
 from stickslip.identification import JOINTS, RecordFit, RecordSettings, fit_joints
+from stickslip.mechanisms import Mechanism, given_names
 from stickslip.report import Origin, SectionMaker
 from stickslip.routes.records import title_of
 from stickslip.routes.route import (
@@ -57,6 +58,11 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
         self, law: Law, vary: str | Sequence[str] | None, fixed: Collection[str] = ()
     ) -> tuple[Law, str | Sequence[str] | None]:
         return law, vary
+
+    @override
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        # what a mechanism tells is of one contact
+        return (*given_names(mechanism), *measurement.input_names())
 
     @override
     def fit(self, request: FitRequest, options: Options) -> RecordFit[Any]:

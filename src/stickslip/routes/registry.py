@@ -1,13 +1,16 @@
 """The routes there are, and which of them serves a measurement."""
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any, TypeAlias
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined
-from stickslip.identification import RouteChoice, called
+from stickslip.friction import law_type
+from stickslip.identification import RouteChoice, called, check_inputs
+from stickslip.mechanisms import Mechanism
 from stickslip.quantities import name_taken, plugins
 from stickslip.routes.features import FeatureRoute
 from stickslip.routes.joints import JointRoute
@@ -16,7 +19,15 @@ from stickslip.routes.records import RecordRoute
 from stickslip.routes.route import Options, Route
 from stickslip.routes.travels import TravelRoute
 
-__all__ = ["AnyRoute", "refuse_foreign", "refuse_unused", "route_named", "route_of", "routes"]
+__all__ = [
+    "AnyRoute",
+    "refuse_foreign",
+    "refuse_uninformed",
+    "refuse_unused",
+    "route_named",
+    "route_of",
+    "routes",
+]
 
 AnyRoute: TypeAlias = Route[Any, Any]
 
@@ -205,3 +216,33 @@ def refuse_foreign(route: AnyRoute, laws: Iterable[object]) -> None:
                 f"A fit to {route.measured} takes a {route.fits.__name__}, its type or its name,"
                 f" got {called(law)}{use}."
             )
+
+
+def refuse_uninformed(
+    route: AnyRoute, laws: Iterable[object], mechanism: Mechanism, measurement: Measurement
+) -> None:
+    """Refuse laws that ask for contact inputs which nothing tells, before anything runs.
+
+    Parameters
+    ----------
+    route : Route
+        That of the measurement.
+    laws : iterable
+        Instances, types and names; a name that is not known is refused where it is used.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The measurement.
+
+    Raises
+    ------
+    InputError
+        With the law, its input, and the columns that there are.
+    """
+    known = route.known_inputs(mechanism, measurement)
+    for one in laws:
+        law = one
+        if isinstance(one, str):
+            with suppress(InputError):
+                law = law_type(one)
+        check_inputs(law, mechanism, measurement, known)

@@ -19,6 +19,7 @@ from stickslip.identification import (
     RecordSettings,
     RouteChoice,
     TrialComparison,
+    known_inputs,
     names_of,
 )
 from stickslip.mechanisms import Mechanism
@@ -358,6 +359,23 @@ class Route(ABC, Generic[F, V]):
         tuple of callable
             Functions without arguments, each of which makes a section.
         """
+
+    def known_inputs(self, mechanism: Mechanism, measurement: Measurement) -> Collection[str]:
+        """Return the contact inputs that laws may depend on.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+            What was measured.
+        measurement : Measurement
+            The measurement.
+
+        Returns
+        -------
+        collection of str
+            Names of what the mechanism or each record tells.
+        """
+        return known_inputs(mechanism, measurement)
 
     def residual_text(
         self,

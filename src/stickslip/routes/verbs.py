@@ -17,7 +17,13 @@ from stickslip.identification import (
     check_given,
 )
 from stickslip.mechanisms import Mechanism, as_rotary
-from stickslip.routes.registry import AnyRoute, refuse_foreign, refuse_unused, route_of
+from stickslip.routes.registry import (
+    AnyRoute,
+    refuse_foreign,
+    refuse_uninformed,
+    refuse_unused,
+    route_of,
+)
 from stickslip.routes.route import FitRequest, Law, Options, Request, SelectRequest, SeveralLaws
 from stickslip.selection import PurposeName, Verdict
 
@@ -144,7 +150,9 @@ def fit(
     options = Options(route=route, settings=settings, t_end=t_end)
     refuse_unused(way, {name: name for name in options.given}, options)
     several = isinstance(law, Mapping) and way.by_contact
-    refuse_foreign(way, [one for one in law.values() if one is not None] if several else [law])
+    given = [one for one in law.values() if one is not None] if several else [law]
+    refuse_foreign(way, given)
+    refuse_uninformed(way, given, mechanism, measurement)
     kind, vary = way.law_and_parameters(law, vary, fixed or ())
     request = FitRequest(
         mechanism=mechanism,
@@ -266,7 +274,11 @@ def select(
     refuse_unused(way, {name: name for name in options.given}, options)
     is_one = laws is not None and not isinstance(laws, Mapping | Sequence)
     several: SeveralLaws = [laws] if is_one or isinstance(laws, str) else laws
-    refuse_foreign(way, several.values() if isinstance(several, Mapping) else several or ())
+    given = several.values() if isinstance(several, Mapping) else several or ()
+    refuse_foreign(way, given)
+    for one in (measurement, options.validate):
+        if one is not None:
+            refuse_uninformed(way, given, mechanism, one)
     request = SelectRequest(
         mechanism=mechanism,
         laws=several,

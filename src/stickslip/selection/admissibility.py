@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stickslip.formatting import joined, number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, anywhere
 from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate
@@ -116,7 +116,11 @@ def _size(candidate: TravelCandidate) -> tuple[int, bool, int]:
     Of laws with as many, those that hold a body at rest come first, since it did come to rest.
     """
     law = candidate.law
-    return candidate.parameters, not law.break_away(1.0) > 0, len([*parameters(law, "friction")])
+    return (
+        candidate.parameters,
+        not anywhere(law).break_away(1.0) > 0,
+        len([*parameters(law, "friction")]),
+    )
 
 
 def _improves(one: TravelCandidate, other: TravelCandidate) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import levels_at
 from stickslip.formatting import number, quantity
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, anywhere, bound
 from stickslip.identification import RecordFit, Trial, balanced
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, parameters, vary
@@ -53,14 +53,14 @@ def given_level(law: FrictionLaw, held: Collection[str]) -> str:
     >>> given_level(law, ["static_coefficient"]), given_level(law, ["kinetic_coefficient"])
     ('static_coefficient', '')
     """
-    level, found = law.break_away(1.0), []
+    level, found = anywhere(law).break_away(1.0), []
     for path, _, value in parameters(law, "friction"):
         for factor in (1.0 + STEP, 1.0 - STEP):
             try:
                 other = vary(law, "friction", {path: factor * value})
             except ParameterError:  # a level at rest may not fall below that of sliding
                 continue
-            if other.break_away(1.0) != level:
+            if anywhere(other).break_away(1.0) != level:
                 found.append(path.rpartition(".")[2])
                 break
     return found[0] if len(found) == 1 and found[0] in held else ""
@@ -178,7 +178,7 @@ def refuted_by_record(fit: RecordFit) -> str:
         segments = balanced(mechanism, fit.measurement, hold="first")
     except InputError:  # too short, or never moves
         return ""
-    levels, loads = [], []
+    levels, loads, laws = [], [], []
     for one in segments:
         if one.resting is None or one.held is None:
             continue
@@ -191,10 +191,12 @@ def refuted_by_record(fit: RecordFit) -> str:
                 at = int(np.argmax(friction / load))
                 levels.append(float(friction[at]))
                 loads.append(float(load[at]))
+                here = {name: float(x[first + at]) for name, x in one.path.inputs.items()}
+                laws.append(bound(law, here))
     if len(levels) < DEPARTURES:
         return ""
     at = int(np.argmax(np.divide(levels, loads)))
-    if levels[at] >= (1.0 - CLEAR) * float(law.break_away(loads[at])):
+    if levels[at] >= (1.0 - CLEAR) * float(laws[at].break_away(loads[at])):
         return ""
     known = level_text(mechanism, levels[at], loads[at])
     return f"the {_given(law, name)} contradicts the record: friction at rest was at most {known}"

@@ -117,7 +117,7 @@ def reach_of(fit: RecordFit) -> tuple[float, float] | None:
 def predictor_of(fit: RecordFit) -> Predictor:
     """Return a fit as what predicts measurements that have not been made."""
     return Predictor(
-        law=fit.law,
+        law=fit.typical_law,
         mechanism=fit.mechanism,
         load=load_of(fit.mechanism),
         estimates=dict(zip(fit.free_parameters.paths, fit.values.tolist(), strict=True)),

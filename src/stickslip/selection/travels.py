@@ -7,7 +7,7 @@ from dataclasses import replace
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, lower_first
-from stickslip.friction import LAWS, FrictionLaw, law_type
+from stickslip.friction import FrictionLaw, anywhere, law_type, listed
 from stickslip.identification import (
     Laws,
     Parameters,
@@ -38,7 +38,7 @@ from stickslip.selection.travel_wording import wording
 
 __all__ = ["select_travels"]
 
-PLAIN = tuple(name for name, law in LAWS.items() if not law.on_request)
+PLAIN = tuple(name for name, one in listed().items() if not one.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
 WORTH = 0.7
 """Share of the root mean square residual that fitting assumed values must leave at most."""
@@ -186,7 +186,7 @@ def _plainest(candidates: Sequence[TravelCandidate]) -> TravelCandidate | None:
     Laws that can hold a body at rest come first, since it did come to rest.
     """
     explained = [c for c in candidates if not c.dropped]
-    holding = [c for c in explained if c.law.break_away(1.0) > 0]
+    holding = [c for c in explained if anywhere(c.law).break_away(1.0) > 0]
     return min(holding or explained, key=_size, default=None)
 
 

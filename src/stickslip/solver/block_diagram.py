@@ -1,21 +1,25 @@
 """A mechanism and its friction as blocks of a diagram, evaluated literally."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, ClassVar, NamedTuple, Self, final
 
 from typing_extensions import override
 
-from stickslip.drives import Profile
+from stickslip.drives import Drive, Profile
+from stickslip.errors import InputError
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
     FrictionLaw,
     PrintedForm,
+    bound,
 )
 from stickslip.kernels.state_layout import SLIP
-from stickslip.mechanisms import Mechanism
+from stickslip.maths import Latches
+from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import Parametrised, Quantity
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
@@ -77,6 +81,8 @@ class _State:
     """Accelerations, normal force, needed friction and power without friction."""
     closed: tuple[float, list[float]] | None = None
     """The same with the friction force that was last asked for, and this force."""
+    law: FrictionLaw | None = None
+    """The law, which sees the inputs of the contact."""
 
 
 class BlockDiagram(ABC):
@@ -191,6 +197,17 @@ class BlockDiagram(ABC):
             each contact [W].
         """
 
+    def turn(self, t: float, y: Sequence[float]) -> None:  # noqa: B027  # few laws have any
+        """Turn latched switches at the end of a step, within which they stay as they are.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        y : sequence of float (n,)
+            State.
+        """
+
     def led(self, t: float, y: list[float]) -> list[float]:
         """Return a state whose guided coordinates are where their profiles say.
 
@@ -234,6 +251,8 @@ class Diagram(BlockDiagram):
     """Index of the slip velocity in the state (1,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+    mechanism: Mechanism
+    """What moves, which tells the law of its contact."""
     soft: SoftConstraint | None = None
     """How softly friction holds, where no rule for rest does."""
     viscous: float = 0.0
@@ -242,6 +261,10 @@ class Diagram(BlockDiagram):
     """Such a step [s]."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
     """The last state: a step asks for several things at each."""
+    latches: tuple[Latches, Latches] = field(
+        default_factory=lambda: (Latches(), Latches()), compare=False, repr=False
+    )
+    """Latched switches of the friction force, and of the rates of the bristles."""
 
     @classmethod
     def build(
@@ -280,13 +303,16 @@ class Diagram(BlockDiagram):
         """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)
+        if model.latched:
+            raise InputError(
+                f"{type(mechanism).__name__} has latched switches of its own, which fixed steps do"
+                " not follow: use EventDriven."
+            )
         equations = Equations(model, gather(mechanism, stand_in, model, t_end))
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
-        slips = (model.sizes.header[SLIP],)
-        return cls(
-            equations, law, states, bristles, slips, leads_of(mechanism, y0), soft, viscous, step
-        )
+        slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
+        return cls(equations, law, states, bristles, slips, leads, mechanism, soft, viscous, step)
 
     @property
     @override
@@ -333,6 +359,27 @@ class Diagram(BlockDiagram):
         *_, normal, needed, _ = state.open
         return normal, needed
 
+    def _informed(self, t: float, y: Sequence[float]) -> FrictionLaw:
+        """Return the law, which sees the inputs of the contact."""
+        law, state = self.law, self._at(t, y)
+        assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
+        if not law.inputs:
+            return law
+        if state.law is None:
+            n, names = self.equations.sizes.coordinates, self.mechanism.coordinates
+            straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
+            drives = {name: one.smooth(t) + linear for (name, one), linear in straight}
+            q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
+            (contact,) = self.mechanism.contacts()
+            told = self.mechanism.contact_inputs(t, q, q_dot, drives)
+            state.law = bound(law, of_contact(told, contact.name))
+        return state.law
+
+    @cached_property
+    def drives(self) -> Mapping[str, Drive]:
+        """The drives of the mechanism."""
+        return self.mechanism.drives()
+
     def _split(self, y: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         if not self.bristles:
             return y[self.slip], ()
@@ -362,9 +409,11 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
-        if self.soft is not None:
-            return self._softly(self.soft, self.law, t, y), normal
-        return self.law.force(v, normal, z), normal
+        with self.latches[0]:
+            informed = self._informed(t, y)
+            if self.soft is not None:
+                return self._softly(self.soft, informed, t, y), normal
+            return informed.force(v, normal, z), normal
 
     def _softly(
         self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]
@@ -397,7 +446,7 @@ class Diagram(BlockDiagram):
             return self.law.force(0.0, normal, z, needed) == needed
         if not self.law.holds:
             return False
-        level = self.law.towards(1 if needed > 0.0 else -1).break_away(normal)
+        level = self._informed(t, y).towards(1 if needed > 0.0 else -1).break_away(normal)
         return bool(abs(needed) <= level)
 
     @override
@@ -413,8 +462,24 @@ class Diagram(BlockDiagram):
             accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
         if stuck:
             accelerations[self.slip - n] = 0.0
-        moved = (0.0,) * len(z) if stuck else self.law.rates(v, normal, z)
+        moved: Sequence[float] = (0.0,) * len(z)
+        if not stuck:
+            law = self.law if isinstance(self.law, PrintedForm) else self._informed(t, y)
+            with self.latches[1]:
+                moved = law.rates(v, normal, z)
         return [*y[n : 2 * n], *accelerations, *moved]
+
+    @override
+    def turn(self, t: float, y: Sequence[float]) -> None:
+        if not any(self.latches):
+            return
+        v, z = self._split(y)
+        normal, _ = self._open(t, y)
+        law = self._informed(t, y)
+        for latches, equation in zip(self.latches, (law.force, law.rates), strict=True):
+            with latches:
+                equation(v, normal, z)
+            latches.turn()
 
     @override
     def sample(self, t: float, y: Sequence[float], held: Sequence[bool]) -> list[float]:

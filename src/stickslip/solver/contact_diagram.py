@@ -105,6 +105,11 @@ class ContactDiagram(BlockDiagram):
                 " those of others, with which block diagrams and fixed steps do not decide who"
                 " holds: use EventDriven, or give them no law (None)."
             )
+        if model.latched:
+            raise InputError(
+                f"{model.title} has latched switches, which fixed steps follow with one contact"
+                " alone: use EventDriven."
+            )
         equations = Equations(model, gather(mechanism, law, model, t_end))
         w, whole = equations.w, equations.whole
         first, n = whole[SLIPS], whole[N_COORDINATES]

@@ -60,6 +60,12 @@ class Equations:
         first = self.piece if begun < len(self.table) and self.table[begun] <= t else 0
         self.load(piece_at(self.table, first, t, self.whole))  # whose numbers a loop may change
 
+    def linear(self, t: float) -> list[float]:
+        """Return the linear part of each drive at a time, in the piece that is loaded."""
+        first = self.piece * self.width + 1
+        row = self.table[first : first + self.width - 1]
+        return [row[k] + row[k + 1] * (t - row[k + 2]) for k in range(0, len(row), 3)]
+
     def _put(self, y: Sequence[Any]) -> None:
         first, n = self.whole[Y], self.sizes.states
         self.w[first : first + n] = y[:n]

@@ -91,6 +91,14 @@ def unused(records: Sequence[Measurement]) -> Iterator[Finding]:
                 " condition to fit each trial separately."
             ),
         )
+    inputs = [name for name in records[0].inputs if all(name in one.inputs for one in records)]
+    rest = [name for name in rest if name not in inputs]
+    if inputs:
+        yield Finding(
+            kind="contact input",
+            sentence=f"Measured beside: {', '.join(inputs)}; laws may depend on it, such as"
+            f" level + viscous * exponential[{inputs[0]}].",
+        )
     if rest:
         listed = ", ".join(map(repr, rest[:SHOWN])) + (
             f" and {len(rest) - SHOWN} more" if len(rest) > SHOWN else ""

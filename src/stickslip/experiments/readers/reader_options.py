@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias, final
 
 from stickslip.errors import InputError, ParameterError, UnknownNameError
-from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
+from stickslip.experiments.measurement import BESIDE, BY_JOINT, QUANTITIES
 from stickslip.experiments.parameter_paths import PREFIX, canonical
 from stickslip.experiments.readers.layout import Layout
 from stickslip.experiments.readers.spelling import Speaker
@@ -197,7 +197,7 @@ def check_columns(
     Traceback (most recent call last):
     stickslip.errors.UnknownNameError: unknown quantity in columns 'positon'. Did you mean ...
     """
-    known = ("time", *QUANTITIES, *OF_TRIALS, "trial")
+    known = ("time", *QUANTITIES, *BESIDE, *OF_TRIALS, "trial")
     for name in names:
         first, _, rest = str(name).partition(".")
         if name in (*known, *currents) or (rest and first in ("initial", PREFIX, *BY_JOINT)):

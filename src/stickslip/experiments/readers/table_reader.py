@@ -25,7 +25,7 @@ from stickslip.experiments.readers.reader_options import Column
 from stickslip.experiments.readers.time_stamps import seconds_of
 from stickslip.experiments.readers.toml import check_file
 from stickslip.experiments.readers.video_tracks import SEPARATOR, seconds
-from stickslip.units import factor, is_pixel, shown
+from stickslip.units import CELSIUS, converted, factor, is_pixel, shown
 
 __all__ = ["SECOND", "TEXT", "Frame", "frame_of", "is_data_file", "read_frame"]
 
@@ -186,6 +186,8 @@ class Frame:
         if unit is None:
             return values
         try:
+            if target == CELSIUS:
+                return np.asarray(converted(values, unit, target))
             scale = factor(unit, target)
         except ParameterError as error:
             cure = f'; give metres per pixel as gain={{"{name}": ...}}' if is_pixel(unit) else ""

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, create_model
 from stickslip.errors import InputError
 from stickslip.experiments.estimates import LOAD
 from stickslip.experiments.rigs.rig_models import Number, Table
-from stickslip.friction import LAWS, FrictionLaw, force_parameters, laws
+from stickslip.friction import LAWS, FrictionLaw, force_parameters
 from stickslip.quantities import Quantity, fields_of, turned
 
 __all__ = ["FrictionTable", "friction_table", "python_name"]
@@ -96,7 +96,7 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
     defaults = {
         field.default
         for law in owners
-        if law in LAWS.values()
+        if LAWS.get(law.name) is law
         for field in dataclasses.fields(law)
         if field.name == name and field.default not in (dataclasses.MISSING, None)
     }
@@ -105,14 +105,14 @@ def _means_one_thing(name: str, owners: list[type[FrictionLaw]]) -> bool:
 
 @functools.cache
 def friction_table(
-    more: tuple[type[FrictionLaw], ...] = (), contacts: tuple[tuple[str, bool], ...] = ()
+    kinds: tuple[type[FrictionLaw], ...], contacts: tuple[tuple[str, bool], ...] = ()
 ) -> type[FrictionTable]:
-    """Return the model of ``[friction]`` for all laws that are installed, and more.
+    """Return the model of ``[friction]`` for some laws.
 
     Parameters
     ----------
-    more : tuple of type of FrictionLaw
-        Types of laws that are in no registry.
+    kinds : tuple of type of FrictionLaw
+        Types of the laws that may stand there.
     contacts : tuple of (str, bool)
         Names of the contacts, and whether each slips along an angle: speeds are then in rad/s too.
         Several may have tables of their own, in which the same keys stand.
@@ -127,14 +127,13 @@ def friction_table(
     InputError
         If a contact has the name of a law, or of a law's parameter.
     """
-    kinds = {**laws(), **{law.name: law for law in more}}
     turning = bool(contacts) and all(turns for _, turns in contacts)
     if len(contacts) > 1:
-        alone = {name: friction_table(more, (("", turns),)) for name, turns in contacts}
-        return _by_contact(friction_table(more, (("", turning),)), alone)
+        alone = {name: friction_table(kinds, (("", turns),)) for name, turns in contacts}
+        return _by_contact(friction_table(kinds, (("", turning),)), alone)
     fields: dict[str, Any] = {}
     misplaced = {}
-    for name, owners in _owners(kinds.values()).items():
+    for name, owners in _owners(kinds).items():
         if not _means_one_thing(name, owners):
             where = " or ".join(f"[friction.{law.name}]" for law in owners)
             misplaced[name] = f"it depends on the law: give it under {where}"
@@ -144,9 +143,9 @@ def friction_table(
             fields[name] = (_number(quantities, turning), None)
         else:
             fields[name] = (_hint(owners[0], name, turning), None)
-    for law_name, law in kinds.items():
+    for law in kinds:
         own = _law_table(law, turning) | None
-        fields[python_name(law_name)] = (own, Field(default=None, alias=law_name))
+        fields[python_name(law.name)] = (own, Field(default=None, alias=law.name))
     model = create_model("Friction", __base__=FrictionTable, **fields)
     model.__doc__ = FrictionTable.__doc__
     model.misplaced = misplaced

@@ -1,8 +1,10 @@
 """Builds the laws of a rig from its ``[friction]`` table."""
 
 import dataclasses
-from collections.abc import Collection, Mapping
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, final
+
+from typing_extensions import override
 
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments.rig import KnownLaws
@@ -10,10 +12,52 @@ from stickslip.experiments.rigs.law_tables import FrictionTable, python_name
 from stickslip.experiments.rigs.rig_models import Given, Table
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw, force_parameters
+from stickslip.friction import FrictionLaw, force_parameters, law_type, laws, listed
 from stickslip.quantities import fields_of
 
-__all__ = ["by_contact", "known_laws", "overridden_fields"]
+__all__ = ["by_contact", "known_laws", "laws_of", "overridden_fields"]
+
+
+def laws_of(
+    friction: object, contacts: Collection[str], more: Mapping[str, type[FrictionLaw]]
+) -> dict[str, type[FrictionLaw]]:
+    """Return the laws that a table ``[friction]`` may be about, without the others being made.
+
+    These are the laws that are tried unasked, those with a table, and for values that these have
+    not, all that have them; all laws where a key is unknown.
+
+    Parameters
+    ----------
+    friction : object
+        What stands in the file.
+    contacts : collection of str
+        Names of the contacts, which may have tables of their own.
+    more : mapping of str to type of FrictionLaw
+        Laws that are in no registry, by name.
+
+    Returns
+    -------
+    dict of str to type of FrictionLaw
+        By name, in the order of the registry.
+    """
+    top = friction if isinstance(friction, Mapping) else {}
+    tables = [top, *(top[name] for name in contacts if isinstance(top.get(name), Mapping))]
+    keys = {key for table in tables for key in table} - {*contacts}
+    known = laws()
+    asked = [name for name, one in listed().items() if not one.on_request or name in keys]
+    found = {name: known[name] for name in asked} | {**more}
+    lacking = keys - found.keys() - {field for kind in found.values() for field in _fields(kind)}
+    if not lacking:
+        return found
+    owners = {key: [name for name in known if key in _fields(known[name])] for key in lacking}
+    if not all(owners.values()):
+        return {**known, **more}
+    wanted = {*found, *(name for names in owners.values() for name in names)}
+    return {name: known[name] for name in known if name in wanted} | {**more}
+
+
+def _fields(kind: type[FrictionLaw]) -> set[str]:
+    return {one.name for one in dataclasses.fields(kind)}
 
 
 def known_laws(
@@ -55,6 +99,7 @@ def known_laws(
     uncertainties: dict[str, dict[str, float]] = {}
     named, given = [], {}
     shared = friction.given()
+    meant = _meant(kinds, shared)
     for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
         names = [field.name for field in dataclasses.fields(law)]
@@ -76,7 +121,7 @@ def known_laws(
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
             raise ParameterError(_missing(law, missing[0], file, at))
-        if missing or (own is None and law.on_request and not _is_meant(law, kinds, values)):
+        if missing or (own is None and law.on_request and name not in meant):
             continue
         found[name] = _build(law, values, file, overridden, at)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
@@ -85,7 +130,10 @@ def known_laws(
     return KnownLaws(
         laws=found,
         named=tuple(named),
-        given={name: values for name, values in given.items() if values},
+        given=_GivenValues(
+            {name: values for name, values in given.items() if values},
+            {key: _plain(value) for key, value in shared.items()},
+        ),
         assumed=assumed,
         uncertainties=uncertainties,
     )
@@ -203,21 +251,56 @@ def overridden_fields(
     return found & {field.name for field in dataclasses.fields(law)}
 
 
+@final
+@dataclasses.dataclass(frozen=True, eq=False)
+class _GivenValues(Mapping[str, Mapping[str, float]]):
+    """Values by law; of one that is asked for later, those of the shared ones that it has."""
+
+    own: Mapping[str, Mapping[str, float]]
+    shared: Mapping[str, Any]
+
+    @override
+    def __getitem__(self, name: str) -> Mapping[str, float]:
+        if name in self.own:
+            return self.own[name]
+        try:
+            names = _fields(law_type(name)) & self.shared.keys()
+        except InputError:
+            names = set()
+        if not names:
+            raise KeyError(name)
+        return {key: value for key, value in self.shared.items() if key in names}
+
+    @override
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.own)
+
+    @override
+    def __len__(self) -> int:
+        return len(self.own)
+
+
 def _plain(value: Any) -> Any:
     return value.value if isinstance(value, Given) else value
 
 
-def _is_meant(
-    law: type[FrictionLaw], kinds: Mapping[str, type[FrictionLaw]], values: Collection[str]
-) -> bool:
-    """Return whether shared values are among them that no other law has."""
-    others = {
-        field.name
-        for other in kinds.values()
-        if other is not law
-        for field in dataclasses.fields(other)
+def _meant(kinds: Mapping[str, type[FrictionLaw]], shared: Collection[str]) -> set[str]:
+    """Return the laws on request that shared values bring.
+
+    These are all they require, among them some that no law has that is tried unasked, and that no
+    other law on request could be meant by.
+    """
+    usual = {field for kind in kinds.values() if not kind.on_request for field in _fields(kind)}
+    special = {
+        name: (_fields(kind) & {*shared}) - usual
+        for name, kind in kinds.items()
+        if kind.on_request and all(field in shared for field in _required(kind))
     }
-    return any(key not in others for key in values)
+    return {
+        name
+        for name, own in special.items()
+        if own and not any(own <= special[other] for other in special if other != name)
+    }
 
 
 def _required(law: type[FrictionLaw]) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.drives import DRIVES, Drive, SampledSwing, Sum
 from stickslip.errors import InputError, ParameterError, UnknownNameError
 from stickslip.experiments.estimates import LawEstimates
@@ -34,7 +35,7 @@ from stickslip.experiments.rig import (
     estimated_law,
     state_units,
 )
-from stickslip.experiments.rigs.laws import by_contact, known_laws, overridden_fields
+from stickslip.experiments.rigs.laws import by_contact, known_laws, laws_of, overridden_fields
 from stickslip.experiments.rigs.plugin_imports import Imported, imported
 from stickslip.experiments.rigs.rig_models import Given, Number, Table
 from stickslip.experiments.rigs.robots import UrdfTable, fill_friction, robot_of
@@ -50,12 +51,13 @@ from stickslip.experiments.rigs.validation_errors import complaint, place
 from stickslip.experiments.travels import scale_of
 from stickslip.experiments.units import read_number
 from stickslip.formatting import joined
-from stickslip.friction import FrictionLaw, Laws, laws
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
     LinearOrRotary,
     Mechanism,
     as_rotary,
     checked_contacts,
+    given_inputs,
     mechanisms,
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
@@ -111,8 +113,9 @@ def read_rig(
                 f"{file}: friction.{name} is a contact: its law needs a table below it, such as"
                 f" [friction.{name}.own]."
             )
+    kinds = laws_of(friction, [name for name, _ in contacts], own.laws)
     try:
-        kind = rig_table(own.mechanism, tuple(own.laws.values()), contacts)
+        kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
         table = kind.model_validate(raw)
     except ValidationError as error:
         raise complaint(error, raw, file, overrides) from None
@@ -125,7 +128,7 @@ def read_rig(
     measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
-    kinds = {**laws(), **own.laws}
+    mechanism = given_inputs(mechanism, _values(table.contact, "contact", file, overrides))
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()
@@ -191,6 +194,7 @@ def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:
 def _settable(raw: Mapping[str, Any]) -> Iterator[str]:
     """Yield paths that may be set though a file need not have them."""
     yield from ("run.t_end", "data.hold", "data.file")
+    yield from (f"contact.{name}" for name in CONTACT_INPUTS)
     table = raw.get("mechanism")
     kind = mechanisms().get(str(table.get("type"))) if isinstance(table, dict) else None
     if kind is not None:

@@ -23,7 +23,7 @@ from stickslip.mechanisms import MOTORS, Mechanism, Motor
 from stickslip.quantities import Parametrised, Quantity, fields_of
 from stickslip.units import NUMBER_WITH_UNIT, shown
 
-__all__ = ["Given", "Number", "Table", "choice", "table_of"]
+__all__ = ["Given", "Number", "Table", "choice", "drive_tables", "table_of"]
 
 UNCERTAINTY = "uncertainty"
 """Key of the standard uncertainty of a number."""
@@ -325,8 +325,7 @@ def _hint(cls: type[Parametrised], name: str, mark: str, moved: str, measured: b
         if isinstance(part, type) and issubclass(part, Parametrised)
     ]
     if Drive in parts:
-        drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
-        return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
+        return drive_tables()
     for part in parts:
         if part in MEMBERS:
             inner = moved or _inner_unit(cls)
@@ -369,6 +368,12 @@ def _inner_unit(cls: type) -> str:
     if not isinstance(units, tuple):  # a property: how many there are depends on the object
         return ""
     return str(units[-1]) if len(units) > 1 and units[-1] in {"m", "rad"} else ""
+
+
+def drive_tables() -> Any:
+    """Return the type of a table of a drive, or of several that are summed."""
+    drives: Any = choice({kind: table_of(drive, kind) for kind, drive in DRIVES.items()})
+    return Annotated[list[drives], Field(min_length=1), BeforeValidator(_listed), _OrSingle()]
 
 
 def _listed(value: object) -> object:

@@ -7,7 +7,7 @@ from typing import get_args, get_type_hints
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, Sum
 from stickslip.experiments.estimates import LawEstimates
 from stickslip.friction import Friction, FrictionLaw, Laws, assigned, laws
-from stickslip.mechanisms import MOTORS, Mechanism, mechanisms
+from stickslip.mechanisms import MOTORS, Mechanism, mechanisms, without_given
 from stickslip.quantities import Parametrised, fields_of
 
 __all__ = ["rig_toml"]
@@ -66,7 +66,10 @@ def rig_toml(
     import tomlkit
 
     document: dict[str, object] = {"title": title} if title else {}
-    document["mechanism"] = _table(mechanism, _type(mechanism, mechanisms()))
+    bare, told = without_given(mechanism)
+    document["mechanism"] = _table(bare, _type(bare, mechanisms()))
+    if told:
+        document["contact"] = {name: _contact_input(value) for name, value in told.items()}
     found = assigned(tuple(one.name for one in mechanism.contacts()), law)
     document["friction"] = _by_contact(mechanism, found) if isinstance(found, Laws) else _law(found)
     if t_end is not None:
@@ -78,6 +81,11 @@ def rig_toml(
         for path, kind in _unwritten(mechanism, "mechanism")
     )
     return lost + tomlkit.dumps(document)
+
+
+def _contact_input(value: Drive | float) -> object:
+    """Return a contact input as a number, or the tables of a drive."""
+    return _drives(value) if isinstance(value, Drive) else value
 
 
 def _law(law: FrictionLaw) -> dict[str, object]:

@@ -5,18 +5,19 @@ import functools
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
 from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
-from stickslip.experiments.rigs.rig_models import Number, Table, choice, table_of
+from stickslip.experiments.rigs.rig_models import Number, Table, choice, drive_tables, table_of
 from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
-from stickslip.mechanisms import Mechanism, mechanisms
+from stickslip.mechanisms import Mechanism, input_quantity, mechanisms
 from stickslip.quantities import Quantity
 
 __all__ = [
@@ -321,6 +322,37 @@ class EstimatesTable(Table):
     )
 
 
+A_NUMBER, A_DRIVE = "a number", "a drive"
+"""What may stand for an input of the contact."""
+
+
+def _number_or_drive(value: object) -> str:
+    return A_DRIVE if isinstance(value, dict | list) else A_NUMBER
+
+
+def _contact_input(name: str) -> Any:
+    """Return the type of a contact input: a number with its unit, or a drive."""
+    quantity = input_quantity(name)
+    other = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
+    number: Any = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
+    drive: Any = Annotated[drive_tables(), Tag(A_DRIVE)]
+    return Annotated[number | drive, Discriminator(_number_or_drive)]
+
+
+class ContactTable(Table):
+    """What friction laws may ask of the contact, and the mechanism does not tell."""
+
+
+@functools.cache
+def contact_table() -> type[ContactTable]:
+    """Return the table of the contact with its inputs."""
+    fields: dict[str, Any] = {
+        name: (_contact_input(name), Field(default=None, description=known.meaning))
+        for name, known in CONTACT_INPUTS.items()
+    }
+    return create_model("Contact", __base__=ContactTable, **fields)
+
+
 class RigTable(Table):
     """A rig: what moves, which friction values are known, and what was measured."""
 
@@ -342,6 +374,8 @@ class RigTable(Table):
     """How well the values of one law are known."""
     mechanism: Any
     """The mechanism; `rig_table` sets its type."""
+    contact: ContactTable = ContactTable()
+    """Inputs of the contact; `rig_table` sets its type."""
     friction: FrictionTable
     """Parameters of friction laws."""
 
@@ -352,16 +386,16 @@ def rig_table(
     laws: tuple[type[FrictionLaw], ...] = (),
     contacts: tuple[tuple[str, bool], ...] = (),
 ) -> type[RigTable]:
-    """Return the model of a rig file with all mechanisms, drives and laws that are installed.
+    """Return the model of a rig file with all mechanisms and drives that are installed.
 
-    A mechanism of the user's, with its ``type``, and more laws may come to them.
+    A mechanism of the user's, with its ``type``, may come to them.
 
     Parameters
     ----------
     mechanism : tuple of str and type of Mechanism, optional
         Import path and class of a mechanism that is in no registry.
     laws : tuple of type of FrictionLaw
-        Types of laws that are in no registry.
+        Types of the laws that may stand in it.
     contacts : tuple of (str, bool)
         Names of the contacts, and whether each slips along an angle.
 
@@ -374,14 +408,19 @@ def rig_table(
     tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     options = choice({**tables, URDF: UrdfTable})
     friction = friction_table(laws, contacts)
+    contact = contact_table()
     return create_model(
-        "Rig", __base__=RigTable, mechanism=(options, ...), friction=(friction, friction())
+        "Rig",
+        __base__=RigTable,
+        mechanism=(options, ...),
+        contact=(contact, contact()),
+        friction=(friction, friction()),
     )
 
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of rig files."""
-    schema = rig_table().model_json_schema(by_alias=True)
+    schema = rig_table(laws=tuple(known_laws().values())).model_json_schema(by_alias=True)
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
     friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}

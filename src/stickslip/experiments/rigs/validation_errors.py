@@ -135,6 +135,8 @@ def _key(loc: tuple[int | str, ...], raw: Any) -> str:
     parts: list[str] = []
     node = raw
     for step in loc:
+        if " " in str(step):  # which of several kinds, in words
+            continue
         if _has(node, step):
             node = node[step]
         elif isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step):

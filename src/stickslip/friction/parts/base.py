@@ -13,6 +13,8 @@ from stickslip.quantities import Quantity
 
 __all__ = [
     "Becomes",
+    "Extra",
+    "Factor",
     "Flow",
     "Level",
     "Memory",
@@ -36,6 +38,10 @@ class Slip:
     """Slip speed [m/s], not negative."""
     along: Scalar
     """Slip velocity [m/s]; of a law without memory its speed, because the law is one of speeds."""
+    inputs: tuple[Scalar, ...] = ()
+    """The contact inputs that the part asks for."""
+    rest: Scalar = None
+    """Level at rest, over the load, of the curve that a memory is around."""
 
 
 @final
@@ -45,10 +51,12 @@ class Becomes:
 
     name: str
     """Name of the simpler part; empty where what stands in its brackets is left."""
-    values: Mapping[str, float]
-    """Values of parameters for which it is that part."""
+    values: Mapping[str, float | str]
+    """Values of parameters, or of the simpler part's that they equal, for which it is that part."""
     limits: tuple[str, ...] = ()
     """Parameters that go to infinity for it."""
+    argument: str = ""
+    """What stands in brackets behind the simpler part; as behind this one if empty."""
 
 
 @final
@@ -72,7 +80,7 @@ class Part(ABC):
     """A part of friction laws.
 
     Parameters are annotated class attributes, as in a dataclass; a value is their default. In its
-    LaTeX, ``{0}`` is the argument.
+    LaTeX, and in symbols and units of parameters, ``{0}`` is the argument.
     """
 
     name: ClassVar[str]
@@ -82,15 +90,23 @@ class Part(ABC):
     tex_where: ClassVar[str] = ""
     """Equations of what stands in it: states, abbreviations."""
     role: ClassVar[str]
-    """Where it may stand: level, flow, sign, memory or smooth level."""
+    """Where it may stand: level, flow, factor, sign, memory or smooth level."""
     argument: ClassVar[str] = ""
-    """What its brackets hold, a number of elements; empty if it has none."""
+    """What its brackets hold, a number of elements or the contact input; empty if it has none."""
+    inputs: ClassVar[tuple[str, ...]] = ()
+    """Contact inputs that it always asks for."""
+    needs: ClassVar[tuple[str, ...]] = ()
+    """Parameters of other parts that it reads, and that have to be there."""
     vanishes: ClassVar[Mapping[str, float | str] | None] = None
     """Values of its parameters, or parameters that they equal, for which it is not there."""
     below: ClassVar[tuple[str, ...]] = ()
     """Parts that are not there without it, for values that these have where they are not."""
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
+
+    def of(self, argument: str) -> "Part":  # for those that it shapes
+        """Return the part with what stands in its brackets."""
+        return self
 
     @functools.cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -113,6 +129,39 @@ class Level(Part, ABC):
     @abstractmethod
     def sliding(self, p: Values, s: Slip) -> Scalar:
         """Return its share of the level while sliding; None if it has none."""
+
+
+class Extra(Part, ABC):
+    """A level on top of the others: what an input of the contact adds."""
+
+    role: ClassVar[str] = "level"
+    holds: ClassVar[bool] = True
+    """Whether some of it is there at rest."""
+
+    @abstractmethod
+    def at_rest(self, p: Values, s: Slip) -> Scalar:
+        """Return the level at rest, over the load."""
+
+    def left(self, p: Values, s: Slip) -> Scalar:
+        """Return the share of it that is left at a speed."""
+        return 1.0 + 0.0 * s.speed  # an array of speeds gives an array
+
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        """Return the level while sliding, over the load."""
+        return self.at_rest(p, s) * self.left(p, s)
+
+
+class Factor(Part, ABC):
+    """A number that multiplies parts, or a parameter, as an input of the contact changes."""
+
+    role: ClassVar[str] = "factor"
+    argument: ClassVar[str] = "input"
+    positive: ClassVar[bool] = False
+    """Whether it is above 0 for all values of the input."""
+
+    @abstractmethod
+    def factor(self, p: Values, s: Slip) -> Scalar:
+        """Return the number, 1 where the input has no effect."""
 
 
 class Flow(Part, ABC):
@@ -161,3 +210,18 @@ class Memory(Part, ABC):
     @abstractmethod
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         """Return the force, over the load."""
+
+    def peak(self, p: Values) -> Scalar:  # most have none
+        """Return what slow motion from rest reaches at most, over the level at rest."""
+        return 1.0
+
+    def moved(  # most have no formula for it
+        self,
+        p: Values,
+        s: Slip,
+        z: tuple[Scalar, ...],
+        g: Scalar,
+        time: Scalar,
+    ) -> tuple[Scalar, ...] | None:
+        """Return the states after some time at a constant velocity; None without a formula."""
+        return None

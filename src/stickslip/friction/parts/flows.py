@@ -1,11 +1,14 @@
 """Forces that vanish at rest and do not depend on the load."""
 
+import functools
+from collections.abc import Mapping
+from dataclasses import MISSING
 from typing import Annotated, final
 
 from typing_extensions import Doc, override
 
 from stickslip.friction.coefficients import ViscousCoefficient, ViscousExponent
-from stickslip.friction.parts.base import Becomes, Flow, Slip, Values
+from stickslip.friction.parts.base import Becomes, Flow, Parameter, Part, Slip, Values
 from stickslip.maths import Scalar, arctan, power, where
 from stickslip.quantities import Quantity
 
@@ -89,3 +92,67 @@ class Saturating(Flow):
     def flow(self, p: Values, s: Slip) -> Scalar:
         v_m = p.saturation_velocity
         return p.viscous_coefficient * v_m * arctan(s.along / v_m)
+
+
+@final
+class Polynomial(Flow):
+    """A polynomial of the speed, up to the power in its brackets."""
+
+    name = "polynomial"
+    argument = "number"
+    tex = r"\textstyle\sum_{i=1}^{{0}} c_i |v|^i \operatorname{sgn} v"
+
+    def __init__(self, degree: int = 1) -> None:
+        self.degree = degree
+
+    @override
+    def of(self, argument: str) -> Part:
+        return Polynomial(int(argument)) if argument.isdecimal() else self
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(f"speed_coefficient_{i + 1}" for i in range(self.degree))
+
+    @functools.cached_property
+    @override
+    def parameters(self) -> tuple[Parameter, ...]:
+        return tuple(
+            Parameter(name=name, hint=_coefficient(i + 1), default=MISSING)
+            for i, name in enumerate(self._names)
+        )
+
+    @property
+    @override
+    def vanishes(self) -> Mapping[str, float | str]:  # type: ignore[override]  # of as many
+        return dict.fromkeys(self._names, 0.0)
+
+    @property
+    @override
+    def becomes(self) -> tuple[Becomes, ...]:  # type: ignore[override]
+        first, *others = self._names
+        values: dict[str, float | str] = {first: "viscous_coefficient"}
+        return (Becomes(name="viscous", values={**values, **dict.fromkeys(others, 0.0)}),)
+
+    @override
+    def flow(self, p: Values, s: Slip) -> Scalar:
+        found: Scalar = 0.0
+        for name in reversed(self._names):
+            found = found * s.speed + getattr(p, name)
+        return found * s.along
+
+
+def _coefficient(power: int) -> object:
+    """Return the type of the coefficient of a power of the speed."""
+    raised = f"^{power}" if power > 1 else ""
+    start = 0.1 if power == 1 else 0.0
+    return Annotated[
+        float,
+        Quantity(
+            f"c_{power}",
+            f"N s{raised}/m{raised}",
+            scale=f"force/speed{raised}",
+            bounds=(-10.0, 10.0),
+            start=start,
+        ),
+        Doc(f"Coefficient of the power {power} of the speed; friction is passive if none is < 0."),
+    ]

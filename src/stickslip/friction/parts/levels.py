@@ -11,8 +11,8 @@ from stickslip.friction.coefficients import (
     StaticCoefficient,
     StribeckVelocity,
 )
-from stickslip.friction.parts.base import Level, Slip, SmoothLevel, Values
-from stickslip.maths import Scalar, exp, power, tanh, where
+from stickslip.friction.parts.base import Becomes, Extra, Level, Slip, SmoothLevel, Values
+from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
 
 AT_LARGEST = Doc("Speed at which friction is largest.")
@@ -112,6 +112,7 @@ class Stribeck(Surplus):
 
     name = "stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
+    becomes = (Becomes(name="tustin", values={"fading_exponent": 1.0}),)
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
     fading_exponent: FadingExponent = 2.0
@@ -119,6 +120,20 @@ class Stribeck(Surplus):
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
         return fade(s.speed, p.stribeck_velocity, p.fading_exponent)
+
+
+@final
+class Tustin(Surplus):
+    """A static surplus that fades exponentially, with a corner at rest."""
+
+    name = "tustin"
+    tex = r"(\mu_s - \mu_k) e^{-|v|/v_s}"
+    static_coefficient: StaticCoefficient
+    stribeck_velocity: StribeckVelocity
+
+    @override
+    def left(self, p: Values, s: Slip) -> Scalar:
+        return fade(s.speed, p.stribeck_velocity, 1.0)
 
 
 @final
@@ -194,3 +209,96 @@ class Simscape(SmoothLevel):
         u = s.speed / (math.sqrt(2.0) * p.breakaway_velocity)
         bump = math.sqrt(2.0 * math.e) * (mu_s - mu_k) * exp(-u * u) * u
         return bump + mu_k * tanh(10.0 * s.speed / p.breakaway_velocity)
+
+
+@final
+class Logarithmic(Extra):
+    """A level that grows with the logarithm of the speed, from 0 at rest."""
+
+    name = "logarithmic"
+    holds = False
+    tex = r"a \ln(1 + |v|/v_0)"
+    vanishes = {"logarithmic_coefficient": 0.0}
+    logarithmic_coefficient: Annotated[
+        float,
+        Quantity("a", low=0, scale="level", bounds=(0.0, 2.0), start=0.05),
+        Doc("Growth of the level with the logarithm of the speed."),
+    ]
+    reference_velocity: Annotated[
+        float,
+        Quantity("v_0", "m/s", above=0, scale="speed", bounds=(1e-5, 1.0), start=0.01),
+        Doc("Speed above which the growth is logarithmic."),
+    ]
+
+    @override
+    def at_rest(self, p: Values, s: Slip) -> Scalar:
+        return 0.0
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        return p.logarithmic_coefficient * log(1.0 + s.speed / p.reference_velocity)
+
+
+def rate(symbol: str, start: float, at_least: str | None = None) -> Quantity:
+    """Return the quantity of the inverse of a speed."""
+    return Quantity(
+        symbol, "s/m", above=0, at_least=at_least, scale="1/speed", bounds=(1.0, 1e4), start=start
+    )
+
+
+@final
+class Makkar(SmoothLevel):
+    """Differences of hyperbolic tangents: a bump on a rise to the kinetic level."""
+
+    name = "makkar"
+    tex = (
+        r"\left[\gamma_1 (\tanh \gamma_2 |v| - \tanh \gamma_3 |v|)"
+        r" + \mu_k \tanh \gamma_5 |v|\right]"
+    )
+    bump_coefficient: Annotated[
+        float,
+        Quantity("gamma_1", low=0, scale="level", bounds=(0.0, 2.0), start=0.1),
+        Doc("Level that the bump adds at most, reached if it rises much faster than it falls."),
+    ]
+    fall_rate: Annotated[float, rate("gamma_3", 10.0), Doc("How fast the bump falls.")]
+    rise_rate: Annotated[
+        float,
+        rate("gamma_2", 100.0, "fall_rate"),
+        Doc("How fast the bump rises; it is none below fall_rate, where friction would drive."),
+    ]
+    kinetic_coefficient: KineticCoefficient
+    smoothing_rate: Annotated[
+        float, rate("gamma_5", 100.0), Doc("How fast the kinetic level is reached.")
+    ]
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        v, mu_k = s.speed, p.kinetic_coefficient
+        bump = p.bump_coefficient * (tanh(p.rise_rate * v) - tanh(p.fall_rate * v))
+        return bump + mu_k * tanh(p.smoothing_rate * v)
+
+
+@final
+class BengisuAkay(SmoothLevel):
+    """A parabola up to the static level, and an exponential down to the kinetic one."""
+
+    name = "bengisu_akay"
+    tex = r"h"
+    tex_where = (
+        r"h = \begin{cases} \mu_s \frac{|v|}{v_0} \left(2 - \frac{|v|}{v_0}\right) & |v| < v_0 \\"
+        r" \mu_k + (\mu_s - \mu_k) e^{-\xi (|v| - v_0)} & |v| \ge v_0 \end{cases}"
+    )
+    kinetic_coefficient: KineticCoefficient
+    static_coefficient: StaticCoefficient
+    peak_velocity: Annotated[
+        float,
+        Quantity("v_0", "m/s", above=0, scale="speed", bounds=(1e-4, 1.0), start=0.01),
+        AT_LARGEST,
+    ]
+    fall_rate: Annotated[float, rate("xi", 10.0), Doc("How fast friction falls beyond its peak.")]
+
+    @override
+    def sliding(self, p: Values, s: Slip) -> Scalar:
+        mu_k, mu_s, u = p.kinetic_coefficient, p.static_coefficient, s.speed / p.peak_velocity
+        beyond = mu_k + (mu_s - mu_k) * exp(-p.fall_rate * (s.speed - p.peak_velocity))
+        return where(s.speed < p.peak_velocity, mu_s * u * (2.0 - u), beyond)

@@ -7,11 +7,13 @@ from typing_extensions import Doc, override
 
 from stickslip.friction.coefficients import BristleDamping, BristleStiffness
 from stickslip.friction.parts.base import Becomes, Memory, Slip, Values
-from stickslip.maths import Scalar, exp, power, sign, sin, where
+from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, where
 from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
-"""Square of the share of the friction level within which an exponent other than 1 is rounded."""
+"""Share of the level that is nothing: broken powers are rounded within its root."""
+LEAST = 1e-300
+"""What keeps quotients finite, and nothing else."""
 
 
 @final
@@ -159,40 +161,215 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        size = where(u > 0.0, u, -u)
-        way = where(u * s.along > 0.0, 1.0, -1.0)
-        return (s.along * (1.0 - power(size, p.loop_exponent) * (beta + (1.0 - beta) * way)),)
+        # |u|^n, rounded at 0, where n < 1 has no slope
+        yields = power(u * u + ROUNDED, 0.5 * p.loop_exponent)
+        return (s.along * (1.0 - yields * where(u * s.along > 0.0, 1.0, 2.0 * beta - 1.0)),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
         return p.bristle_stiffness * z[0]
 
 
-@final
-class Maxwell(Memory):
+class Elements(Memory):
     """Elastic elements of equal stiffness that yield one after the other: a memory of all turns."""
 
-    name = "maxwell"
     argument = "number"
     tex = r"\textstyle\frac{\sigma_0}{{0}} \sum_i z_i"
-    tex_where = (
-        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v < \tfrac{2 i}{{0} + 1} g,"
-        r" \text{ else } 0"
-    )
-    becomes = (Becomes(name="", values={}, limits=("bristle_stiffness",)),)
-    bristle_stiffness: BristleStiffness
 
     @override
     def states(self, argument: str) -> tuple[str, ...]:
         return tuple(f"z{i + 1}" for i in range(int(argument)))
 
     @override
+    def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        return p.bristle_stiffness / len(z) * sum(z[1:], start=z[0])
+
+
+def shares(z: tuple[Scalar, ...]) -> list[float]:
+    """Return the levels of elements over their shares of the stiffness: even, with the mean 1."""
+    return [2.0 * (i + 1) / (len(z) + 1.0) for i in range(len(z))]
+
+
+def pulled(z: Scalar, limit: Scalar, s: Slip, time: Scalar) -> Scalar:
+    """Return a deflection after some time at a constant velocity, which ends just past a limit."""
+    way, step = sign(s.along), abs(s.along) * time
+    room = limit * (1.0 + ROUNDED) - z * way
+    return z + way * where(step < room, step, room)
+
+
+@final
+class Maxwell(Elements):
+    """Elements that slide under constant forces; a level that falls with speed scales their sum."""
+
+    name = "maxwell"
+    tex = r"\textstyle\frac{g}{g(0)} \frac{\sigma_0}{{0}} \sum_i z_i"
+    tex_where = (
+        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v < \tfrac{2 i}{{0} + 1} g(0),"
+        r" \text{ else } 0"
+    )
+    becomes = (Becomes(name="", values={}, limits=("bristle_stiffness",)),)
+    bristle_stiffness: BristleStiffness
+
+    @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
-        sigma_0, way = p.bristle_stiffness, sign(s.along)
-        # levels over shares of the stiffness grow as 1, 2, ..., n, and their mean is g
-        left = (2.0 * (i + 1) / (len(z) + 1.0) * g / sigma_0 - one * way for i, one in enumerate(z))
+        length, way = s.rest / p.bristle_stiffness, sign(s.along)
+        left = (share * length - one * way for share, one in zip(shares(z), z, strict=True))
         return tuple(where(room > 0.0, s.along, 0.0) for room in left)
 
     @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        length = s.rest / p.bristle_stiffness
+        return tuple(
+            pulled(one, share * length, s, time) for share, one in zip(shares(z), z, strict=True)
+        )
+
+    @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
-        return p.bristle_stiffness / len(z) * sum(z[1:], start=z[0])
+        return g / s.rest * super().force(p, s, z, g)
+
+
+@final
+class GMS(Elements):
+    """Elements that slip until the velocity turns, and lag behind the level while they do."""
+
+    name = "gms"
+    tex_where = (
+        r"\dot z_i = v \text{ until } \sigma_0 z_i \operatorname{sgn} v = \tfrac{2 i}{{0} + 1} g,"
+        r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v - \tfrac{z_i}{g}"
+        r" \right) \text{ until } v = 0"
+    )
+    becomes = (Becomes(name="", values={}, limits=("bristle_stiffness", "attraction")),)
+    bristle_stiffness: BristleStiffness
+    attraction: Annotated[
+        float,
+        Quantity("C", "1/s", above=0, scale="speed*stiffness", bounds=(1e-3, 1e3), start=0.3),
+        Doc("Rate at which the friction of slipping elements approaches the level, over the load."),
+    ]
+
+    @override
+    def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        sigma_0, way = p.bristle_stiffness, sign(s.along)
+        return tuple(
+            latched(
+                one * way - share * g / sigma_0,  # slips from where it reaches its level
+                one * s.along,  # until slip turns
+                p.attraction * (share / sigma_0 * way - one / g),
+                s.along,
+            )
+            for share, one in zip(shares(z), z, strict=True)
+        )
+
+    @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        way, fades = sign(s.along), exp(-p.attraction * time / g)
+        found = []
+        for share, one in zip(shares(z), z, strict=True):
+            limit = share * g / p.bristle_stiffness
+            reached = one * way + abs(s.along) * time - limit
+            slips = limit * way + (one - limit * way) * fades
+            sticks = where(one * way > limit, slips, pulled(one, limit, s, time))
+            # what slipped the other way sticks, and slips from where it reaches its level
+            hold = where(one * s.along > 0.0, 1.0, where(reached > 0.0, 0.0, -1.0))
+            found.append(where(hold > 0.0, latched(reached, hold, slips, sticks), sticks))
+        return tuple(found)
+
+
+@final
+class Reset(Memory):
+    """A spring that is stiffer while it sticks: its force falls to the level where it gives way."""
+
+    name = "reset"
+    tex = r"\left(\tfrac{g}{g(0)} (1 + a)\, \sigma_0 z + \sigma_1 \dot z\right)"
+    tex_where = (
+        r"\dot z = v \text{ while } \sigma_0 z \operatorname{sgn} v < g(0),"
+        r" \text{ else } \dot z = a = 0"
+    )
+    becomes = (
+        Becomes(
+            name="",
+            values={"sticking_surplus": 0.0, "bristle_damping": 0.0},
+            limits=("bristle_stiffness",),
+        ),
+    )
+    bristle_stiffness: BristleStiffness
+    bristle_damping: BristleDamping
+    sticking_surplus: Annotated[
+        float,
+        Quantity("a", low=0, scale="none", bounds=(0.0, 10.0), start=0.2),
+        Doc("What break-away exceeds the level at rest by, over this level."),
+    ]
+
+    def sticks(self, p: Values, s: Slip, z: Scalar, yes: Scalar, no: Scalar) -> Scalar:
+        """Return `yes` while the spring sticks, else `no`."""
+        return where(s.rest / p.bristle_stiffness - z * sign(s.along) > 0.0, yes, no)
+
+    @override
+    def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        return (self.sticks(p, s, z[0], s.along, 0.0),)
+
+    @override
+    def moved(
+        self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar, time: Scalar
+    ) -> tuple[Scalar, ...]:
+        return (pulled(z[0], s.rest / p.bristle_stiffness, s, time),)
+
+    @override
+    def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        spring = g / s.rest * p.bristle_stiffness * z[0]
+        a, (z_dot,) = p.sticking_surplus, self.rates(p, s, z, g)
+        return spring * self.sticks(p, s, z[0], 1.0 + a, 1.0) + p.bristle_damping * z_dot
+
+    @override
+    def peak(self, p: Values) -> Scalar:
+        return 1.0 + p.sticking_surplus
+
+
+@final
+class BlimanSorine(Memory):
+    """Two springs that yield against each other: break-away exceeds the level by a distance."""
+
+    name = "bliman_sorine"
+    tex = r"\sigma_0 \left(z_1 - \tfrac{\eta b}{1 + b} z_2\right)"
+    tex_where = (
+        r"\dot z_1 = v - \tfrac{\sigma_0 |v|}{(1 + b) g} z_1,"
+        r" \quad \dot z_2 = v - \eta \tfrac{\sigma_0 |v|}{(1 + b) g} z_2"
+    )
+    becomes = (
+        Becomes(name="dahl", values={"surplus_share": 0.0, "yield_exponent": 1.0}),
+        Becomes(name="", values={"surplus_share": 0.0}, limits=("bristle_stiffness",)),
+    )
+    bristle_stiffness: BristleStiffness
+    surplus_share: Annotated[
+        float,
+        Quantity("b", low=0, scale="none", bounds=(0.0, 10.0), start=0.3),
+        Doc("Level of the second spring, which is taken off, over the level of friction."),
+    ]
+    distance_ratio: Annotated[
+        float,
+        Quantity("eta", above=0, high=1, scale="none", bounds=(1e-3, 1.0), start=0.2),
+        Doc("Distance in which the first spring yields over that of the second."),
+    ]
+
+    @override
+    def states(self, argument: str) -> tuple[str, ...]:
+        return ("z1", "z2")
+
+    @override
+    def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
+        yields = p.bristle_stiffness * abs(s.along) / ((1.0 + p.surplus_share) * g)
+        return s.along - yields * z[0], s.along - p.distance_ratio * yields * z[1]
+
+    @override
+    def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
+        b = p.surplus_share
+        return p.bristle_stiffness * (z[0] - p.distance_ratio * b / (1.0 + b) * z[1])
+
+    @override
+    def peak(self, p: Values) -> Scalar:
+        b, eta = p.surplus_share + LEAST, p.distance_ratio
+        x = log((1.0 + b) / (b * eta)) / (1.0 - eta + LEAST)  # where the force falls again
+        return 1.0 - (1.0 + b) * exp(-x) + b * exp(-eta * x)

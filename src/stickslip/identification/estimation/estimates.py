@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stickslip import formatting
 from stickslip.formatting import fixed, number
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.identification.estimation.jackknife import Inference
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import ResidualJacobian
@@ -265,7 +265,7 @@ def sentences_of(
 
 
 def offset_left_out(
-    law: FrictionLaw, mechanism: Mechanism, free_parameters: FreeParameters
+    law: FrictionLaw | Laws, mechanism: Mechanism, free_parameters: FreeParameters
 ) -> tuple[str, ...]:
     """Return a sentence where a level for each direction stands for a constant force as well.
 
@@ -274,8 +274,8 @@ def offset_left_out(
 
     Parameters
     ----------
-    law : FrictionLaw
-        The fitted law.
+    law : FrictionLaw or Laws
+        The fitted law; those of several contacts are told one by one.
     mechanism : Mechanism
         Mechanism that was measured; its offset [N] is named.
     free_parameters : FreeParameters
@@ -288,7 +288,8 @@ def offset_left_out(
         fitted.
     """
     constants = ("mechanism.offset", "measurement.offset.friction")
-    if not law.directional or any(path in free_parameters.paths for path in constants):
+    fitted = any(path in free_parameters.paths for path in constants)
+    if fitted or isinstance(law, Laws) or not law.directional:
         return ()
     own = float(getattr(mechanism, "offset", 0.0))
     return (

@@ -6,13 +6,15 @@ found by Newton's method, so that what bristles remember passes through the whol
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
+from stickslip.maths import Latches
 
 __all__ = ["Path", "displaced", "follow"]
 
@@ -40,6 +42,8 @@ WAY_PARTS = 2
 """Parts of such a displacement; one is exact where rates are linear in the deflection."""
 STEPS_PER_CHUNK = 0.5
 """Steps in a chunk over the number of chunks."""
+MARGIN = 1e-6
+"""Share of the way at the first rate by which rounding may exceed it."""
 STILL = 1e-10
 """Rate over the first one that is none."""
 SERIES = 0.05
@@ -58,9 +62,28 @@ class Path:
     """Normal force at the samples (n,) [N]."""
     travel: Array
     """Displacement in each step (n - 1,) [m]."""
+    inputs: Mapping[str, Array] = field(default_factory=dict)
+    """Contact inputs at the samples (n,), by name."""
 
-    def chunks(self) -> tuple[Array, Array, Array]:
-        """Return durations, velocities and loads of the steps (steps, chunks, 1).
+    def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
+        """Return a law that sees the contact inputs of some samples (k, 1).
+
+        Parameters
+        ----------
+        law : FrictionLaw
+            The law.
+        rows : array of int (k,) or slice
+            The samples; all if not given.
+
+        Returns
+        -------
+        FrictionLaw
+            The law itself if it asks for none.
+        """
+        return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
+
+    def chunks(self) -> tuple[Array, ...]:
+        """Return durations, velocities, loads and inputs of the steps (steps, chunks, 1).
 
         A step costs much the same for one chunk and for a hundred, so that many short chunks are
         quick. The last one is filled up with steps of no duration.
@@ -68,14 +91,13 @@ class Path:
         count = len(self.travel)
         steps = max(1, round((STEPS_PER_CHUNK * count) ** 0.5))
         chunks = -(-count // steps)
-        duration = np.diff(self.time)
-        padded = np.zeros((3, steps * chunks))
+        duration, beside = np.diff(self.time), (self.load, *self.inputs.values())
+        padded = np.zeros((2 + len(beside), steps * chunks))
         padded[0, :count] = duration
         padded[1, :count] = self.travel / duration
-        padded[2, :count] = 0.5 * (self.load[1:] + self.load[:-1])
-        padded[2, count:] = padded[2, count - 1]
-        h, v, n = padded.reshape(3, chunks, steps).transpose(0, 2, 1)[..., None]
-        return h, v, n
+        padded[2:, :count] = [0.5 * (one[1:] + one[:-1]) for one in beside]
+        padded[2:, count:] = padded[2:, count - 1 : count]
+        return tuple(padded.reshape(len(padded), chunks, steps).transpose(0, 2, 1)[..., None])
 
 
 def follow(
@@ -119,21 +141,25 @@ def follow(
     >>> round(float(z[0, -1, 0] / (0.5e-3 * (1 - np.exp(-2.0)))), 9)
     1.0
     """
-    motion = path.chunks()
+    inputs = {name: path.inputs[name] for name in law.inputs}
+    motion = replace(path, inputs=inputs).chunks()
     bristles, copies = start.shape
     steps, chunks = motion[0].shape[:2]
     starts = np.repeat(start[:, None, :], chunks, axis=1)
     if guess is not None:
         starts[:, 1:] = guess[:, steps : steps * (chunks - 1) + 1 : steps, None]
     # each sweep settles one more joint, whatever the slopes
+    flags: Array = np.zeros((0, chunks, copies), dtype=bool)
     for _ in range(min(chunks, SWEEPS)):
-        states, slopes = _swept(law, motion, starts)
+        states, slopes, after = _swept(law, motion, starts, tuple(inputs), flags)
         gap = np.max(np.abs(states[-1][:, :-1] - starts[:, 1:]), axis=(0, 1), initial=0.0)
         size = np.max(np.abs(states), axis=(0, 1, 2))
+        passed = np.concatenate([np.zeros_like(after[:, :1]), after[:, :-1]], axis=1)
         apart = ~(gap <= mismatch * size)
+        apart |= (passed != (flags if len(flags) else False)).any(axis=(0, 1))
         if not (apart & np.isfinite(size)).any():
             break
-        starts = _joined(starts, states[-1], slopes)
+        starts, flags = _joined(starts, states[-1], slopes), passed
     states[..., apart] = np.nan
     inside = states[1:].transpose(1, 2, 0, 3).reshape(bristles, -1, copies)
     return np.concatenate([start[:, None, :], inside], axis=1)[:, : len(path.time)]
@@ -168,6 +194,9 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
     """
     v = np.full_like(load, math.copysign(CREEP, way))
     size = float(np.max(np.abs(states), initial=0.0))
+    known = _moved(law, v, load, states, way / v, Latches(off=True))
+    if known is not None:
+        return known
     found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
     return found
 
@@ -181,19 +210,25 @@ def _joined(starts: Array, ends: Array, slopes: Array) -> Array:
 
 
 def _swept(
-    law: FrictionLaw, motion: tuple[Array, Array, Array], starts: Array
-) -> tuple[Array, Array]:
+    law: FrictionLaw,
+    motion: tuple[Array, ...],
+    starts: Array,
+    inputs: tuple[str, ...],
+    flags: Array,
+) -> tuple[Array, Array, Array]:
     """Integrate all chunks from their starts (bristles, chunks, copies).
 
-    Returns states (steps + 1, bristles, chunks, copies), and slopes of the ends by the starts, each
-    bristle by itself (bristles, chunks, copies).
+    Returns states (steps + 1, bristles, chunks, copies), slopes of the ends by the starts, each
+    bristle by itself (bristles, chunks, copies), and the flags of latched switches at the ends.
     """
     states = np.empty((len(motion[0]) + 1, *starts.shape))
     states[0] = starts
     slopes = np.ones_like(starts)
+    if (known := _by_formula(law, motion, starts, inputs, flags)) is not None:
+        return known
     size, parts = float(np.max(np.abs(starts), initial=0.0)), 1
-    for i, (h, v, n) in enumerate(zip(*motion, strict=True)):
-        rates = _rates(law, v, n)
+    for i, (one, h, v, n) in enumerate(_informed(law, motion, inputs)):
+        rates = _rates(one, v, n)
         parts = max(1, parts - 1)
         while True:
             z, slope, error = _stepped(rates, h, states[i], parts, size)
@@ -204,7 +239,48 @@ def _swept(
             parts = min(max(math.ceil(min(more, MOST_PARTS)), parts + 1), MOST_PARTS)
         states[i + 1] = z
         slopes *= slope
-    return states, slopes
+    return states, slopes, np.zeros((0, *starts.shape[1:]), dtype=bool)
+
+
+def _informed(
+    law: FrictionLaw, motion: tuple[Array, ...], inputs: tuple[str, ...]
+) -> Iterator[tuple[FrictionLaw, Array, Array, Array]]:
+    """Yield each step with the law that sees the contact inputs there."""
+    for h, v, n, *beside in zip(*motion, strict=True):
+        yield bound(law, dict(zip(inputs, beside, strict=True))), h, v, n
+
+
+def _by_formula(
+    law: FrictionLaw,
+    motion: tuple[Array, ...],
+    starts: Array,
+    inputs: tuple[str, ...],
+    flags: Array,
+) -> tuple[Array, Array, Array] | None:
+    """Return what `_swept` does by the law's own formula; None if it has none."""
+    states = np.empty((len(motion[0]) + 1, *starts.shape))
+    states[0], slopes, latches = starts, np.ones_like(starts), Latches(flags, off=True)
+    size = float(np.max(np.abs(starts), initial=0.0))
+    for i, (one, h, v, n) in enumerate(_informed(law, motion, inputs)):
+        nudge = NUDGE * size + 1e-300
+        beside = _moved(one, v, n, states[i] + nudge, h, latches)
+        found = _moved(one, v, n, states[i], h, latches)
+        if found is None or beside is None:
+            return None
+        latches.turn()
+        states[i + 1], slopes = found, slopes * (beside - found) / nudge
+        size = max(size, float(np.max(np.abs(found))))
+    ends = [np.broadcast_to(one, starts.shape[1:]) for one in latches.flags]
+    return states, slopes, np.array(ends, dtype=bool).reshape(-1, *starts.shape[1:])
+
+
+def _moved(
+    law: FrictionLaw, v: Array, n: Array, z: Array, h: Array, latches: Latches
+) -> Array | None:
+    """Return states (bristles, ...) after a step of h by the law's own formula, if it has one."""
+    with latches:
+        found = law.moved(v, n, tuple(z), h)
+    return found and np.stack([np.broadcast_to(one, z.shape[1:]) for one in found])
 
 
 def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:
@@ -243,6 +319,9 @@ def _stepped(
             error = np.where(yielding, _reached(h * f, size), error)
             # ten times the way that is left: arrived, whatever the slopes promise
             far = yielding & (np.abs(h * f) > 10.0 * size)
+            # what yields goes forwards, and no farther than at its first rate
+            share = (new - z) / np.where(f == 0.0, 1.0, h * f)
+            far |= yielding & ~((share >= -MARGIN) & (share <= 1.0 + MARGIN))
             new, slope = _held_back(rates, z, f, np.where(far, there, new), slope)
         z, slopes = new, slopes * slope
         worst = max(worst, float(np.max(error)))

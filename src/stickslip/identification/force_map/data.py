@@ -4,7 +4,7 @@ import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from stickslip.errors import InputError, check_even_times
 from stickslip.experiments import Measurement, noise_of, step_of, usual_top_speed
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
+from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
@@ -142,6 +143,7 @@ class MotionSegment:
             velocity=self.path.velocity[:count],
             load=self.path.load[:count],
             travel=self.path.travel[: count - 1],
+            inputs={name: x[:count] for name, x in self.path.inputs.items()},
         )
         return replace(
             self,
@@ -227,9 +229,10 @@ def stretches_of(
         load = load_along(set_up, record, np.asarray(record.values("friction")).size)
         count = max((int(one.segment.max()) + 1 for one in found), default=0)
         if record.time is None:
-            found.append(_table(index, record, load, count))
+            found.append(_table(index, set_up, record, load, count))
         else:
-            found.extend(_series(index, record, load, count, segment, samples, response))
+            own = _series(index, record, load, count, segment, samples, response)
+            found.extend(_informed(one, set_up, record) for one in own)
     return tuple(found)
 
 
@@ -393,11 +396,28 @@ def _own_load(mechanism: Mechanism) -> float:
     return float(above - below)
 
 
-def _table(number: int, record: Measurement, load: Array, first: int) -> MotionSegment:
+def _informed(one: MotionSegment, mechanism: Mechanism, record: Measurement) -> MotionSegment:
+    """Return a stretch with its contact inputs, at the times that its forces came with."""
+    time, times = one.path.time - one.response.delay, np.asarray(record.time, dtype=float)
+    signals: dict[str, Any] = {
+        name: np.interp(time, times, np.asarray(record.values(name)))
+        for name in ("position", "force")
+        if name in record.quantities()
+    }
+    known = inputs_along(mechanism, record, time, velocity=one.path.velocity, **signals)
+    return replace(one, path=replace(one.path, inputs=known))
+
+
+def _table(
+    number: int, mechanism: Mechanism, record: Measurement, load: Array, first: int
+) -> MotionSegment:
     velocity = np.asarray(record.values("velocity"), dtype=float)
     rows = np.arange(len(velocity))
+    time, held = rows.astype(float), record.force
+    force = np.asarray(record.values("force")) if isinstance(held, np.ndarray) else math.nan
+    known = inputs_along(mechanism, record, time, velocity=velocity, force=force)
     path = Path(
-        time=rows.astype(float), velocity=velocity, load=load, travel=np.zeros(len(rows) - 1)
+        time=time, velocity=velocity, load=load, travel=np.zeros(len(rows) - 1), inputs=known
     )
     friction = np.asarray(record.values("friction"), dtype=float)
     return MotionSegment(

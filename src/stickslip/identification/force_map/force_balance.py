@@ -21,6 +21,7 @@ from stickslip.experiments import (
     step_of,
     usual_top_speed,
 )
+from stickslip.identification.contact_inputs import inputs_along
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
@@ -235,6 +236,7 @@ def _stretch(
     joined = hold == "first" or "force" not in record.quantities()
     force = 0.0 * x if applied is None else mean_force(applied, joined=joined)
     mass, rest = known_forces(mechanism, x, v, force)
+    inputs = inputs_along(mechanism, record, time, position=x, velocity=v, force=force)
     kept = compared(motion, passed, slipping=slipping)
     every = max(1, min(int(np.ceil(len(x) / samples)), int(OVERSAMPLED / passed)))
     picked = slice(None, None, every)
@@ -245,6 +247,7 @@ def _stretch(
             velocity=v[picked],
             load=load_along(mechanism, record, len(x))[picked],
             travel=np.diff(x[picked]),
+            inputs={name: one[picked] for name, one in inputs.items()},
         ),
         friction=smoothed(rest - mass * a, passed)[picked],
         segment=np.where(kept, 0, -1)[picked],

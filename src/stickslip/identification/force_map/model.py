@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -360,21 +360,21 @@ def _by_weight(own: PerturbedLaws, one: MotionSegment, states: Array, resting: A
 
     At rest, that is given (n,): weight moves what friction is held within.
     """
-    law: Any = own.base
-    v, n = one.path.velocity, one.path.load
+    law: Any = one.path.told(own.base)
+    v, n = one.path.velocity[:, None], one.path.load[:, None]
 
     def force(load: Array) -> Array:
-        found = law.force(v, load, tuple(states)) if len(states) else law.steady(v, load)
+        found = law.force(v, load, tuple(states[..., None])) if len(states) else law.steady(v, load)
         return np.asarray(found)
 
     # friction is affine in the load, so that any difference is exact
-    growth: Array = force(2.0 * n) - force(n) + 0.0 * v
+    growth: Array = (force(2.0 * n) - force(n) + 0.0 * v)[:, 0]
     return growth if one.resting is None else np.where(one.resting, resting, growth)
 
 
 def _without_memory(law: Any, one: MotionSegment) -> Array:
     """Return the friction of a law that knows no history, or in steady slip (n, copies)."""
-    return _in_slip(law, one.path.velocity[:, None], one.path.load[:, None])
+    return _in_slip(one.path.told(law), one.path.velocity[:, None], one.path.load[:, None])
 
 
 def _in_slip(law: Any, v: Array | float, n: Array) -> Array:
@@ -393,7 +393,7 @@ def _at_rest(law: Any, one: MotionSegment, force: Array, states: Array, offset: 
     if one.held is None or one.resting is None or not one.resting.any():
         return force
     rows = np.flatnonzero(one.resting)
-    n = one.path.load[rows, None]
+    n, law = one.path.load[rows, None], one.path.told(law, rows)
     if len(states):
         low, high = (
             law.force(0.0 * n, n, tuple(displaced(law, states[:, rows], n, way)))
@@ -425,7 +425,7 @@ def _with_memory(
         starts[k, 1 + len(own.moved) + k] += nudge
     states = follow(own.law, one.path, starts, _extended(guess, len(one.path.time)))
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    return np.asarray(own.law.force(v, n, tuple(states))), states, nudge
+    return np.asarray(one.path.told(own.law).force(v, n, tuple(states))), states, nudge
 
 
 def _extended(states: Array, count: int) -> Array:
@@ -437,7 +437,7 @@ def _extended(states: Array, count: int) -> Array:
 
 def _first_state(own: PerturbedLaws, one: MotionSegment, offset: float) -> Array:
     """Return the least bristle state (b,) that the first measured force can come from."""
-    law: Any = own.base
+    law = bound(own.base, {name: float(x[0]) for name, x in one.path.inputs.items()})
     v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
     level = float(law.break_away(n))
     wanted = min(max(float(one.friction[0]) - offset, -level), level)

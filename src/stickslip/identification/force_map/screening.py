@@ -232,7 +232,9 @@ def _forces(
     """Return the friction (n, count) of copies of two laws whose bristles move alike."""
     states = follow(laws[0], one.path, np.zeros((len(base.states), count)), mismatch=MISMATCH)
     v, n = one.path.velocity[:, None], one.path.load[:, None]
-    first, second = (one.seen(np.asarray(law.force(v, n, tuple(states)))) for law in laws)
+    first, second = (
+        one.seen(np.asarray(one.path.told(law).force(v, n, tuple(states)))) for law in laws
+    )
     return first, second
 
 

@@ -23,7 +23,8 @@ from stickslip.experiments import (
 )
 from stickslip.formatting import Scale, count, joined, quantity
 from stickslip.formatting import scale_of as shown_in
-from stickslip.friction import FrictionLaw, Laws
+from stickslip.friction import FrictionLaw, Laws, bound
+from stickslip.identification.contact_inputs import typical_inputs
 from stickslip.identification.estimation.containment import FittedLaw
 from stickslip.identification.estimation.halves import Halves
 from stickslip.identification.estimation.jackknife import Displaced, Inference, bootstrap
@@ -398,6 +399,19 @@ class RecordFit(Fit[AnyLaw_co]):
             held += " Fitted viscous friction is what exceeds that damping: set it to 0 to fit all."
         between = self.hold.sentence if self.hold else ""
         return tuple(one for one in (held, between) if one)
+
+    @property
+    def typical_inputs(self) -> Mapping[str, float]:
+        """Medians of the contact inputs of the law, at which curves of it are drawn."""
+        if not isinstance(self.law, FrictionLaw):
+            return {}
+        return typical_inputs(self.law, self.mechanism, self.measurement)
+
+    @property
+    def typical_law(self) -> AnyLaw_co:
+        """The law at these inputs."""
+        law = self.law
+        return bound(law, self.typical_inputs) if isinstance(law, FrictionLaw) else law
 
     @property
     def free_parameters(self) -> FreeParameters:

@@ -13,6 +13,12 @@ from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, number, percent, quantity
 from stickslip.friction import FrictionLaw, laws
+from stickslip.identification.contact_inputs import (
+    as_informed,
+    check_inputs,
+    recorded_inputs,
+    unvaried,
+)
 from stickslip.identification.estimation.containment import (
     FittedLaw,
     reachable,
@@ -257,6 +263,7 @@ def fit_record(
     ConvergenceError
         If no start predicts the record.
     """
+    check_inputs(law, mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     choice = choice.with_hold(mechanism, measurement)
     refuse_unused(measurement, inside(mechanism, measurement))
@@ -614,11 +621,12 @@ def finished(
     moved = displacements(again, best, mechanism, measurement)
     inference = infer(best, scale_of(free_parameters, best.values, at_bounds), displaced=moved)
     mechanism, said = as_loaded(mechanism, measurement)
+    mechanism, told_inputs = as_informed(ready.start, mechanism, measurement)
     fit = RecordFit(
         law=vary(ready.start, "friction", law),
         mechanism=mechanism,
         estimates=(),
-        remarks=(said,) if said else (),
+        remarks=(*([said] if said else []), *told_inputs),
         route=route,
         measurement=measurement,
         problem=ready.problem,
@@ -635,6 +643,7 @@ def finished(
         *offset_left_out(ready.start, ready.mechanism, free_parameters),
         *_zeros(ready, best, inference),
         *_of_one_row(ready.problem, best.residual, measurement),
+        *unvaried(ready.start, _inputs_of(ready.problem, measurement)),
         *_of_recorded_swing(mechanism),
         *_doubtful(searched),
     )
@@ -679,6 +688,14 @@ def _zeros(ready: FitSetup, best: ResidualJacobian, inference: Inference) -> tup
         f" {joined(shown)}. Levels of friction that differ by direction would look alike. If the"
         " zero is known, set position_zeros to False (--no-position-zeros).",
     )
+
+
+def _inputs_of(problem: RecordProblem, measurement: Measurement) -> Sequence[Mapping[str, Array]]:
+    """Return contact inputs along stretches; of simulated segments, what was recorded."""
+    if isinstance(problem, ForceMap):
+        return [one.path.inputs for one in problem.stretches]
+    records = measurement.records()
+    return [recorded_inputs(one, np.asarray(one.time)) for one in records]
 
 
 def _of_one_row(

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from stickslip.experiments import AT_UNIT_LOAD, Measurement, levels_at
+from stickslip.experiments import Measurement, levels_at, unit_at_unit_load
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import turned
@@ -167,7 +167,7 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
         if item.path.startswith("friction."):
             contact = contacts[item.path.split(".")[1]]
             turning = turns[contact.slips[0]]
-            forces = AT_UNIT_LOAD.get(quantity.unit, "") if contact.load == 1.0 else ""
+            forces = unit_at_unit_load(quantity) if contact.load == 1.0 else ""
             if forces and not quantity.structural:
                 quantity = replace(quantity, unit=forces)
         elif item.path.startswith(OFFSET):
@@ -184,7 +184,7 @@ def by_joint(free_parameters: FreeParameters, mechanism: Mechanism) -> FreeParam
 def _in_forces(items: Iterable[FreeParameter]) -> Iterable[FreeParameter]:
     for item in items:
         quantity = item.quantity
-        unit = AT_UNIT_LOAD.get(quantity.unit, "")
+        unit = unit_at_unit_load(quantity)
         if item.path.startswith("friction.") and unit and not quantity.structural:
             yield replace(item, quantity=replace(quantity, unit=unit))
         else:

@@ -13,6 +13,7 @@ from typing_extensions import TypeVar
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, with_doubts
 from stickslip.friction import FrictionLaw
+from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import RecordProblem
 from stickslip.identification.force_map.data import MotionSegment, stretches_of
@@ -303,9 +304,11 @@ def _mapped(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         )
     mechanism, response = wanted.mechanism, wanted.settings.response
     along = partial(stretches_of, mechanism, wanted.measurement, response=response)
+    stretches = along(samples=SAMPLES)
+    _check_inputs(wanted, stretches)
     problem, starts = map_along(
         wanted.law,
-        along(samples=SAMPLES),
+        stretches,
         along(samples=FEW),
         free=wanted.free,
         known=wanted.known,
@@ -324,6 +327,7 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
     if mass is not None:
         mechanism = vary(mechanism, "mechanism", {mass.path: mass.start})
     stretches = balanced(mechanism, measurement, hold=hold, slipping=True)
+    _check_inputs(wanted, stretches)
     if mass is not None:
         _refuse_constant(stretches, mass)
     problem, starts = map_along(
@@ -343,6 +347,14 @@ def _derived(wanted: ProblemRequest) -> FitSetup[ForceMap]:
         _refuse_overrides(measurement, problem.free_parameters)
     build = BalanceProblemBuilder(mechanism, problem, hold)
     return FitSetup(mechanism, problem.law, problem, build, starts[1:], _load(problem))
+
+
+def _check_inputs(wanted: ProblemRequest, stretches: Sequence[MotionSegment]) -> None:
+    """Refuse a law that asks for a contact input which some stretch does not have."""
+    known = [
+        name for name in stretches[0].path.inputs if all(name in s.path.inputs for s in stretches)
+    ]
+    check_inputs(wanted.law, wanted.mechanism, wanted.measurement, known)
 
 
 def _refuse_constant(stretches: Sequence[MotionSegment], mass: FreeParameter) -> None:

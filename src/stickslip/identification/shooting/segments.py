@@ -10,6 +10,7 @@ from stickslip.drives import Drive, PiecewiseAffine, Sampled
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import Measurement
 from stickslip.formatting import joined, number
+from stickslip.identification.contact_inputs import with_inputs
 from stickslip.identification.series.applied_force import (
     applied_force,
     driven,
@@ -179,7 +180,8 @@ def _segment(
     times = record.time[rows] - record.time[first]
     values = np.asarray(record.values(quantity))
     if drives_itself(mechanism, record):
-        return _from_the_start(index, record, quantity, mechanism, rows)
+        told = with_inputs(mechanism, record, np.append(0.0, record.time[record.time > 0.0]))
+        return _from_the_start(index, record, quantity, told, rows)
     force = applied_force(mechanism, record)
     if force is not None:
         part = slice(first, last + 1)
@@ -190,7 +192,7 @@ def _segment(
     return Segment(
         record=index,
         start=float(record.time[first]),
-        mechanism=mechanism,
+        mechanism=with_inputs(mechanism, record, record.time[rows]),
         times=times,
         measured=values[rows],
         guess=_guess(mechanism, quantity, record.time[first : last + 1], values[first : last + 1]),

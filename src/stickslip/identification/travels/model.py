@@ -15,6 +15,7 @@ from stickslip.errors import ConvergenceError, InputError, ParameterError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
+from stickslip.identification.contact_inputs import with_inputs
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
 from stickslip.quantities import parameters, vary
 from stickslip.simulation import simulate
@@ -181,7 +182,9 @@ def trials_of(mechanism: Mechanism, measurement: Measurement, t_end: float) -> t
         scale, cycles = scale_of(mechanism, record, t_end, f"trial {record.name or index}")
         trials += [
             Trial(
-                mechanism=vary(mechanism, "mechanism", record.overrides),
+                mechanism=with_inputs(
+                    vary(mechanism, "mechanism", record.overrides), record, np.zeros(1)
+                ),
                 initial=record.initial,
                 travel=scale * float(value),
                 half_width=scale * record.uncertainty.get(name, 0.0),

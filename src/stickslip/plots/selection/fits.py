@@ -64,7 +64,7 @@ def draw_fitted_map(
     return draw_friction_map(
         points.velocity[shown],
         points.friction[shown],
-        {title: MapLaw(fit.law, fit.offset) for title, fit in fits.items()},
+        {title: MapLaw(fit.typical_law, fit.offset) for title, fit in fits.items()},
         points.load,
         chosen=chosen,
         trend=points.trend[shown],

@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip.formatting import Scale, quantity, significant, with_unit
 from stickslip.friction import DirectionDependent
-from stickslip.identification import RecordFit
+from stickslip.identification import RecordFit, inputs_text
 from stickslip.plots import (
     MAP_SIZES,
     MapPoints,
@@ -64,7 +64,7 @@ def _heading(best: RecordCandidate, points: MapPoints) -> str:
         ways = ("in reverse than forward", "forward than in reverse")
         return f"Friction grows faster {ways[0] if faster else ways[1]}"
     fastest = float(np.percentile(np.abs(points.velocity), 99.5))
-    v, force = characteristic(law, points.load, fastest)
+    v, force = characteristic(fit.typical_law, points.load, fastest)
     slow = float(force[np.flatnonzero(v > 0.0)[0]])
     fast = float(force[-1])
     shown = Scale(1.0, fit.measurement.unit("friction"))  # as on the axis of the map
@@ -85,7 +85,7 @@ def _off(fit: RecordFit, points: MapPoints) -> float:
     Where friction is derived, filters mix both directions close to rest: those points do not count.
     """
     top = float(np.max(np.abs(points.velocity)))
-    v, force = characteristic(fit.law, points.load, 1.01 * top)
+    v, force = characteristic(fit.typical_law, points.load, 1.01 * top)
     kept = np.full(len(points.velocity), fill_value=True)
     if not points.measured:
         kept = np.abs(points.velocity) > MIXED * top
@@ -125,4 +125,8 @@ def _caption(points: MapPoints, shown: int, laws: dict[str, RecordFit], chosen: 
     if points.load_varies:
         load = with_unit(significant(points.load, 3), "N")
         text += f" Laws are drawn at the median normal force, {load}."
+    inputs = {name: value for one in laws.values() for name, value in one.typical_inputs.items()}
+    if inputs:
+        turning = laws[chosen].measurement.turning
+        text += f" Laws are drawn at the median of {inputs_text(inputs, turning=turning)}."
     return text

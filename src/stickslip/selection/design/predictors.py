@@ -195,7 +195,7 @@ def sprung(mechanism: Mechanism) -> bool:
 
 def _run(candidate: Predictor, drive: Drive | None, t_end: float, y0: Mapping[str, float]) -> Any:
     driven = with_drive(candidate.mechanism, drive)
-    return simulate(driven, candidate.law, t_end=t_end, y0=y0, throw=False)
+    return simulate(driven, replace(candidate.law), t_end=t_end, y0=y0, throw=False)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,126 @@
+"""What friction laws may ask of their contact beside speed and load: names, units, meaning."""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import final
+
+from stickslip.errors import UnknownNameError
+from stickslip.quantities import Quantity
+
+__all__ = ["CONTACT_INPUTS", "ContactInput", "checked_inputs"]
+
+
+@final
+@dataclasses.dataclass(frozen=True)
+class ContactInput:
+    """Something that friction may depend on, and that a mechanism or a record can tell."""
+
+    unit: str
+    """SI unit of a straight motion; temperatures are in degC."""
+    meaning: str
+    """What it is, in one sentence."""
+    tex: str
+    """Symbol in formulas."""
+    index: str
+    """What stands behind ``_`` in symbols of parameters that go with it."""
+    scale: str = ""
+    """Size that measurements tell of it, one of `SCALES`; empty if none is."""
+    size: float = 1.0
+    """Change that may be expected of it where no size is told."""
+
+    def over(self, quantity: Quantity) -> Quantity:
+        """Return the quantity of a parameter that goes with this input.
+
+        Parameters
+        ----------
+        quantity : Quantity
+            With ``{0}`` for the input in symbol and unit, and a scale, start and bounds that hold
+            for an input of size 1.
+
+        Returns
+        -------
+        Quantity
+            With symbol, unit and scale.
+        """
+        power = 0 if "{0}" not in quantity.unit else 2 if "{0}^2" in quantity.unit else 1
+        changes: dict[str, object] = {
+            "symbol": quantity.symbol.replace("{0}", self.index),
+            "unit": quantity.unit.replace("{0}", "K" if self.unit == "degC" else self.unit),
+        }
+        if power and quantity.bounds is not None and quantity.start is not None:
+            over = f"/{self.scale}^{power}" if power > 1 else f"/{self.scale}"
+            level = "level" if quantity.scale == "level" else "1"
+            least, most = (bound / self.size**power for bound in quantity.bounds)
+            changes |= {
+                "scale": f"{level}{over}" if self.scale else "none",
+                "bounds": (least, most),
+                "start": quantity.start / self.size**power,
+            }
+        return dataclasses.replace(quantity, **changes)  # type: ignore[arg-type]  # by name
+
+
+CONTACT_INPUTS: Mapping[str, ContactInput] = MappingProxyType(
+    {
+        "motor": ContactInput(
+            "N", "Force or torque of the drive, along the motion.", r"\tau_m", "m", "force"
+        ),
+        "external": ContactInput(
+            "N",
+            "All other forces or torques along the motion, without inertia and friction.",
+            r"\tau_e",
+            "e",
+            "force",
+        ),
+        "transmitted": ContactInput(
+            "N",
+            "Force or torque that a gear between both transmits, motor - external, without inertia:"
+            " a motor that holds a weight loads its gear twice with it.",
+            r"\tau",
+            "t",
+            "force",
+        ),
+        "gravity": ContactInput(
+            "N", "Force or torque of gravity, along the motion.", r"\tau_g", "g", "force"
+        ),
+        "position": ContactInput("m", "Position or angle of what slips.", "x", "x", "", 1.0),
+        "temperature": ContactInput(
+            "degC", "Temperature of the contact or its lubricant.", "T", "T", "", 10.0
+        ),
+        "pressure": ContactInput(
+            "Pa", "Pressure at the contact, as of a seal or a lubricant.", "P", "P", "", 1e5
+        ),
+    }
+)
+"""Contact inputs by name; the names are fixed."""
+
+
+def checked_inputs(names: Iterable[str]) -> tuple[str, ...]:
+    """Return names of contact inputs, or say which known names are nearest.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The names.
+
+    Returns
+    -------
+    tuple of str
+        The names.
+
+    Raises
+    ------
+    UnknownNameError
+        If one is no contact input.
+
+    Examples
+    --------
+    >>> checked_inputs(["temprature"])
+    Traceback (most recent call last):
+    stickslip.errors.UnknownNameError: unknown contact input 'temprature'. Did you mean ...
+    """
+    found = tuple(names)
+    for name in found:
+        if name not in CONTACT_INPUTS:
+            raise UnknownNameError("contact input", name, CONTACT_INPUTS)
+    return found

@@ -1,0 +1,403 @@
+"""Contact inputs of records: told by the mechanism, a column, or a condition of the trial."""
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact_inputs import CONTACT_INPUTS
+from stickslip.drives import Drive, Sampled
+from stickslip.errors import InputError
+from stickslip.experiments import Measurement, unit_of_input
+from stickslip.formatting import joined, quantity, span
+from stickslip.friction import FrictionLaw
+from stickslip.mechanisms import (
+    Mechanism,
+    given_inputs,
+    given_names,
+    input_names,
+    of_contact,
+    only_contact,
+    slip_of,
+)
+from stickslip.quantities import vary
+
+__all__ = [
+    "as_informed",
+    "check_inputs",
+    "inputs_along",
+    "inputs_text",
+    "known_inputs",
+    "recorded_inputs",
+    "typical_inputs",
+    "unvaried",
+    "with_inputs",
+]
+
+Array = NDArray[np.float64]
+
+SAME = 1e-9
+"""Relative change of an input that is none: rounding of its unit."""
+
+
+def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
+    """Return the contact inputs that a fit of a measurement can use.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, perhaps with inputs of their own.
+
+    Returns
+    -------
+    tuple of str
+        Names of what the mechanism or every record tells.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": 20.0})
+    >>> "temperature" in known_inputs(SpringBlock(mass=1.0), record)
+    True
+    """
+    return tuple(dict.fromkeys((*input_names(mechanism), *measurement.input_names())))
+
+
+def check_inputs(
+    law: object,
+    mechanism: Mechanism,
+    measurement: Measurement,
+    known: Collection[str] | None = None,
+) -> None:
+    """Refuse a law that asks for a contact input which nothing tells.
+
+    Parameters
+    ----------
+    law : FrictionLaw or type
+        The law.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, perhaps with inputs of their own.
+    known : collection of str, optional
+        Inputs that are known; what mechanism and records tell if not given.
+
+    Raises
+    ------
+    InputError
+        With the columns that there are.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> check_inputs(Coulomb, SpringBlock(mass=1.0), Measurement(travel=0.2))
+    """
+    known = known_inputs(mechanism, measurement) if known is None else known
+    for name in getattr(law, "inputs", ()):
+        if name not in known:
+            raise InputError(_missing(law, name, mechanism, measurement, known))
+
+
+def _missing(
+    law: Any, name: str, mechanism: Mechanism, measurement: Measurement, known: Collection[str]
+) -> str:
+    """Return what a law lacks, and what there is."""
+    records = measurement.records()
+    some = sum(name in one.contact_inputs() for one in records)
+    unused = dict.fromkeys(column for one in records for column in one.unused)
+    columns = [*measurement.quantities(), *(one for one in unused if one not in known)]
+    if name in input_names(mechanism):
+        why = f"{type(mechanism).__name__} tells it by a force or motion that was not measured"
+    elif some:
+        why = f"only {some} of {len(records)} trials have it"
+    else:
+        why = f"neither {type(mechanism).__name__} nor the record tells it"
+    return (
+        f"{law.name} depends on the contact input {name!r}, and {why}. Known inputs:"
+        f" {', '.join(known) or 'none'}; columns of the record: {', '.join(columns)}. Name the"
+        f" column that holds it, as --columns {name}=... (in Python columns={{{name!r}: ...}}),"
+        " state it as a condition of each trial, or give a law without it."
+    )
+
+
+def inputs_along(
+    mechanism: Mechanism,
+    record: Measurement,
+    time: Array,
+    *,
+    position: Array | float = math.nan,
+    velocity: Array | float = math.nan,
+    force: Array | float = math.nan,
+) -> dict[str, Array]:
+    """Return contact inputs at each sample (n,): the mechanism's, then the record's, then given.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured.
+    record : Measurement
+        One record.
+    time : array (n,)
+        Times [s] at which they are wanted; row numbers of a table.
+    position, velocity : array (n,)
+        Motion of the coordinate that slips; not known if not given.
+    force : array (n,)
+        Force of the drive [N]; not known if not given.
+
+    Returns
+    -------
+    dict of str to array (n,)
+        By name, those that are known.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> t = np.array([0.0, 0.5, 1.0])
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> inputs_along(SpringBlock(mass=1.0), record, t)["temperature"]
+    array([20., 21., 22.])
+    """
+    slip, unknown = slip_of(mechanism), partial(defaultdict, lambda: math.nan)
+    drives: dict[str, Array | float] = {
+        name: np.array([drive.value(float(t)) for t in time])
+        for name, drive in mechanism.drives().items()
+        if name != "drive"
+    }
+    told = mechanism.contact_inputs(
+        time,
+        unknown({slip: position}),
+        unknown({slip: velocity}),
+        unknown(drives | {"drive": force}),
+    )
+    own: Mapping[str, Any] = of_contact(told, only_contact(mechanism).name)
+    given = set(given_names(mechanism))
+    first = {name: own[name] for name in own if name not in given}
+    found = {**own, **recorded_inputs(record, time), **first}
+    columns = {name: np.asarray(x + 0.0 * time) for name, x in found.items()}
+    return {name: x for name, x in columns.items() if np.all(np.isfinite(x))}
+
+
+def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
+    """Return the contact inputs that a record has, at times.
+
+    Parameters
+    ----------
+    record : Measurement
+        One record.
+    time : array (n,)
+        Times [s]; of a table, whose values stay as they are, the row numbers.
+
+    Returns
+    -------
+    dict of str to array (n,)
+        By name.
+
+    Examples
+    --------
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> recorded_inputs(record, np.array([0.5]))
+    {'temperature': array([21.])}
+    """
+    times = time if record.time is None else np.asarray(record.time)
+    return {
+        name: np.interp(time, times, np.broadcast_to(value, times.shape))
+        for name, value in record.contact_inputs().items()
+    }
+
+
+def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mechanism:
+    """Return a mechanism that tells its laws what a record has of contact inputs.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What was measured; what it tells itself stays.
+    record : Measurement
+        One record.
+    times : array (n,)
+        Times of the record [s] between which inputs go straight; the first is 0 in a run.
+
+    Returns
+    -------
+    Mechanism
+        A copy with the inputs that do not change as parameters, and others as drives.
+
+    Examples
+    --------
+    >>> from stickslip import SpringBlock
+    >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
+    >>> warm = with_inputs(SpringBlock(mass=1.0), record, record.time)
+    >>> warm.drives()["contact_temperature"].value(0.5)
+    21.0
+    """
+    own = set(input_names(mechanism)).difference(given_names(mechanism))
+    inputs: dict[str, Drive | float] = {}
+    for name, seen in recorded_inputs(record, times).items():
+        if name not in own:
+            inputs[name] = (
+                Sampled(times=times - times[0], values=seen, hold="first")
+                if np.ptp(seen) > 0.0
+                else float(seen[0])
+            )
+    return given_inputs(mechanism, inputs)
+
+
+def as_informed(
+    law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+) -> tuple[Mechanism, tuple[str, ...]]:
+    """Return a mechanism with what was measured of a law's inputs, and what is to be said of it.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law, whose inputs are meant.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        Records, perhaps with inputs of their own.
+
+    Returns
+    -------
+    (Mechanism, tuple of str)
+        With the value of each input, the median if it changes; and sentences that say so.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> as_informed(law, SpringBlock(mass=1.0), Measurement(travel=0.2))[1]
+    ()
+    """
+    own = set(input_names(mechanism)).difference(given_names(mechanism))
+    found: dict[str, float] = {}
+    said = []
+    for name in law.inputs:
+        parts = [one.contact_inputs().get(name) for one in measurement.records()]
+        if name in own or any(part is None for part in parts):
+            continue
+        values = np.concatenate([np.atleast_1d(np.asarray(part, dtype=float)) for part in parts])
+        found[name] = float(np.median(values))
+        low, high = float(values.min()), float(values.max())
+        if high > low:
+            unit = unit_of_input(name, turning=measurement.turning)
+            said.append(
+                f"The {name} was measured and varies, {span(low, high, unit)}: in runs of this fit"
+                f" it is the median, {quantity(found[name], unit)}."
+            )
+    return given_inputs(mechanism, found), tuple(said)
+
+
+def unvaried(law: FrictionLaw, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
+    """Return sentences on inputs of a law that never change.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    inputs : sequence of mapping of str to array
+        Inputs (n,) of each stretch, by name.
+
+    Returns
+    -------
+    tuple of str
+        One for each such input.
+
+    Examples
+    --------
+    >>> class Warm(FrictionLaw):
+    ...     inputs = ("temperature",)
+    >>> unvaried(Warm, [{"temperature": np.array([20.0, 20.0])}])
+    ('The temperature is constant in this record: its effect cannot be told.',)
+    """
+    found = []
+    for name in law.inputs:
+        values = np.concatenate([one[name] for one in inputs if name in one] or [np.zeros(0)])
+        if len(values) and np.ptp(values) <= SAME * float(np.max(np.abs(values))):
+            found.append(f"The {name} is constant in this record: its effect cannot be told.")
+    return tuple(found)
+
+
+def typical_inputs(
+    law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+) -> dict[str, float]:
+    """Return what a law's inputs usually were, at which curves are drawn: medians.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    mechanism : Mechanism
+        What was measured.
+    measurement : Measurement
+        The records.
+
+    Returns
+    -------
+    dict of str to float
+        By name; of a force, which changes its sign, the median of its size.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> law = Coulomb(kinetic_coefficient=0.2)
+    >>> typical_inputs(law, SpringBlock(mass=1.0), Measurement(travel=0.2))
+    {}
+    """
+    if not law.inputs:
+        return {}
+    every: dict[str, list[Array]] = {name: [] for name in law.inputs}
+    for record in measurement.records():
+        set_up = vary(mechanism, "mechanism", record.overrides)
+        signals: dict[str, Any] = {
+            name: record.values(name)
+            for name in ("position", "velocity", "force")
+            if name in record.quantities()
+        }
+        if record.time is None:
+            time = np.arange(max(map(np.size, signals.values()), default=1), dtype=float)
+        else:
+            time = np.asarray(record.time)
+            x, v = signals.get("position"), signals.get("velocity")
+            signals |= {"velocity": np.gradient(x, time)} if v is None and x is not None else {}
+            signals.setdefault("force", 0.0)
+        for name, values in inputs_along(set_up, record, time, **signals).items():
+            if name in every:
+                every[name].append(np.abs(values) if CONTACT_INPUTS[name].scale else values)
+    return {
+        name: float(np.median(np.concatenate(values))) if values else CONTACT_INPUTS[name].size
+        for name, values in every.items()
+    }
+
+
+def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
+    """Return values of contact inputs in words.
+
+    Parameters
+    ----------
+    inputs : mapping of str to float
+        Values by name.
+    turning : bool
+        Whether the contact slips by an angle.
+
+    Returns
+    -------
+    str
+        A list; empty if there are none.
+
+    Examples
+    --------
+    >>> inputs_text({"temperature": 35.0, "transmitted": 2.0}, turning=True)
+    'temperature 35 °C and transmitted 2 N m'
+    """
+    return joined(
+        [
+            f"{name} {quantity(value, unit_of_input(name, turning=turning))}"
+            for name, value in inputs.items()
+        ]
+    )

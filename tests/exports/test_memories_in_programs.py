@@ -1,0 +1,45 @@
+"""Memories with switches in programs: a step that keeps flags, FMUs, and what is refused by name."""
+
+from pathlib import Path
+
+import pytest
+from tests.exports.compiled import library, numbers
+from tests.exports.fmus import made, need_tools
+from tests.exports.test_fmu import compare
+from tests.friction.test_memories import GMS, MAXWELL, PUSH, RESET, axis
+
+from stickslip import export, simulate
+from stickslip.errors import InputError
+
+LAWS = {"gms": GMS, "maxwell": MAXWELL, "reset": RESET}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_compiled_steps_come_near_the_run_at_short_periods_and_at_long_ones(name, tmp_path):
+    own = LAWS[name]
+    compiled = library(tmp_path, export(own, "c", name=name).files)
+    flags = [f"slips{i + 1}" for i in range(4)] if name == "gms" else []
+    states = ["velocity", *own.states, *flags]
+    step = numbers(
+        compiled, f"{name}_step", [*(f"{one}_end" for one in states), "moved", "friction", "sticks"]
+    )
+    expected = simulate(axis(PUSH), own, t_end=1.0)["x"][-1]
+    for period, within in ((2e-3, 5e-4), (2e-4, 1e-4)):  # of 0.24 m; presliding is over in 0.15 mm
+        x, now = 0.0, [0.0] * len(states)
+        for i in range(round(1.0 / period)):
+            found = step(PUSH.smooth((i + 0.5) * period), *now, 1.0, 1.0, period)
+            now = [found[f"{one}_end"] for one in states]
+            x += found["moved"]
+        assert x == pytest.approx(expected, abs=within)
+        assert {found[f"{one}_end"] for one in flags} <= {0.0, 1.0}
+
+
+def test_models_in_modelica_have_no_latches():
+    with pytest.raises(InputError, match="latched switches, which models in Modelica do not"):
+        export(GMS, "modelica", name="gms")
+    assert "maxwell_step" in export(MAXWELL, "c", name="maxwell").files["maxwell.h"]
+
+
+def test_an_fmu_has_the_bits_of_the_engine(tmp_path: Path):
+    need_tools()
+    compare(made(tmp_path, "gms", axis(PUSH), GMS), tmp_path, axis(PUSH), GMS)

@@ -1,0 +1,76 @@
+"""The catalogue of named laws: entries that read as such, and classes made when asked for."""
+
+import doctest
+import inspect
+import pickle
+import subprocess
+import sys
+
+import pytest
+from tools import stubs
+
+import stickslip
+from stickslip.friction import LAWS, FrictionLaw, law, listed
+from stickslip.friction.notation import canonical
+
+each_law = pytest.mark.parametrize("name", LAWS)
+
+LAZY = """
+import io, contextlib
+from stickslip.friction.classes import CATALOGUE
+from stickslip.friction import LAWS, law, laws, listed
+made = lambda: sorted(name for name, entry in CATALOGUE.items() if "law" in vars(entry))
+assert len(LAWS) == len(laws()) == len(listed()) and "lugre" in LAWS and list(LAWS)[0] == "coulomb"
+assert [one.title and one.sources and str(one.composition) for one in listed().values()]
+assert made() == [], made()
+from stickslip import Stribeck
+assert made() == ["stribeck"], made()
+assert law("viscous + level") is LAWS["coulomb-viscous"]
+assert made() == ["coulomb-viscous", "stribeck"], made()
+assert [one.law for one in LAWS["direction-dependent"].contained] == ["coulomb-viscous"]
+assert made() == ["coulomb", "coulomb-viscous", "direction-dependent", "stribeck", "viscous"]
+from stickslip.cli import main
+with contextlib.redirect_stdout(io.StringIO()):
+    try:
+        main(["models"])  # beside laws, it knows printed equations, which name six laws
+    except SystemExit as leaving:
+        assert not leaving.code
+assert {one for one in made() if listed()[one].on_request} == {"direction-dependent"}, made()
+"""
+
+
+def test_classes_of_laws_are_made_when_they_are_asked_for_and_not_by_lists():
+    done = subprocess.run([sys.executable, "-c", LAZY], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@each_law
+def test_a_named_law_is_found_by_its_composition_and_survives_pickle(name):
+    kind = LAWS[name]
+    assert kind.name == name
+    assert getattr(stickslip, kind.__name__) is kind
+    assert pickle.loads(pickle.dumps(kind)) is kind
+    found = law(str(kind.composition))
+    # of laws with the same parts, the one in whose entry a level may be left out has the text
+    assert found is kind or canonical(found.composition) == canonical(kind.composition)
+
+
+@each_law
+def test_examples_in_the_docstring_of_a_law_give_what_they_say(name):
+    kind = LAWS[name]
+    tests = doctest.DocTestParser().get_doctest(inspect.getdoc(kind), {}, name, None, 0)
+    assert doctest.DocTestRunner().run(tests).failed == 0
+
+
+def test_entries_say_what_their_classes_say():
+    for name, one in listed().items():
+        kind = LAWS[name]
+        assert issubclass(kind, FrictionLaw)
+        for key in ("title", "sources", "on_request", "states"):
+            assert getattr(one, key) == getattr(kind, key)
+        assert str(one.composition) == str(kind.composition)
+
+
+def test_the_list_of_named_laws_is_that_of_the_entries():
+    path = stubs.NAMED.with_name("__init__.py")
+    assert path.read_text(encoding="utf-8") == stubs.with_named_laws(), "run `make stubs`"
