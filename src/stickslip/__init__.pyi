@@ -1,7 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip import adapters as adapters
 from stickslip import catalogue as catalogue
-from stickslip import characterize as characterize
+from stickslip import characterization as characterization
 from stickslip import control as control
 from stickslip import drives as drives
 from stickslip import errors as errors
@@ -23,6 +23,7 @@ from stickslip import selection as selection
 from stickslip import solver as solver
 from stickslip import sweep as sweep
 from stickslip import testing as testing
+from stickslip.characterization import characterize as characterize
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
@@ -37,6 +38,7 @@ from stickslip.friction import BamM3 as BamM3
 from stickslip.friction import BamM4 as BamM4
 from stickslip.friction import BamM5 as BamM5
 from stickslip.friction import BamM6 as BamM6
+from stickslip.friction import BlimanSorine as BlimanSorine
 from stickslip.friction import BoucWen as BoucWen
 from stickslip.friction import BrownMcPhee as BrownMcPhee
 from stickslip.friction import Cogging as Cogging
@@ -51,6 +53,8 @@ from stickslip.friction import DirectionalLuGre as DirectionalLuGre
 from stickslip.friction import DirectionalStribeck as DirectionalStribeck
 from stickslip.friction import ElastoPlastic as ElastoPlastic
 from stickslip.friction import FrictionLaw as FrictionLaw
+from stickslip.friction import GMS as GMS
+from stickslip.friction import HaessigFriedland as HaessigFriedland
 from stickslip.friction import HessSoom as HessSoom
 from stickslip.friction import JointLoadTemperature as JointLoadTemperature
 from stickslip.friction import LuGre as LuGre
@@ -114,6 +118,7 @@ __all__ = [
     "BamM4",
     "BamM5",
     "BamM6",
+    "BlimanSorine",
     "BlockChain",
     "BoucWen",
     "BrownMcPhee",
@@ -134,6 +139,8 @@ __all__ = [
     "EventDriven",
     "FixedStep",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
     "HessSoom",
     "JointLoadTemperature",
     "LuGre",
@@ -170,6 +177,7 @@ __all__ = [
     "WarmViscous",
     "__version__",
     "animate",
+    "characterize",
     "check",
     "compare_trials",
     "ensemble",

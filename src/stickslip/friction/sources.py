@@ -132,6 +132,28 @@ SOURCES = MappingProxyType(
             "M. Duclusaud, G. Passault, V. Padois, O. Ly. Extended friction models for the physics"
             " simulation of servo actuators. IEEE ICRA, 2025."
         ),
+        "albender2005": (
+            "F. Al-Bender, V. Lampaert, J. Swevers. The generalized Maxwell-slip model: a novel"
+            " model for friction simulation and compensation. IEEE Transactions on Automatic"
+            " Control 50(11), 2005."
+        ),
+        "lampaert2003": (
+            "V. Lampaert, F. Al-Bender, J. Swevers. A generalized Maxwell-slip friction model"
+            " appropriate for control purposes. IEEE International Conference on Physics and"
+            " Control, 2003."
+        ),
+        "olsson1998": (
+            "H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert, P. Lischinsky. Friction models"
+            " and friction compensation. European Journal of Control 4(3), 1998."
+        ),
+        "haessig1991": (
+            "D. A. Haessig, B. Friedland. On the modeling and simulation of friction. Journal of"
+            " Dynamic Systems, Measurement, and Control 113(3), 1991."
+        ),
+        "bliman1995": (
+            "P.-A. Bliman, M. Sorine. Easy-to-use realistic dry friction models for automatic"
+            " control. 3rd European Control Conference, Rome, 1995."
+        ),
     }
 )
 """Citation in plain text by key."""

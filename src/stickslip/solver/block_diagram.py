@@ -409,11 +409,11 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
+        law = self._informed(t, y)
+        if self.soft is not None:
+            return self._softly(self.soft, law, t, y), normal
         with self.latches[0]:
-            informed = self._informed(t, y)
-            if self.soft is not None:
-                return self._softly(self.soft, informed, t, y), normal
-            return informed.force(v, normal, z), normal
+            return law.force(v, normal, z), normal
 
     def _softly(
         self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]
