@@ -103,7 +103,8 @@ def rungs() -> Mapping[str, Rung]:
     >>> list(rungs())[:4]
     ['coulomb-viscous', 'direction-dependent', 'stribeck', 'power-viscous']
     """
-    found, level = {}, [Rung()]
+    found: dict[str, Rung] = {}
+    level = [Rung()]
     while level:
         found |= {rung.specification.name: rung for rung in level}
         above = dict.fromkeys(one for rung in level for one in rung.above())

@@ -280,8 +280,8 @@ def _canonical(term: Term) -> Iterator[str]:
         case Around(head=head, inner=inner):
             yield f"{head}({canonical(inner)})"
         case Product(first=first, factors=factors):
-            inner = canonical(first)
-            yield " * ".join((f"({inner})" if "+" in inner else inner, *sorted(map(str, factors))))
+            text = canonical(first)
+            yield " * ".join((f"({text})" if "+" in text else text, *sorted(map(str, factors))))
         case _ if str(term) not in OPTIONAL:
             yield str(term)
 

@@ -1,5 +1,6 @@
 """Candidates a part at a time: a richer law is fitted where what it builds on is shown to hold."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
@@ -8,7 +9,7 @@ from typing import Generic, TypeVar, final
 from stickslip.formatting import count
 from stickslip.friction import Rung, rungs
 from stickslip.selection.candidates import LEFT_OUT, REFERENCE, CandidateSpec, Watch
-from stickslip.selection.choice import effective_aic, significant
+from stickslip.selection.choice import LEAST, LEVEL, significant
 from stickslip.selection.parallel_fit import Fitted, Tried, fitted_side_by_side
 from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.wording import in_sentence
@@ -16,6 +17,9 @@ from stickslip.selection.wording import in_sentence
 __all__ = ["Climbed", "climbed"]
 
 C = TypeVar("C", bound=Tried)
+
+HINTED = 0.5
+"""Confidence at which a part counts as hinted at: other parts that are missing may hide it."""
 
 
 @final
@@ -106,34 +110,42 @@ def _above(
     }
     if any(c.dropped == LEFT_OUT or (c.fit and c.fit.optimum.cancelled) for c in compared):
         return [], "the search was stopped"
-    shown = [c for c in fits.values() if _shown(c, fits)]
-    if not shown:
+    if not fits:
         return [], "no simpler law could be fitted"
-    criteria = effective_aic(shown)
-    best = min(shown, key=lambda c: criteria[c.name])
+    size = max(c.effective for c in fits.values())
+    shown = [c for c in fits.values() if _shown(c, fits, size)]
+    best = min(shown, key=lambda c: size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters)
     title = in_sentence(best.title)
     if at_noise(best):
         return [], f"{title} friction leaves no more than noise"
     tried = {c.name for c in compared}
     own = rungs().get(best.name, Rung())
-    wanted = [*Rung().above(), *(one for one in own.above() if _promising(own, one, fits))]
+    wanted = [*Rung().above(), *(one for one in own.above() if _promising(own, one, fits, size))]
     names = dict.fromkeys(one.specification.name for one in wanted)
     more = [by_name[name] for name in names if name in by_name and name not in tried]
     return more, f"no law with one part more is shown to hold over {title} friction"
 
 
-def _shown(c: RecordCandidate, fits: Mapping[str, RecordCandidate]) -> bool:
-    return all(significant(c, fits[name]) for name in c.simpler if name in fits)
+def _shown(c: RecordCandidate, fits: Mapping[str, RecordCandidate], size: float) -> bool:
+    """Whether a law is shown to hold over all that it contains.
+
+    Of what a law that lacks another part leaves, little counts as independent; rows are counted as
+    those of the fit that leaves the most, so that such a law is climbed from.
+    """
+    simpler = (fits[name] for name in c.simpler if name in fits)
+    return all(significant(c, one, effective=size) for one in simpler)
 
 
-def _promising(own: Rung, above: Rung, fits: Mapping[str, RecordCandidate]) -> bool:
-    """Whether a law with memory, whose fits take long, has a part more that gains by itself."""
-    if not above.memory or above.exponent:
-        return True
+def _promising(own: Rung, above: Rung, fits: Mapping[str, RecordCandidate], size: float) -> bool:
+    """Whether the part that a law has more gains by itself, by far where its fits take long."""
     new = {
         field.name: getattr(above, field.name)
         for field in fields(Rung)
         if getattr(above, field.name) != getattr(own, field.name)
     }
+    if "exponent" in new:
+        return True
     alone, plain = fits.get(Rung(**new).specification.name), fits.get(REFERENCE)
-    return alone is None or plain is None or significant(alone, plain)
+    level = LEVEL if above.memory else HINTED
+    gains = alone and plain and significant(alone, plain, level=level, effective=size)
+    return alone is None or plain is None or bool(gains)

@@ -290,9 +290,14 @@ def _laws(
 ) -> tuple[CandidateSpec, ...]:
     """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
-    if laws is None and one_way(measurement):
-        return tuple(one for one in chosen if not one.law.directional)
-    return chosen
+    if laws is not None:
+        return chosen
+    if one_way(measurement):
+        chosen = tuple(one for one in chosen if not one.law.directional)
+    # one law says why none with memory serves
+    return tuple(
+        one for one in chosen if one.name == "dahl" or not unsuited_by(measurement, one.law)
+    )
 
 
 def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
