@@ -1,7 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip import adapters as adapters
 from stickslip import catalogue as catalogue
-from stickslip import characterize as characterize
+from stickslip import characterization as characterization
 from stickslip import control as control
 from stickslip import drives as drives
 from stickslip import errors as errors
@@ -23,23 +23,58 @@ from stickslip import selection as selection
 from stickslip import solver as solver
 from stickslip import sweep as sweep
 from stickslip import testing as testing
+from stickslip.characterization import characterize as characterize
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
 from stickslip.experiments import load_measurement as load_measurement
 from stickslip.experiments import load_rig as load_rig
 from stickslip.exports import export as export
+from stickslip.friction import Ambrosio as Ambrosio
+from stickslip.friction import ArctanCoulomb as ArctanCoulomb
+from stickslip.friction import BamM1 as BamM1
+from stickslip.friction import BamM2 as BamM2
+from stickslip.friction import BamM3 as BamM3
+from stickslip.friction import BamM4 as BamM4
+from stickslip.friction import BamM5 as BamM5
+from stickslip.friction import BamM6 as BamM6
+from stickslip.friction import BlimanSorine as BlimanSorine
+from stickslip.friction import BoucWen as BoucWen
+from stickslip.friction import BrownMcPhee as BrownMcPhee
+from stickslip.friction import Cogging as Cogging
 from stickslip.friction import Coulomb as Coulomb
 from stickslip.friction import CoulombViscous as CoulombViscous
 from stickslip.friction import CoulombViscousStatic as CoulombViscousStatic
 from stickslip.friction import Dahl as Dahl
+from stickslip.friction import DahlStribeck as DahlStribeck
 from stickslip.friction import DirectionDependent as DirectionDependent
+from stickslip.friction import DirectionalDahl as DirectionalDahl
+from stickslip.friction import DirectionalLuGre as DirectionalLuGre
+from stickslip.friction import DirectionalStribeck as DirectionalStribeck
+from stickslip.friction import ElastoPlastic as ElastoPlastic
 from stickslip.friction import FrictionLaw as FrictionLaw
+from stickslip.friction import GMS as GMS
+from stickslip.friction import HaessigFriedland as HaessigFriedland
+from stickslip.friction import HessSoom as HessSoom
+from stickslip.friction import JointLoadTemperature as JointLoadTemperature
 from stickslip.friction import LuGre as LuGre
+from stickslip.friction import LuGreFading as LuGreFading
+from stickslip.friction import LuGreGear as LuGreGear
+from stickslip.friction import MaxwellSlip as MaxwellSlip
+from stickslip.friction import PoppStelter as PoppStelter
 from stickslip.friction import PowerViscous as PowerViscous
 from stickslip.friction import QuadraticDrag as QuadraticDrag
+from stickslip.friction import RootCoulomb as RootCoulomb
+from stickslip.friction import SaturatingViscous as SaturatingViscous
+from stickslip.friction import Simscape as Simscape
 from stickslip.friction import Stribeck as Stribeck
+from stickslip.friction import StribeckPower as StribeckPower
+from stickslip.friction import TanhCoulomb as TanhCoulomb
+from stickslip.friction import TanhStribeck as TanhStribeck
+from stickslip.friction import Threlfall as Threlfall
+from stickslip.friction import Tustin as Tustin
 from stickslip.friction import Viscous as Viscous
+from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
@@ -74,40 +109,75 @@ from stickslip.solver import FixedStep as FixedStep
 __version__: str
 
 __all__ = [
+    "Ambrosio",
+    "ArctanCoulomb",
     "Axis",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
+    "BlimanSorine",
     "BlockChain",
+    "BoucWen",
+    "BrownMcPhee",
     "Capsule",
     "ClutchTrain",
+    "Cogging",
     "Coulomb",
     "CoulombViscous",
     "CoulombViscousStatic",
     "Dahl",
+    "DahlStribeck",
     "DirectionDependent",
+    "DirectionalDahl",
+    "DirectionalLuGre",
+    "DirectionalStribeck",
     "DiscBrake",
+    "ElastoPlastic",
     "EventDriven",
     "FixedStep",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
+    "HessSoom",
+    "JointLoadTemperature",
     "LuGre",
+    "LuGreFading",
+    "LuGreGear",
     "MatrixMechanism",
+    "MaxwellSlip",
     "Measurement",
     "Mechanism",
     "Pendulum",
     "PendulumCart",
+    "PoppStelter",
     "PowerViscous",
     "QuadraticDrag",
     "RecordSettings",
     "Rig",
     "Robot",
+    "RootCoulomb",
+    "SaturatingViscous",
     "SerialArm",
+    "Simscape",
     "SpringBlock",
     "Stribeck",
+    "StribeckPower",
+    "TanhCoulomb",
+    "TanhStribeck",
+    "Threlfall",
     "TowedBlock",
+    "Tustin",
     "TwoFeet",
     "TwoLinkArm",
     "TwoMassAxis",
     "Viscous",
+    "WarmViscous",
     "__version__",
     "animate",
+    "characterize",
     "check",
     "compare_trials",
     "ensemble",

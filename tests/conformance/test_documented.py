@@ -32,6 +32,9 @@ UNITS = {
     "N s/m",
     "N s^2/m^2",
     "1/m",
+    "1/N",
+    "1/N^2",
+    "1/K",
     "s/m",
     "rad",
     "s",
@@ -74,9 +77,11 @@ def test_every_class_is_final_and_has_a_docstring_of_its_own(kind):
 def test_every_field_of_a_class_is_explained(kind):
     own = inspect.get_annotations(kind)
     fields = {field.name for field in dataclasses.fields(kind)} & set(own)
-    # fields of composed laws are explained by a section of the docstring
-    section = re.findall(r"^(\w+) : float.*\n    \w", kind.__doc__ or "", re.MULTILINE)
-    assert fields <= written_docstrings(kind) | set(section)
+    if getattr(kind, "composition", None) is None:
+        assert fields <= written_docstrings(kind)
+    else:  # the section of the docstring that comes from its parts
+        section = re.findall(r"^(\w+) : float.*\n    \w", kind.__doc__ or "", re.MULTILINE)
+        assert fields <= set(section)
 
 
 @pytest.mark.parametrize("kind", ALL, ids=called)

@@ -52,6 +52,280 @@ LAW_MODULES: dict[str, str]
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class Ambrosio(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class ArctanCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM1(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM2(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM3(_SetValuedLaw):
+    kinetic_coefficient: float
+    transmitted_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        transmitted_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM4(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    transmitted_static_surplus: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        transmitted_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM5(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM6(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    motor_quadratic: float
+    external_quadratic: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        motor_quadratic: _Given,
+        external_quadratic: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BlimanSorine(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    surplus_share: float
+    distance_ratio: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        surplus_share: _Given,
+        distance_ratio: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BoucWen(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    loop_exponent: float = ...
+    loop_share: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        loop_share: _Given = ...,
+        viscous_coefficient: _Given,
+        loop_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BrownMcPhee(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    transition_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        transition_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Cogging(_SetValuedLaw):
+    kinetic_coefficient: float
+    level_position_cosine: float
+    level_position_sine: float
+    level_position_harmonic: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        level_position_cosine: _Given,
+        level_position_sine: _Given,
+        level_position_harmonic: _Given = ...,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class Coulomb(_SetValuedLaw):
     kinetic_coefficient: float
     static_coefficient: float | None = ...
@@ -131,6 +405,39 @@ class Dahl(_BristleLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class DahlStribeck(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    yield_exponent: float = ...
+    viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        yield_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class DirectionDependent(_FrictionLaw):
     forward_kinetic_coefficient: float
     backward_kinetic_coefficient: float
@@ -148,6 +455,253 @@ class DirectionDependent(_FrictionLaw):
     def break_away(self, load: _Scalar) -> _Scalar: ...
     @_override
     def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalDahl(_BristleLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    yield_exponent: float = ...
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        yield_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalLuGre(_BristleLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class DirectionalStribeck(_FrictionLaw):
+    forward_kinetic_coefficient: float
+    backward_kinetic_coefficient: float
+    forward_static_coefficient: float
+    backward_static_coefficient: float
+    forward_stribeck_velocity: float
+    backward_stribeck_velocity: float
+    forward_fading_exponent: float = ...
+    backward_fading_exponent: float = ...
+    forward_viscous_coefficient: float
+    backward_viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        forward_kinetic_coefficient: _Given,
+        backward_kinetic_coefficient: _Given,
+        forward_static_coefficient: _Given,
+        backward_static_coefficient: _Given,
+        forward_stribeck_velocity: _Given,
+        backward_stribeck_velocity: _Given,
+        forward_viscous_coefficient: _Given,
+        backward_viscous_coefficient: _Given,
+        forward_fading_exponent: _Given = ...,
+        backward_fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class ElastoPlastic(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    elastic_share: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        elastic_share: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class GMS(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    attraction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        attraction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HaessigFriedland(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    sticking_surplus: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        sticking_surplus: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HessSoom(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class JointLoadTemperature(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    stribeck_velocity_temperature_slope: float
+    gravity_coefficient: float
+    gravity_static_surplus: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        stribeck_velocity_temperature_slope: _Given,
+        gravity_coefficient: _Given,
+        gravity_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -181,6 +735,115 @@ class LuGre(_BristleLaw):
     def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
     @_override
     def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGreFading(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    bristle_damping: float
+    damping_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        damping_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGreGear(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class MaxwellSlip(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class PoppStelter(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -261,9 +924,69 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
         direct_effect: _Given,
         evolution_effect: _Given = ...,
         critical_distance: _Given | None = ...,
+        second_evolution_effect: _Given = ...,
+        second_critical_distance: _Given | None = ...,
+        stress_effect: _Given = ...,
         reference_velocity: _Given,
         evolution: _Evolution = ...,
+        regularised: bool = ...,
     ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class RootCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SaturatingViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    saturation_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        saturation_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Simscape(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    breakaway_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        breakaway_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -291,6 +1014,108 @@ class Stribeck(_SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class StribeckPower(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    viscous_coefficient: float
+    viscous_exponent: float = ...
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+        viscous_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TanhCoulomb(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class TanhStribeck(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    smoothing_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        smoothing_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Threlfall(_SetValuedLaw):
+    kinetic_coefficient: float
+    smoothing_velocity: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        smoothing_velocity: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Tustin(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class Viscous(_SetValuedLaw):
     viscous_coefficient: float
     def __init__(
@@ -303,23 +1128,66 @@ class Viscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class WarmViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
 __all__ = [
+    "Ambrosio",
+    "ArctanCoulomb",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
+    "BlimanSorine",
+    "BoucWen",
     "BristleLaw",
+    "BrownMcPhee",
     "CandidateSpec",
+    "Cogging",
     "Containment",
     "Coulomb",
     "CoulombViscous",
     "CoulombViscousStatic",
     "Dahl",
+    "DahlStribeck",
     "DirectionDependent",
+    "DirectionalDahl",
+    "DirectionalLuGre",
+    "DirectionalStribeck",
+    "ElastoPlastic",
     "Evolution",
     "Friction",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
+    "HessSoom",
+    "JointLoadTemperature",
     "LAWS",
     "Laws",
     "LuGre",
+    "LuGreFading",
+    "LuGreGear",
+    "MaxwellSlip",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
+    "PoppStelter",
     "PowerViscous",
     "PrintedForm",
     "QuadraticDrag",
@@ -327,10 +1195,19 @@ __all__ = [
     "RateState",
     "RateStateForm",
     "RightEquation",
+    "RootCoulomb",
     "SOURCES",
+    "SaturatingViscous",
     "SetValuedLaw",
+    "Simscape",
     "Stribeck",
+    "StribeckPower",
+    "TanhCoulomb",
+    "TanhStribeck",
+    "Threlfall",
+    "Tustin",
     "Viscous",
+    "WarmViscous",
     "bound",
     "contained_laws",
     "containment_of",

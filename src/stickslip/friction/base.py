@@ -4,7 +4,7 @@ import copy
 import dataclasses
 import functools
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, Self, TypeVar, final
@@ -20,7 +20,9 @@ __all__ = [
     "BristleLaw",
     "Containment",
     "FrictionLaw",
+    "Passivity",
     "SetValuedLaw",
+    "Typical",
     "anywhere",
     "bound",
     "force_parameters",
@@ -77,6 +79,32 @@ class Containment:
             for name, source in self.values.items()
         }
         return {name: float(value) for name, value in values.items() if value is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Typical:
+    """Values of a law: those of a publication, or an example."""
+
+    values: Mapping[str, float]
+    """Parameters by name [SI]."""
+    source: str = ""
+    """Key of `stickslip.friction.sources.SOURCES`; empty if they are an example."""
+
+    @override
+    def __str__(self) -> str:
+        return ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Passivity:
+    """Whether a law returns no more energy than it has been given."""
+
+    condition: str
+    """``always``, or for which values it is known, with the symbols of the law."""
+    holds: Callable[[Any, float], bool]
+    """Whether it is known of a law with values, at a load [N]."""
 
 
 @final
@@ -144,6 +172,14 @@ class FrictionLaw(Parametrised, ABC):
     """The parts that it is composed of, whose text `law` reads; None of a law in equations."""
     made_of: ClassVar[Any] = None
     """The composition made ready, with its fields and their meanings."""
+    typical: ClassVar[Typical | None] = None
+    """Values as they occur, with their source."""
+    passivity: ClassVar[Passivity | None] = None
+    """For which values it returns no more energy than it has been given; None if not known."""
+    defects: ClassVar[str] = ""
+    """What it is known to get wrong."""
+    compared: ClassVar[bool] = True
+    """Whether its formula was compared with its source, or with a public program of it."""
     on_request: ClassVar[bool] = False
     """Whether it is tried only where it is named: few travels cannot tell it from simpler laws."""
     contained: ClassVar[tuple[Containment, ...]] = ()
@@ -315,6 +351,16 @@ class FrictionLaw(Parametrised, ABC):
             The law itself, unless it is `directional`.
         """
         return self
+
+    def limits(self) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Such as a factor with which friction would drive instead of braking.
+        """
+        return {}
 
     def contact(self, name: str) -> Scalar:
         """Return an input of the contact, for the equations of a law that has `inputs`.

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeAlias, final
 
+from typing_extensions import override
+
 from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
@@ -48,6 +50,7 @@ class Leaf:
     modulated: "Mapping[str, tuple[Leaf, ...]]" = dataclasses.field(default_factory=dict)
     """Factors of parameters, by the part's own name of these."""
 
+    @override
     def __str__(self) -> str:
         holds = self.inputs if self.part.argument == "input" else ()
         return self.part.name + "".join(f"[{one}]" for one in holds)
@@ -118,6 +121,7 @@ class Composition:
         self.fields: dict[str, Parameter] = {}
         self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
+        self.factors: dict[str, Leaf] = {}
         self.argument = ""
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
@@ -183,6 +187,7 @@ class Composition:
         for factor in term.factors:
             names = self._enter(factor, sides, stem=term.stem(factor), owner=str(term))
             leaf = Leaf(part=factor.part, names=names, inputs=factor.inputs)
+            self.factors[str(Product(term.first, (factor,)))] = leaf
             if factor.modulated:
                 self._check_modulated(factor, leaves)
                 there = modulated.get(factor.modulated, ())
@@ -299,13 +304,8 @@ class Composition:
                 if self.meanings.setdefault(field, meaning) != meaning:
                     self._refuse(f"has two parameters called {field}, of different meaning.")
                 change = functools.partial(self._placed, owner or name.name, prefix, mark, inside)
-                self.fields[field] = dataclasses.replace(
-                    one,
-                    name=field,
-                    hint=with_marks(
-                        one.hint, lambda q, to=change: to(q) if isinstance(q, Quantity) else q
-                    ),
-                )
+                hint = with_marks(one.hint, change)
+                self.fields[field] = dataclasses.replace(one, name=field, hint=hint)
                 made.append(field)
             if doubled:
                 names[one.name] = (made[0], made[1])
@@ -313,8 +313,10 @@ class Composition:
                 names[one.name] = made[0]
         return names
 
-    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Quantity) -> Quantity:
-        """Return the quantity of a part's parameter as it is in this law."""
+    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Any) -> Any:
+        """Return the quantity of a part's parameter as it is in this law, all else as it is."""
+        if not isinstance(q, Quantity):
+            return q
         symbol = q.symbol
         if mark:
             stem, _, index = symbol.partition("_")

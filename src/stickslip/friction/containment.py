@@ -129,7 +129,12 @@ def _nearest(
         if one.name not in found:
             found[one.name] = one.law, _containment(c, one.law, values, limits)
 
-    same = known.get(canonical(c.term))
+    def named(term: Term) -> Any:
+        """Return the law of a term, or of the same with a power of the speed that is 1."""
+        plain, raised = (known.get(canonical(one)) for one in (term, _with_power(term)))
+        return plain if plain is not None or raised is None or raised.name == kind.name else raised
+
+    same = named(c.term)
     # a name of its own for the same parts, where optional ones have to be there
     if same is not None and same.name != kind.name:
         find(same, dict(_vanished(c.term)), ())
@@ -143,7 +148,7 @@ def _nearest(
                     continue
                 seen.add(canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
-                there = known.get(canonical(simpler))
+                there = named(simpler)
                 # a law that is tried only on request stands between no others
                 if there is None or (there.on_request and not kind.on_request):
                     below.append(state)
@@ -153,6 +158,21 @@ def _nearest(
     by_name = {one.name: one for one in known.values()}
     within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
     yield from (one for law, one in found.values() if law.name not in within)
+
+
+def _with_power(term: Term) -> Term:
+    """Return a term with a power of the speed in place of a viscous part."""
+    match term:
+        case Name(name="viscous"):
+            return Name("power")
+        case Sum(items=items):
+            return Sum(tuple(map(_with_power, items)))
+        case Around(head=head, inner=inner):
+            return Around(head, _with_power(inner))
+        case Product(first=first, factors=factors):
+            return Product(_with_power(first), factors)
+        case _:
+            return term
 
 
 def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[str]:
@@ -196,6 +216,9 @@ def _containment(
         for field in theirs.values()
         if field not in reached and defaults[field] not in (None, dataclasses.MISSING)
     }
+    power = theirs.get("viscous_exponent")
+    if power in where and "viscous_exponent" not in mine and "viscous_exponent" not in values:
+        where[power] = 1.0  # whatever its default is
     return Containment(
         law=simpler.name,
         values=found,

@@ -29,6 +29,20 @@ SOURCES = MappingProxyType(
             "C. Marone. Laboratory-derived friction laws and their application to seismic faulting."
             " Annual Review of Earth and Planetary Sciences 26, 1998."
         ),
+        "perrin1995": (
+            "G. Perrin, J. R. Rice, G. Zheng. Self-healing slip pulse on a frictional surface."
+            " Journal of the Mechanics and Physics of Solids 43(9), 1995."
+        ),
+        "nagata2012": (
+            "K. Nagata, M. Nakatani, S. Yoshida. A revised rate- and state-dependent friction law"
+            " obtained by constraining constitutive and evolution laws separately with laboratory"
+            " data. Journal of Geophysical Research 117(B2), 2012."
+        ),
+        "lapusta2000": (
+            "N. Lapusta, J. R. Rice, Y. Ben-Zion, G. Zheng. Elastodynamic analysis for slow"
+            " tectonic loading with spontaneous rupture episodes on faults with rate- and"
+            " state-dependent friction. Journal of Geophysical Research 105(B10), 2000."
+        ),
         "bo1982": (
             "L. C. Bo, D. Pavelescu. The friction-speed relation and its influence on the critical"
             " velocity of stick-slip motion. Wear 82, 1982."
@@ -58,6 +72,87 @@ SOURCES = MappingProxyType(
         "otter1999": (
             "M. Otter, H. Elmqvist, S. E. Mattsson. Hybrid modeling in Modelica based on the"
             " synchronous data flow principle. CACSD'99, Hawaii, 1999."
+        ),
+        "tustin1947": (
+            "A. Tustin. The effects of backlash and of speed-dependent friction on the stability of"
+            " closed-cycle control systems. Journal of the IEE 94(2A), 1947."
+        ),
+        "hess1990": (
+            "D. P. Hess, A. Soom. Friction at a lubricated line contact operating at oscillating"
+            " sliding velocities. Journal of Tribology 112(1), 1990."
+        ),
+        "popp1990": (
+            "K. Popp, P. Stelter. Stick-slip vibrations and chaos. Phil. Trans. R. Soc. A 332,"
+            " 1990."
+        ),
+        "andersson2007": (
+            "S. Andersson, A. Söderberg, S. Björklund. Friction models for sliding dry, boundary"
+            " and mixed lubricated contacts. Tribology International 40(4), 2007."
+        ),
+        "mostaghel1997": (
+            "N. Mostaghel, T. Davis. Representations of Coulomb friction for dynamic analysis."
+            " Earthquake Engineering and Structural Dynamics 26(5), 1997."
+        ),
+        "ambrosio2003": (
+            "J. A. C. Ambrósio. Impact of rigid and flexible multibody systems: deformation"
+            " description and contact models. Virtual Nonlinear Multibody Systems, Kluwer, 2003."
+        ),
+        "threlfall1978": (
+            "D. C. Threlfall. The inclusion of Coulomb friction in mechanisms programs with"
+            " particular reference to DRAM. Mechanism and Machine Theory 13(4), 1978."
+        ),
+        "brown2016": (
+            "P. Brown, J. McPhee. A continuous velocity-based friction model for dynamics and"
+            " control with physically meaningful parameters. Journal of Computational and Nonlinear"
+            " Dynamics 11(5), 2016."
+        ),
+        "simscape": "The MathWorks. Simscape: Translational Friction. Documentation of the block.",
+        "olsson1996": "H. Olsson. Control Systems with Friction. Thesis, Lund University, 1996.",
+        "dupont2002": (
+            "P. Dupont, V. Hayward, B. Armstrong, F. Altpeter. Single state elastoplastic friction"
+            " models. IEEE Transactions on Automatic Control 47(5), 2002."
+        ),
+        "bouc1967": (
+            "R. Bouc. Forced vibration of mechanical systems with hysteresis. 4th Conference on"
+            " Nonlinear Oscillation, Prague, 1967."
+        ),
+        "wen1976": (
+            "Y.-K. Wen. Method for random vibration of hysteretic systems. Journal of the"
+            " Engineering Mechanics Division 102(2), 1976."
+        ),
+        "iwan1966": (
+            "W. D. Iwan. A distributed-element model for hysteresis and its steady-state dynamic"
+            " response. Journal of Applied Mechanics 33(4), 1966."
+        ),
+        "simoni2015": (
+            "L. Simoni, M. Beschi, G. Legnani, A. Visioli. Friction modeling with temperature"
+            " effects for industrial robot manipulators. IEEE/RSJ IROS, 2015."
+        ),
+        "duclusaud2025": (
+            "M. Duclusaud, G. Passault, V. Padois, O. Ly. Extended friction models for the physics"
+            " simulation of servo actuators. IEEE ICRA, 2025."
+        ),
+        "albender2005": (
+            "F. Al-Bender, V. Lampaert, J. Swevers. The generalized Maxwell-slip model: a novel"
+            " model for friction simulation and compensation. IEEE Transactions on Automatic"
+            " Control 50(11), 2005."
+        ),
+        "lampaert2003": (
+            "V. Lampaert, F. Al-Bender, J. Swevers. A generalized Maxwell-slip friction model"
+            " appropriate for control purposes. IEEE International Conference on Physics and"
+            " Control, 2003."
+        ),
+        "olsson1998": (
+            "H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert, P. Lischinsky. Friction models"
+            " and friction compensation. European Journal of Control 4(3), 1998."
+        ),
+        "haessig1991": (
+            "D. A. Haessig, B. Friedland. On the modeling and simulation of friction. Journal of"
+            " Dynamic Systems, Measurement, and Control 113(3), 1991."
+        ),
+        "bliman1995": (
+            "P.-A. Bliman, M. Sorine. Easy-to-use realistic dry friction models for automatic"
+            " control. 3rd European Control Conference, Rome, 1995."
         ),
     }
 )

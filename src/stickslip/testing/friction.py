@@ -1,13 +1,14 @@
 """The suite for friction laws."""
 
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Axis
+from stickslip.friction import FrictionLaw, bound
+from stickslip.mechanisms import Axis, given_inputs
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
 from stickslip.testing import class_declarations, generated_equations
@@ -23,6 +24,7 @@ TOLD = ("name", "title", "formula", "sources")
 @dataclass(frozen=True)
 class _Case:
     law: FrictionLaw
+    inputs: Mapping[str, float]
     load: float
     speed: float
     mirrored: bool
@@ -35,16 +37,34 @@ class _Case:
 
     def steady(self, velocity: float, load: float) -> float:
         """Return the friction force after long sliding [N]."""
-        return float(self.law.steady(velocity, load))
+        return float(self.told.steady(velocity, load))
 
     def level(self, direction: int, load: float) -> float:
         """Return the break-away level in a direction [N]."""
-        return float(self.law.towards(direction).break_away(load))
+        return float(self.told.towards(direction).break_away(load))
+
+    @functools.cached_property
+    def told(self) -> FrictionLaw:
+        """The law, which sees its inputs."""
+        return bound(self.law, self.inputs)
 
     @property
     def rig(self) -> Axis:
-        """A mass between springs, which friction alone brings to rest."""
-        return Axis(inertia=1.0, stiffness=(self.load + 1.0), load=self.load)
+        """A mass between springs, which friction alone brings to rest, with the law's inputs."""
+        bare = Axis(inertia=1.0, stiffness=(self.load + 1.0), load=self.load)
+        return given_inputs(bare, {name: self.inputs[name] for name in self.law.inputs})
+
+
+ORDINARY: Mapping[str, float] = {
+    "motor": 1.5,
+    "external": -0.5,
+    "transmitted": 2.0,
+    "gravity": -0.5,
+    "position": 0.1,
+    "temperature": 20.0,
+    "pressure": 1e5,
+}
+"""Inputs of a contact at which laws are checked [SI, degC]."""
 
 
 def check_friction(
@@ -52,6 +72,7 @@ def check_friction(
     *,
     load: float = 10.0,
     speed: float = 1.0,
+    inputs: Mapping[str, float] | None = None,
     mirrored: bool | None = None,
     t_end: float = 2.0,
     compiled: bool = True,
@@ -67,6 +88,8 @@ def check_friction(
         An ordinary normal force [N], or 1 where levels are forces.
     speed : float
         A high slip speed [m/s]; checks go from 1e-8 to 10 times this.
+    inputs : mapping of str to float, optional
+        What the contact tells the law beside these, by name; ordinary values if not given.
     mirrored : bool, optional
         Whether it claims to be the same in both directions; all but directional ones if not given.
     t_end : float
@@ -90,7 +113,7 @@ def check_friction(
     """
     if mirrored is None:
         mirrored = not law.directional
-    case = _Case(law, load, speed, mirrored, t_end)
+    case = _Case(law, {**ORDINARY, **(inputs or {})}, load, speed, mirrored, t_end)
     then = {
         name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
     }
@@ -144,7 +167,7 @@ def _breaks_away(case: _Case) -> Iterator[str]:
         if case.level(sense, 0.0) != 0.0:
             yield f"without load the break-away level is {number(case.level(sense, 0.0))} N, not 0"
         if case.law.states:
-            yield from _bristles_break_away(case.law, case.load, level)
+            yield from _bristles_break_away(case.told, case.load, level)
 
 
 def _bristles_break_away(law: FrictionLaw, load: float, level: float) -> Iterator[str]:
@@ -175,7 +198,7 @@ def _odd(case: _Case) -> Iterator[str]:
 
 
 def _arrays(case: _Case) -> Iterator[str]:
-    law, v = case.law, np.array([*case.speeds, *(-s for s in case.speeds)])
+    law, v = case.told, np.array([*case.speeds, *(-s for s in case.speeds)])
     found = law.steady(v, case.load)
     one_by_one = np.array([case.steady(float(each), case.load) for each in v])
     # exp and pow of NumPy may differ from those of math in the last digit
@@ -185,8 +208,8 @@ def _arrays(case: _Case) -> Iterator[str]:
 
 def _traced(case: _Case) -> Iterator[str]:
     """Yield speeds at which the generated equations have another force than the law itself."""
-    law = case.law
-    equations = generated_equations.generated(case.rig, law)
+    law = case.told
+    equations = generated_equations.generated(case.rig, case.law)
     share = generated_equations.reach(law) * 0.3 if law.states else 0.0
     for speed in case.speeds[::4]:
         for sense in (1, -1):

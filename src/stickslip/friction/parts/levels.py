@@ -11,7 +11,7 @@ from stickslip.friction.coefficients import (
     StaticCoefficient,
     StribeckVelocity,
 )
-from stickslip.friction.parts.base import Extra, Level, Slip, SmoothLevel, Values
+from stickslip.friction.parts.base import Becomes, Extra, Level, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
 
@@ -112,6 +112,7 @@ class Stribeck(Surplus):
 
     name = "stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
+    becomes = (Becomes(name="tustin", values={"fading_exponent": 1.0}),)
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
     fading_exponent: FadingExponent = 2.0
@@ -119,6 +120,20 @@ class Stribeck(Surplus):
     @override
     def left(self, p: Values, s: Slip) -> Scalar:
         return fade(s.speed, p.stribeck_velocity, p.fading_exponent)
+
+
+@final
+class Tustin(Surplus):
+    """A static surplus that fades exponentially, with a corner at rest."""
+
+    name = "tustin"
+    tex = r"(\mu_s - \mu_k) e^{-|v|/v_s}"
+    static_coefficient: StaticCoefficient
+    stribeck_velocity: StribeckVelocity
+
+    @override
+    def left(self, p: Values, s: Slip) -> Scalar:
+        return fade(s.speed, p.stribeck_velocity, 1.0)
 
 
 @final

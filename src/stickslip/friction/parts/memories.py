@@ -162,8 +162,8 @@ class BoucWen(Memory):
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
         # |u|^n, rounded at 0, where n < 1 has no slope
-        yields = power(u * u + ROUNDED, 0.5 * p.loop_exponent)
-        return (s.along * (1.0 - yields * where(u * s.along > 0.0, 1.0, 2.0 * beta - 1.0)),)
+        yields = power(u * u + ROUNDED * math.sqrt(ROUNDED), 0.5 * p.loop_exponent)
+        return (s.along * (1.0 - yields * where(u * sign(s.along) > 0.0, 1.0, 2.0 * beta - 1.0)),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
@@ -204,8 +204,8 @@ class Maxwell(Elements):
     name = "maxwell"
     tex = r"\textstyle\frac{g}{g(0)} \frac{\sigma_0}{{0}} \sum_i z_i"
     tex_where = (
-        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v < \tfrac{2 i}{{0} + 1} g(0),"
-        r" \text{ else } 0"
+        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v <"
+        r" \tfrac{2 i}{{0} + 1} g(0), \text{ else } 0"
     )
     becomes = (Becomes(name="", values={}, limits=("bristle_stiffness",)),)
     bristle_stiffness: BristleStiffness
@@ -237,8 +237,8 @@ class GMS(Elements):
     name = "gms"
     tex_where = (
         r"\dot z_i = v \text{ until } \sigma_0 z_i \operatorname{sgn} v = \tfrac{2 i}{{0} + 1} g,"
-        r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v - \tfrac{z_i}{g}"
-        r" \right) \text{ until } v = 0"
+        r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v"
+        r" - \tfrac{z_i}{g} \right) \text{ until } v = 0"
     )
     becomes = (Becomes(name="", values={}, limits=("bristle_stiffness", "attraction")),)
     bristle_stiffness: BristleStiffness
