@@ -12,7 +12,7 @@ from stickslip.selection.candidates import LEFT_OUT, REFERENCE, CandidateSpec, W
 from stickslip.selection.choice import LEAST, LEVEL, significant
 from stickslip.selection.parallel_fit import Fitted, Tried, fitted_side_by_side
 from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.wording import in_sentence
+from stickslip.selection.wording import friction_of
 
 __all__ = ["Climbed", "climbed"]
 
@@ -115,15 +115,15 @@ def _above(
     size = max(c.effective for c in fits.values())
     shown = [c for c in fits.values() if _shown(c, fits, size)]
     best = min(shown, key=lambda c: size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters)
-    title = in_sentence(best.title)
+    title = friction_of(best.title)
     if at_noise(best):
-        return [], f"{title} friction leaves no more than noise"
+        return [], f"{title} leaves no more than noise"
     tried = {c.name for c in compared}
     own = rungs().get(best.name, Rung())
     wanted = [*Rung().above(), *(one for one in own.above() if _promising(own, one, fits, size))]
     names = dict.fromkeys(one.specification.name for one in wanted)
     more = [by_name[name] for name in names if name in by_name and name not in tried]
-    return more, f"no law with one part more is shown to hold over {title} friction"
+    return more, f"no law with one part more is shown to hold over {title}"
 
 
 def _shown(c: RecordCandidate, fits: Mapping[str, RecordCandidate], size: float) -> bool:
