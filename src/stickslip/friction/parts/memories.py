@@ -15,6 +15,9 @@ ROUNDED = 1e-12
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
+BENT = 1e-18
+"""Square of the share of the friction level within which a loop is rounded."""
+
 
 @final
 class Dahl(Memory):
@@ -161,9 +164,10 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        # |u|^n, rounded at 0, where n < 1 has no slope
-        yields = power(u * u + ROUNDED * math.sqrt(ROUNDED), 0.5 * p.loop_exponent)
-        return (s.along * (1.0 - yields * where(u * sign(s.along) > 0.0, 1.0, 2.0 * beta - 1.0)),)
+        # |u|^n and |u|^n sgn u, rounded so that both have slopes at u = 0
+        size, n = u * u + BENT, p.loop_exponent
+        loads = u * power(size, 0.5 * (n - 1.0)) * sign(s.along)
+        return (s.along * (1.0 - beta * power(size, 0.5 * n) - (1.0 - beta) * loads),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
