@@ -27,7 +27,9 @@ class Rung:
     """
 
     both_ways: bool = False
+    """Whether the directions differ."""
     stribeck: bool = False
+    """Whether a static surplus fades with the speed."""
     flow: str = "viscous"
     """``"viscous"``, ``"power"`` or ``"drag"``, which stands beside the viscous part."""
     memory: str = ""

@@ -205,7 +205,7 @@ def _tried(
     executor: Executor | None,
     *,
     usual: bool,
-) -> tuple[Callable[..., RecordCandidate], Climbed[RecordCandidate]]:
+) -> tuple[Callable[..., RecordCandidate], Climbed]:
     """Return what fits a candidate, and those that were: by the better of two open routes."""
 
     def by(name: RecordRouteName, reason: str) -> Callable[..., RecordCandidate]:
@@ -471,7 +471,7 @@ def with_scores(
     RecordCandidate
         The candidate with its errors on held-out blocks and on the second record.
     """
-    if candidate.fit is None:
+    if candidate.fit is None or candidate.dropped:
         return candidate
     if candidate.fit.optimum.hopeless:
         return replace(candidate, dropped=HOPELESS)
