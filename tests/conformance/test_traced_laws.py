@@ -9,6 +9,7 @@ from tests.support import Generated, example_of
 
 from stickslip import Axis
 from stickslip.friction import LAWS, bound
+from stickslip.maths import Latches
 from stickslip.mechanisms import given_inputs
 from stickslip.quantities import fields_of
 from stickslip.testing.friction import ORDINARY
@@ -49,15 +50,27 @@ def deflections(law, v, share):
 
 
 def friction(law, v, z, load):
+    with Latches():  # margins tell which latched switches are on
+        return _friction(law, v, z, load)
+
+
+def rates_of(law, v, z):
+    with Latches():
+        return law.rates(v, LOAD, z)
+
+
+def _friction(law, v, z, load):
     return law.force(v, load, z) if law.states else law.force(v, load)
 
 
 def states(law):
     """Yield speeds of both senses with deflections of both senses."""
     dice = random.Random(1)
+    # equations that are generated start with latched switches off: below the first level they are
+    most = 0.3 if law.name == "gms" else 0.7
     for v in SPEEDS:
         for sense in (1.0, -1.0):
-            yield sense * v, deflections(law, sense * v, dice.uniform(-0.7, 0.7))
+            yield sense * v, deflections(law, sense * v, dice.uniform(-most, most))
 
 
 def size_of(law, v, z):
@@ -87,7 +100,7 @@ def test_generated_equations_agree_with_the_law_in_floats(law):
         assert normal == LOAD
         assert math.isclose(level, law.break_away(LOAD), rel_tol=ROUNDING)
         if z:
-            for rate, true in zip(rates, law.rates(v, LOAD, z), strict=True):
+            for rate, true in zip(rates, rates_of(law, v, z), strict=True):
                 assert abs(rate - true) <= ROUNDING * max(abs(v), abs(true))
 
 
@@ -102,8 +115,8 @@ def test_arrays_give_what_floats_give(law):
     sizes = np.array([size_of(law, one, each) for one, each in cases])
     assert np.all(np.abs(force - expected) <= 1e-14 * sizes)
     if z:
-        rates = law.rates(v, LOAD, z)
-        true = np.array([law.rates(one, LOAD, each) for one, each in cases]).T
+        rates = rates_of(law, v, z)
+        true = np.array([rates_of(law, one, each) for one, each in cases]).T
         assert np.all(np.abs(np.array(rates) - true) <= 1e-14 * (np.abs(v) + np.abs(true)))
 
 
