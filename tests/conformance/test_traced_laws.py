@@ -32,6 +32,10 @@ def variants():
 
 
 each_law = pytest.mark.parametrize("law", list(variants()))
+# a solver knows which latched switches are on: see tests/friction/test_memories.py
+each_without_latches = pytest.mark.parametrize(
+    "law", [one for one in variants() if one.values[0].name != "gms"]
+)
 
 
 def generated_with(law, **rig):
@@ -66,11 +70,9 @@ def _friction(law, v, z, load):
 def states(law):
     """Yield speeds of both senses with deflections of both senses."""
     dice = random.Random(1)
-    # equations that are generated start with latched switches off: below the first level they are
-    most = 0.3 if law.name == "gms" else 0.7
     for v in SPEEDS:
         for sense in (1.0, -1.0):
-            yield sense * v, deflections(law, sense * v, dice.uniform(-most, most))
+            yield sense * v, deflections(law, sense * v, dice.uniform(-0.7, 0.7))
 
 
 def size_of(law, v, z):
@@ -83,7 +85,7 @@ def size_of(law, v, z):
 ROUNDING = 1e-13
 
 
-@each_law
+@each_without_latches
 def test_generated_equations_agree_with_the_law_in_floats(law):
     generated = generated_with(law)
     for v, z in states(law):
