@@ -1198,7 +1198,7 @@ class BamM4:
     --------
     >>> from stickslip import BamM4
     >>> [one.law for one in BamM4.contained]
-    ['stribeck', 'bam-m3', 'tustin']
+    ['stribeck', 'bam-m3']
     """
 
     name = "bam-m4"
