@@ -38,6 +38,7 @@ from stickslip.friction import BamM3 as BamM3
 from stickslip.friction import BamM4 as BamM4
 from stickslip.friction import BamM5 as BamM5
 from stickslip.friction import BamM6 as BamM6
+from stickslip.friction import BlimanSorine as BlimanSorine
 from stickslip.friction import BoucWen as BoucWen
 from stickslip.friction import BrownMcPhee as BrownMcPhee
 from stickslip.friction import Cogging as Cogging
@@ -52,6 +53,8 @@ from stickslip.friction import DirectionalLuGre as DirectionalLuGre
 from stickslip.friction import DirectionalStribeck as DirectionalStribeck
 from stickslip.friction import ElastoPlastic as ElastoPlastic
 from stickslip.friction import FrictionLaw as FrictionLaw
+from stickslip.friction import GMS as GMS
+from stickslip.friction import HaessigFriedland as HaessigFriedland
 from stickslip.friction import HessSoom as HessSoom
 from stickslip.friction import JointLoadTemperature as JointLoadTemperature
 from stickslip.friction import LuGre as LuGre
@@ -115,6 +118,7 @@ __all__ = [
     "BamM4",
     "BamM5",
     "BamM6",
+    "BlimanSorine",
     "BlockChain",
     "BoucWen",
     "BrownMcPhee",
@@ -135,6 +139,8 @@ __all__ = [
     "EventDriven",
     "FixedStep",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
     "HessSoom",
     "JointLoadTemperature",
     "LuGre",

@@ -1,4 +1,4 @@
-"""Memories with switches in programs: a step that keeps flags, FMUs, and what is refused by name."""
+"""Memories with switches in programs: steps that keep flags, FMUs, what is refused by name."""
 
 from pathlib import Path
 

@@ -353,7 +353,10 @@ def simulate(
     ] = None,
     method: Annotated[
         str,
-        typer.Option("--method", help="Integration method for --fixed-step: euler, heun or rk4."),
+        typer.Option(
+            "--method",
+            help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
+        ),
     ] = "euler",
     no_stick_rule: Annotated[
         bool,
@@ -370,6 +373,16 @@ def simulate(
             " Karnopp (1985) does.",
         ),
     ] = 0.0,
+    program: Annotated[
+        str | None,
+        typer.Option(
+            "--as",
+            metavar="PROGRAM",
+            help="Simulate as another program does, and compare that with the exact run: mujoco,"
+            " mujoco-dcmotor, drake, simscape or karnopp, with settings such as"
+            " mujoco:timestep=0.001,impedance=0.99.",
+        ),
+    ] = None,
     ensemble: Annotated[
         int | None,
         typer.Option(
@@ -424,6 +437,7 @@ def simulate(
         method=method,
         stick_rule=not no_stick_rule,
         zero_velocity_band=zero_velocity_band,
+        program=program,
         ensemble=ensemble,
         refit=refit,
         seed=seed,

@@ -194,9 +194,9 @@ def _flags(law: FrictionLaw) -> tuple[str, ...]:
         _told(law).rates(1.0, 1.0, (0.0,) * len(law.states))
     if latches and (law.holds or not _has_formula(law)):
         raise InputError(
-            f"{type(law).__name__} cannot be exported: it has latched switches, which exports follow"
-            " with a formula for constant velocity and without static_switch. An FMU of the rig"
-            " does: --to fmu."
+            f"{type(law).__name__} cannot be exported: it has latched switches, which exports"
+            " follow with a formula for constant velocity and without static_switch. An FMU of the"
+            " rig does: --to fmu."
         )
     return tuple(f"slips{i + 1}" for i in range(len(latches.flags)))
 

@@ -44,6 +44,9 @@ NAMED = (
     "BamM5",
     "BamM6",
     "LuGreGear",
+    "GMS",
+    "HaessigFriedland",
+    "BlimanSorine",
 )
 """Classes of the laws that have an entry in `named`; tools/stubs.py writes this list."""
 LAW_MODULES = {
@@ -72,12 +75,12 @@ HOMES = {
     "SetValuedLaw": "base",
     "bound": "base",
     "contained_laws": "registry",
-    "containment_of": "base",
+    "containment_of": "containment",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "usual_specifications": "registry",
+    "usual_specifications": "ladder",
 }
 
 INSIDE = {
@@ -91,6 +94,8 @@ INSIDE = {
     "given_to": "by_contact",
     "is_bound": "base",
     "is_composition": "registry",
+    "Rung": "ladder",
+    "rungs": "ladder",
     "listed": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

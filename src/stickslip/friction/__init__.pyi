@@ -11,7 +11,6 @@ from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
 from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
-from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
@@ -19,6 +18,10 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
+from stickslip.friction.containment import containment_of as containment_of
+from stickslip.friction.ladder import Rung as Rung
+from stickslip.friction.ladder import rungs as rungs
+from stickslip.friction.ladder import usual_specifications as usual_specifications
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -40,7 +43,6 @@ from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
-from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
@@ -227,6 +229,31 @@ class BamM6(_SetValuedLaw):
     def break_away(self, load: _Scalar) -> _Scalar: ...
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BlimanSorine(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    surplus_share: float
+    distance_ratio: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        surplus_share: _Given,
+        distance_ratio: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
@@ -572,6 +599,62 @@ class ElastoPlastic(_BristleLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class GMS(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    bristle_stiffness: float
+    attraction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        bristle_stiffness: _Given,
+        attraction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class HaessigFriedland(_BristleLaw):
+    kinetic_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    sticking_surplus: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
+        sticking_surplus: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class HessSoom(_SetValuedLaw):
     kinetic_coefficient: float
     static_coefficient: float
@@ -841,8 +924,12 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
         direct_effect: _Given,
         evolution_effect: _Given = ...,
         critical_distance: _Given | None = ...,
+        second_evolution_effect: _Given = ...,
+        second_critical_distance: _Given | None = ...,
+        stress_effect: _Given = ...,
         reference_velocity: _Given,
         evolution: _Evolution = ...,
+        regularised: bool = ...,
     ) -> None: ...
 
 @final
@@ -1068,6 +1155,7 @@ __all__ = [
     "BamM4",
     "BamM5",
     "BamM6",
+    "BlimanSorine",
     "BoucWen",
     "BristleLaw",
     "BrownMcPhee",
@@ -1087,6 +1175,8 @@ __all__ = [
     "Evolution",
     "Friction",
     "FrictionLaw",
+    "GMS",
+    "HaessigFriedland",
     "HessSoom",
     "JointLoadTemperature",
     "LAWS",

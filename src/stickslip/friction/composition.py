@@ -12,6 +12,7 @@ from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
     BOTH_WAYS,
+    PER_DIRECTION,
     Around,
     Name,
     Product,
@@ -26,8 +27,6 @@ __all__ = ["SIDES", "Choose", "Composition", "Leaf"]
 
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
-PER_DIRECTION = ("level", "slope")
-"""Scales of parameters that ``both_ways[levels]`` doubles."""
 
 Names: TypeAlias = Mapping[str, str | tuple[str, str]]
 """Field of the law by a part's own name of it; two where the directions have their own."""

@@ -1170,9 +1170,7 @@ class BamM3:
     --------
     >>> from stickslip import BamM3
     >>> from stickslip.friction import bound
-    >>> law = BamM3(
-    ...     kinetic_coefficient=0.5, transmitted_coefficient=0.25, viscous_coefficient=0.0
-    ... )
+    >>> law = BamM3(kinetic_coefficient=0.5, transmitted_coefficient=0.25, viscous_coefficient=0.0)
     >>> bound(law, {"transmitted": -2.0}).break_away(load=1.0)
     1.0
     """
@@ -1310,4 +1308,101 @@ class LuGreGear:
         holds=BRISTLE_DAMPING.holds,
     )
     defects = DRIFTS
+
+
+@composed("gms[4](level + stribeck) + viscous")
+class GMS:
+    """Generalised Maxwell slip: four elements that slip until the velocity turns, and lag then.
+
+    An element that slips follows the Stribeck curve behind at the rate of the attraction, which is
+    the frictional lag; before that inner loops close, as those of Maxwell slip do.
+
+    Examples
+    --------
+    >>> from stickslip import GMS
+    >>> law = GMS(
+    ...     kinetic_coefficient=1.0,
+    ...     static_coefficient=1.5,
+    ...     stribeck_velocity=1e-3,
+    ...     bristle_stiffness=1e5,
+    ...     attraction=10.0,
+    ...     viscous_coefficient=0.4,
+    ... )
+    >>> law.steady(0.1, load=1.0), law.force(0.1, 1.0, (1e-6, 1e-6, 1e-6, 1e-6))
+    (1.04, 0.14)
+    """
+
+    name = "gms"
+    title = "Generalised Maxwell slip, 4 elements"
+    sources = ("albender2005", "lampaert2003")
+    fit_order = (
+        "kinetic_coefficient",
+        "viscous_coefficient",
+        "bristle_stiffness",
+        "static_coefficient",
+        "stribeck_velocity",
+        "attraction",
+    )
+    typical = Typical(values={**FADING, **STIFF, "attraction": 10.0})
+    passivity = Passivity(
+        condition="mu_s = mu_k",
+        holds=lambda law, _: bool(law.static_coefficient == law.kinetic_coefficient),
+    )
+    defects = (
+        "Elements that slip slowly grow stronger at no cost, so that with a falling curve it can"
+        " return more than it took. Its switches have a memory that models in Modelica lack."
+    )
+    on_request = True
+
+
+@composed("reset(level)")
+class HaessigFriedland:
+    """Reset integrator: a damped spring, stiffer while it sticks, and a level where it gives way.
+
+    Examples
+    --------
+    >>> from stickslip import HaessigFriedland
+    >>> law = HaessigFriedland(
+    ...     kinetic_coefficient=1.0,
+    ...     bristle_stiffness=1e5,
+    ...     bristle_damping=100.0,
+    ...     sticking_surplus=0.5,
+    ... )
+    >>> law.break_away(1.0), law.steady(0.1, load=1.0)
+    (1.5, 1.0)
+    """
+
+    name = "haessig-friedland"
+    title = "Haessig-Friedland reset integrator"
+    sources = ("haessig1991", "olsson1998")
+    typical = Typical(values={**LEVEL, **STIFF, "bristle_damping": 100.0, "sticking_surplus": 0.5})
+    passivity = ALWAYS
+    defects = "The force jumps where the spring gives way, and where slip turns."
+    on_request = True
+
+
+@composed("bliman_sorine(level)")
+class BlimanSorine:
+    """Two springs of which one is taken off: break-away exceeds the level, and fades by distance.
+
+    Nothing in it depends on the speed. The model of first order is Dahl's plain law.
+
+    Examples
+    --------
+    >>> from stickslip import BlimanSorine
+    >>> law = BlimanSorine(
+    ...     kinetic_coefficient=1.0,
+    ...     bristle_stiffness=1e5,
+    ...     surplus_share=0.5,
+    ...     distance_ratio=0.2,
+    ... )
+    >>> round(law.break_away(1.0), 6), law.steady(0.1, load=1.0)
+    (1.203253, 1.0)
+    """
+
+    name = "bliman-sorine"
+    title = "Bliman-Sorine, second order"
+    sources = ("bliman1995", "olsson1998")
+    typical = Typical(values={**LEVEL, **STIFF, "surplus_share": 0.5, "distance_ratio": 0.2})
+    defects = DRIFTS + " The force of break-away comes back with distance, not with time."
     on_request = True

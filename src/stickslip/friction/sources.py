@@ -29,6 +29,20 @@ SOURCES = MappingProxyType(
             "C. Marone. Laboratory-derived friction laws and their application to seismic faulting."
             " Annual Review of Earth and Planetary Sciences 26, 1998."
         ),
+        "perrin1995": (
+            "G. Perrin, J. R. Rice, G. Zheng. Self-healing slip pulse on a frictional surface."
+            " Journal of the Mechanics and Physics of Solids 43(9), 1995."
+        ),
+        "nagata2012": (
+            "K. Nagata, M. Nakatani, S. Yoshida. A revised rate- and state-dependent friction law"
+            " obtained by constraining constitutive and evolution laws separately with laboratory"
+            " data. Journal of Geophysical Research 117(B2), 2012."
+        ),
+        "lapusta2000": (
+            "N. Lapusta, J. R. Rice, Y. Ben-Zion, G. Zheng. Elastodynamic analysis for slow"
+            " tectonic loading with spontaneous rupture episodes on faults with rate- and"
+            " state-dependent friction. Journal of Geophysical Research 105(B10), 2000."
+        ),
         "bo1982": (
             "L. C. Bo, D. Pavelescu. The friction-speed relation and its influence on the critical"
             " velocity of stick-slip motion. Wear 82, 1982."
@@ -117,6 +131,28 @@ SOURCES = MappingProxyType(
         "duclusaud2025": (
             "M. Duclusaud, G. Passault, V. Padois, O. Ly. Extended friction models for the physics"
             " simulation of servo actuators. IEEE ICRA, 2025."
+        ),
+        "albender2005": (
+            "F. Al-Bender, V. Lampaert, J. Swevers. The generalized Maxwell-slip model: a novel"
+            " model for friction simulation and compensation. IEEE Transactions on Automatic"
+            " Control 50(11), 2005."
+        ),
+        "lampaert2003": (
+            "V. Lampaert, F. Al-Bender, J. Swevers. A generalized Maxwell-slip friction model"
+            " appropriate for control purposes. IEEE International Conference on Physics and"
+            " Control, 2003."
+        ),
+        "olsson1998": (
+            "H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert, P. Lischinsky. Friction models"
+            " and friction compensation. European Journal of Control 4(3), 1998."
+        ),
+        "haessig1991": (
+            "D. A. Haessig, B. Friedland. On the modeling and simulation of friction. Journal of"
+            " Dynamic Systems, Measurement, and Control 113(3), 1991."
+        ),
+        "bliman1995": (
+            "P.-A. Bliman, M. Sorine. Easy-to-use realistic dry friction models for automatic"
+            " control. 3rd European Control Conference, Rome, 1995."
         ),
     }
 )

@@ -15,6 +15,9 @@ ROUNDED = 1e-12
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
+BENT = 1e-18
+"""Square of the share of the friction level within which a loop is rounded."""
+
 
 @final
 class Dahl(Memory):
@@ -161,9 +164,10 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        # |u|^n, rounded at 0, where n < 1 has no slope
-        yields = power(u * u + ROUNDED, 0.5 * p.loop_exponent)
-        return (s.along * (1.0 - yields * where(u * s.along > 0.0, 1.0, 2.0 * beta - 1.0)),)
+        # |u|^n and |u|^n sgn u, rounded so that both have slopes at u = 0
+        size, n = u * u + BENT, p.loop_exponent
+        loads = u * power(size, 0.5 * (n - 1.0)) * sign(s.along)
+        return (s.along * (1.0 - beta * power(size, 0.5 * n) - (1.0 - beta) * loads),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
@@ -204,8 +208,8 @@ class Maxwell(Elements):
     name = "maxwell"
     tex = r"\textstyle\frac{g}{g(0)} \frac{\sigma_0}{{0}} \sum_i z_i"
     tex_where = (
-        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v < \tfrac{2 i}{{0} + 1} g(0),"
-        r" \text{ else } 0"
+        r"\dot z_i = v \text{ while } \sigma_0 z_i \operatorname{sgn} v <"
+        r" \tfrac{2 i}{{0} + 1} g(0), \text{ else } 0"
     )
     becomes = (Becomes(name="", values={}, limits=("bristle_stiffness",)),)
     bristle_stiffness: BristleStiffness
@@ -237,8 +241,8 @@ class GMS(Elements):
     name = "gms"
     tex_where = (
         r"\dot z_i = v \text{ until } \sigma_0 z_i \operatorname{sgn} v = \tfrac{2 i}{{0} + 1} g,"
-        r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v - \tfrac{z_i}{g}"
-        r" \right) \text{ until } v = 0"
+        r" \text{ then } C \left(\tfrac{2 i}{({0} + 1) \sigma_0} \operatorname{sgn} v"
+        r" - \tfrac{z_i}{g} \right) \text{ until } v = 0"
     )
     becomes = (Becomes(name="", values={}, limits=("bristle_stiffness", "attraction")),)
     bristle_stiffness: BristleStiffness
