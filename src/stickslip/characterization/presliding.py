@@ -11,6 +11,7 @@ from typing_extensions import override
 from stickslip.display import OnAxes, Summary
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw
+from stickslip.maths import Latches
 from stickslip.tables import Tabular
 
 if TYPE_CHECKING:
@@ -80,10 +81,11 @@ def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     0.00025
     """
     rest = tuple(0.0 for _ in law.states)
-    rates = law.rates(SLOW, load, rest)
-    moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
-    # The laws are affine in their deflection at a given speed, so any step gives the slope.
-    stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
+    with Latches(off=True):  # where nothing has slipped yet
+        rates = law.rates(SLOW, load, rest)
+        moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+        # The laws are affine in their deflection at a given speed, so any step gives the slope.
+        stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
     return float(law.break_away(load)) / stiffness
 
 
