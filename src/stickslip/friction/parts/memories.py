@@ -12,6 +12,8 @@ from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
 """Share of the level that is nothing: broken powers are rounded within its root."""
+NOTHING = 1e-9
+"""Share of the level within which the sides of a loop are one."""
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
 
@@ -161,9 +163,10 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        # |u|^n, rounded at 0, where n < 1 has no slope
-        yields = power(u * u + ROUNDED * math.sqrt(ROUNDED), 0.5 * p.loop_exponent)
-        return (s.along * (1.0 - yields * where(u * sign(s.along) > 0.0, 1.0, 2.0 * beta - 1.0)),)
+        # |u|^n, rounded at 0, where n < 1 has no slope, and both sides of the loop meet
+        yields = power(u * u + NOTHING * NOTHING, 0.5 * p.loop_exponent)
+        side = where(u * sign(s.along) + NOTHING > 0.0, 1.0, 2.0 * beta - 1.0)
+        return (s.along * (1.0 - yields * side),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:
