@@ -15,6 +15,7 @@ version = release
 
 extensions = [
     "examples",
+    "gallery",
     "generated",
     "mathml",
     "myst_nb",

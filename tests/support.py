@@ -44,15 +44,20 @@ from stickslip.mechanisms import (
     Rotor,
     SerialArm,
     Torque,
+    given_inputs,
+    input_names,
 )
 from stickslip.quantities import Quantity, fields_of, parameters
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
+from stickslip.testing.friction import ORDINARY
 
-RIGID = [law for law in LAWS.values() if not law.states]
+UNAIDED = {name: law for name, law in LAWS.items() if not law.inputs}
+"""Laws that ask the contact for speed and load alone."""
+RIGID = [law for law in UNAIDED.values() if not law.states]
 """Laws without bristles, the same in both directions or not."""
-SET_VALUED = [law for law in LAWS.values() if issubclass(law, SetValuedLaw)]
-BRISTLE = [law for law in LAWS.values() if law.states]
+SET_VALUED = [law for law in UNAIDED.values() if issubclass(law, SetValuedLaw)]
+BRISTLE = [law for law in UNAIDED.values() if law.states]
 
 DECADES: Mapping[str, tuple[float, float]] = {
     "1": (-1.3, 0.0),
@@ -165,7 +170,10 @@ def held_by(law: FrictionLaw, friction: Any, load: Any) -> Any:
 def example_of(kind: type[FrictionLaw]) -> Any:
     """Return one law of a kind with everyday parameters."""
     values: dict[str, float] = {}
-    typical = {"1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2}
+    typical = {
+        "1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2,
+        "1/N": 0.1, "1/N^2": 0.05, "1/K": 0.01, "1/Pa": 1e-6,
+    }  # fmt: skip
     for name, quantity in fields_of(kind).items():
         if quantity.structural:
             continue
@@ -173,6 +181,13 @@ def example_of(kind: type[FrictionLaw]) -> Any:
         assert surplus or quantity.unit in typical, f"{name}: `typical` has no {quantity.unit}"
         values[name] = values[quantity.at_least] + surplus if surplus else typical[quantity.unit]
     return kind(**values)
+
+
+def informed(rig: Any, law: FrictionLaw | type[FrictionLaw]) -> Any:
+    """Return a mechanism that tells a law all that it asks for, ordinary values where it cannot."""
+    (contact,) = rig.contacts()
+    lacking = set(law.inputs).difference(input_names(rig, contact.name))
+    return given_inputs(rig, {name: ORDINARY[name] for name in sorted(lacking)})
 
 
 def nearly(low: float, high: float) -> st.SearchStrategy[float]:

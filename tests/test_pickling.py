@@ -32,7 +32,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.characterize import presliding_loop
+from stickslip.characterization import presliding_loop
 from stickslip.control import closed_loop, limit_cycle
 from stickslip.drives import Sampled, Sine
 from stickslip.experiments import LawEstimates, guess_data

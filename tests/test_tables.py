@@ -15,7 +15,7 @@ from stickslip.errors import InputError
 from stickslip.tables import dataset_of
 
 PLACES = (
-    "results", "adapters", "characterize", "control", "experiments", "identification",
+    "results", "adapters", "characterization", "control", "experiments", "identification",
     "optimisation", "selection", "solver", "sweep", "trajectory",
 )  # fmt: skip
 

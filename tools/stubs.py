@@ -28,6 +28,7 @@ SOURCE = Path(__file__).resolve().parent.parent / "src"
 PACKAGES = (
     "stickslip",
     "stickslip.adapters",
+    "stickslip.characterization",
     "stickslip.control",
     "stickslip.drives",
     "stickslip.experiments",
@@ -52,6 +53,7 @@ EXTRA = {
 """Further names, which no module defines, with their types."""
 CONSTRUCTED = (
     "stickslip.adapters",
+    "stickslip.characterization",
     "stickslip.control",
     "stickslip.drives",
     "stickslip.friction",

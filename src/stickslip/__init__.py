@@ -21,6 +21,7 @@ HOMES = {
     "RecordSettings": "identification",
     "Rig": "experiments",
     "animate": "plots",
+    "characterize": "characterization",
     "check": "experiments",
     "compare_trials": "identification",
     "ensemble": "simulation",
@@ -40,7 +41,7 @@ HOMES = {
 NAMESPACES = (
     "adapters",
     "catalogue",
-    "characterize",
+    "characterization",
     "control",
     "drives",
     "errors",

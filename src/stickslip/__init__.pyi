@@ -1,7 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip import adapters as adapters
 from stickslip import catalogue as catalogue
-from stickslip import characterize as characterize
+from stickslip import characterization as characterization
 from stickslip import control as control
 from stickslip import drives as drives
 from stickslip import errors as errors
@@ -23,6 +23,7 @@ from stickslip import selection as selection
 from stickslip import solver as solver
 from stickslip import sweep as sweep
 from stickslip import testing as testing
+from stickslip.characterization import characterize as characterize
 from stickslip.experiments import Measurement as Measurement
 from stickslip.experiments import Rig as Rig
 from stickslip.experiments import check as check
@@ -31,9 +32,16 @@ from stickslip.experiments import load_rig as load_rig
 from stickslip.exports import export as export
 from stickslip.friction import Ambrosio as Ambrosio
 from stickslip.friction import ArctanCoulomb as ArctanCoulomb
+from stickslip.friction import BamM1 as BamM1
+from stickslip.friction import BamM2 as BamM2
+from stickslip.friction import BamM3 as BamM3
+from stickslip.friction import BamM4 as BamM4
+from stickslip.friction import BamM5 as BamM5
+from stickslip.friction import BamM6 as BamM6
 from stickslip.friction import BlimanSorine as BlimanSorine
 from stickslip.friction import BoucWen as BoucWen
 from stickslip.friction import BrownMcPhee as BrownMcPhee
+from stickslip.friction import Cogging as Cogging
 from stickslip.friction import Coulomb as Coulomb
 from stickslip.friction import CoulombViscous as CoulombViscous
 from stickslip.friction import CoulombViscousStatic as CoulombViscousStatic
@@ -48,8 +56,10 @@ from stickslip.friction import FrictionLaw as FrictionLaw
 from stickslip.friction import GMS as GMS
 from stickslip.friction import HaessigFriedland as HaessigFriedland
 from stickslip.friction import HessSoom as HessSoom
+from stickslip.friction import JointLoadTemperature as JointLoadTemperature
 from stickslip.friction import LuGre as LuGre
 from stickslip.friction import LuGreFading as LuGreFading
+from stickslip.friction import LuGreGear as LuGreGear
 from stickslip.friction import MaxwellSlip as MaxwellSlip
 from stickslip.friction import PoppStelter as PoppStelter
 from stickslip.friction import PowerViscous as PowerViscous
@@ -64,6 +74,7 @@ from stickslip.friction import TanhStribeck as TanhStribeck
 from stickslip.friction import Threlfall as Threlfall
 from stickslip.friction import Tustin as Tustin
 from stickslip.friction import Viscous as Viscous
+from stickslip.friction import WarmViscous as WarmViscous
 from stickslip.identification import RecordSettings as RecordSettings
 from stickslip.identification import compare_trials as compare_trials
 from stickslip.identification import inverse_dynamics as inverse_dynamics
@@ -101,12 +112,19 @@ __all__ = [
     "Ambrosio",
     "ArctanCoulomb",
     "Axis",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
     "BlimanSorine",
     "BlockChain",
     "BoucWen",
     "BrownMcPhee",
     "Capsule",
     "ClutchTrain",
+    "Cogging",
     "Coulomb",
     "CoulombViscous",
     "CoulombViscousStatic",
@@ -124,8 +142,10 @@ __all__ = [
     "GMS",
     "HaessigFriedland",
     "HessSoom",
+    "JointLoadTemperature",
     "LuGre",
     "LuGreFading",
+    "LuGreGear",
     "MatrixMechanism",
     "MaxwellSlip",
     "Measurement",
@@ -154,8 +174,10 @@ __all__ = [
     "TwoLinkArm",
     "TwoMassAxis",
     "Viscous",
+    "WarmViscous",
     "__version__",
     "animate",
+    "characterize",
     "check",
     "compare_trials",
     "ensemble",

@@ -74,8 +74,8 @@ CONTACT_INPUTS: Mapping[str, ContactInput] = MappingProxyType(
         ),
         "transmitted": ContactInput(
             "N",
-            "What a gear between both transmits, motor - external, without inertia: a motor that"
-            " holds a weight loads its gear twice with it.",
+            "Force or torque that a gear between both transmits, motor - external, without inertia:"
+            " a motor that holds a weight loads its gear twice with it.",
             r"\tau",
             "t",
             "force",

@@ -23,7 +23,8 @@ from stickslip import (
 from stickslip.adapters import to_describing_function, to_nonlinear_system
 from stickslip.drives import Drive, Sampled, Sine, ThreePhase
 from stickslip.errors import InputError
-from stickslip.mechanisms import Contact, Mechanism, Prescribed
+from stickslip.friction import bound, law
+from stickslip.mechanisms import Contact, Mechanism, Prescribed, given_inputs
 from stickslip.quantities import Quantity
 
 
@@ -268,3 +269,24 @@ def test_a_cart_has_its_inputs_and_outputs_by_name():
 def test_what_is_no_such_system_is_refused(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+def test_a_describing_function_is_that_of_one_value_of_each_contact_input():
+    gear = law("level + weight[transmitted]")(kinetic_coefficient=0.2, transmitted_coefficient=0.1)
+    with pytest.raises(InputError, match="depends on transmitted"):
+        to_describing_function(gear, load=10.0)
+    told = bound(gear, {"transmitted": -3.0})
+    found = to_describing_function(told, load=10.0).describing_function(0.5)
+    assert found == pytest.approx(4.0 * (0.2 + 0.3) * 10.0 / (math.pi * 0.5), rel=1e-9)
+
+
+def test_a_system_has_the_contact_inputs_of_its_mechanism():
+    warm = law("level + viscous * exponential[temperature]")(
+        kinetic_coefficient=0.1, viscous_coefficient=0.12, viscous_temperature_decay=0.03
+    )
+    with pytest.raises(InputError, match="which Axis does not tell"):
+        to_nonlinear_system(Axis(inertia=2.0), warm)
+    system = to_nonlinear_system(given_inputs(Axis(inertia=2.0), {"temperature": 30.0}), warm)
+    rate = system.dynamics(0.0, np.array([0.0, 0.5]), np.array([0.0]))
+    friction = bound(warm, {"temperature": 30.0}).force(0.5, 1.0)
+    assert rate[1] == pytest.approx(-friction / 2.0, rel=1e-12)

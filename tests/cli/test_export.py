@@ -112,3 +112,44 @@ def test_a_selection_that_named_no_law_says_so(called, tmp_path):
     code, _, err = called("report/law.toml", "--to", "c")
     assert code == 2
     assert "select recommended no law" in err
+
+
+WARM = """
+[mechanism]
+type = "axis"
+inertia = "2 kg"
+load = "10 N"
+[contact]
+temperature = "30 degC"
+[friction.warm]
+law = "level + viscous * exponential[temperature]"
+kinetic_coefficient = 0.2
+viscous_coefficient = "3 N s/m"
+viscous_temperature_decay = 0.03
+"""
+
+
+def test_a_joint_has_the_friction_at_the_input_of_the_rig_or_at_a_stated_one(called, tmp_path):
+    (tmp_path / "warm.toml").write_text(WARM, encoding="utf-8")
+    wanted = ("warm.toml", "--to", "urdf", "--largest-speed", "1 m/s", "--force")
+    _, out, _ = called(*wanted)
+    assert "the joint has the friction at temperature 30 °C." in out
+    _, out, _ = called(*wanted, "--at", "temperature=300 K")
+    assert "the joint has the friction at temperature 26.9 °C." in out
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--to", "c", "--at", "temperature=3"), "has an argument for each contact input"),
+        (("--to", "urdf", "--at", "temperature"), "--at takes a contact input and its value"),
+        (("--to", "urdf", "--at", "temperature=3 mm"), "--at temperature (T) must be in degC"),
+        (("--to", "urdf", "--at", "temp=3"), "unknown contact input of"),
+        (("--to", "fmu", "--at", "temperature=3"), "--to fmu does not take --at"),
+    ],
+)
+def test_values_of_inputs_that_do_not_fit_are_refused(called, tmp_path, options, words):
+    (tmp_path / "warm.toml").write_text(WARM, encoding="utf-8")
+    code, _, err = called("warm.toml", *options)
+    assert code == 2
+    assert words in err

@@ -1,111 +1,142 @@
-"""What every law with bristles must do."""
+"""What every law with states must do; many laws at once, as one whose parameters are arrays."""
 
+import dataclasses
+import functools
+
+import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
-from tests.support import BRISTLE, decade, examples, laws
+from tests.support import BRISTLE, DECADES
 
-loads = decade(-2, 3)
-either_way = st.sampled_from([1.0, -1.0])
-speeds = st.builds(lambda size, sense: size * sense, decade(-5, 1), either_way)
-shares = st.floats(-1, 1)
-"""Deflections over the one at break-away."""
-each_law = pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
-EVERY = examples(30)
+from stickslip.quantities import fields_of, unchecked
+from stickslip.testing.friction import least_energy
+
+MANY = 48
+LOAD = 7.0
 ROUNDING = 1e-12
 """Roundings of the largest part; the parts are up to 1e3 times their sum."""
+each_law = pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
+
+
+def drawn(kind, *, plain=False):
+    """Return laws of a kind as one: parameters over decades, exponents unless they stay `plain`."""
+    dice = np.random.default_rng(7)
+    values = {}
+    for field in dataclasses.fields(kind):
+        quantity = fields_of(kind).get(field.name)
+        if quantity is None or (plain and quantity.structural):
+            values[field.name] = field.default
+        elif quantity.structural:
+            values[field.name] = dice.choice([1.0, 2.0, 0.7, 1.5], MANY)
+        else:
+            size = 10.0 ** dice.uniform(*DECADES[quantity.unit], MANY)
+            values[field.name] = size + values.get(quantity.at_least, 0.0)
+    return unchecked(kind, **values)
 
 
 def reach(law):
     """Return the deflection that carries the break-away level, from the stiffness at rest."""
-    return law.break_away(1.0) / law.force(0.0, 1.0, (1.0,) * len(law.states))
+    levels = [law.towards(side).break_away(1.0) for side in (1, -1)]
+    return np.maximum(*levels) / law.force(0.0, 1.0, (1.0,) * len(law.states))
 
 
-def deflections(law, share):
-    return (reach(law) * share,) * len(law.states)
+@functools.cache
+def moved(kind, *, plain=False, parts=12):
+    """Return laws, and their states after slip there and back, drawn in speed and length."""
+    law = drawn(kind, plain=plain)
+    dice, length = np.random.default_rng(3), reach(law)
+    # levels of both directions may be far apart, and with them the lengths over which these yield
+    steps = 1000 if law.directional else 60
+    z = (np.zeros(MANY),) * len(law.states)
+    for _ in range(parts):
+        v = 10.0 ** dice.uniform(-4, 0, MANY) * dice.choice([-1.0, 1.0], MANY)
+        z = slid(law, v, z, length * dice.uniform(0.1, 3.0, MANY), steps)
+    return law, z
+
+
+def slid(law, v, z, length, steps):
+    """Return states after slip at a constant velocity, by the midpoint rule."""
+    h = length / np.abs(v) / steps
+    for _ in range(steps):
+        half = law.rates(v, 1.0, z)
+        middle = tuple(a + 0.5 * h * b for a, b in zip(z, half, strict=True))
+        z = tuple(a + h * b for a, b in zip(z, law.rates(v, 1.0, middle), strict=True))
+    return z
+
+
+def exchanged(law):
+    """Return the laws with the parameters of both directions exchanged; most have none."""
+    swap = {"forward": "backward", "backward": "forward"}
+    values = {}
+    for field in dataclasses.fields(law):
+        side, _, rest = field.name.partition("_")
+        name = f"{swap[side]}_{rest}" if side in swap else field.name
+        values[field.name] = getattr(law, name)
+    return unchecked(type(law), **values)
+
+
+def velocities():
+    dice = np.random.default_rng(5)
+    return 10.0 ** dice.uniform(-5, 1, MANY) * dice.choice([-1.0, 1.0], MANY)
 
 
 @each_law
-@EVERY
-@given(data=st.data(), v=speeds, share=shares, load=loads)
-def test_bristles_and_force_are_odd(kind, data, v, share, load):
-    law = data.draw(laws(kind))
-    z = deflections(law, share)
-    mirrored = tuple(-one for one in z)
-    assert law.force(-v, load, mirrored) == -law.force(v, load, z)
-    assert law.rates(-v, load, mirrored) == tuple(-rate for rate in law.rates(v, load, z))
+def test_states_and_force_are_odd_with_the_directions_exchanged(kind):
+    law, z = moved(kind, plain=True)
+    other, v = exchanged(law), velocities()
+    back = tuple(-one for one in z)
+    np.testing.assert_array_equal(other.force(-v, LOAD, back), -law.force(v, LOAD, z))
+    np.testing.assert_array_equal(other.rates(-v, LOAD, back), -np.array(law.rates(v, LOAD, z)))
 
 
 @each_law
-@examples(12)
-@given(data=st.data(), v=speeds, load=loads)
-def test_long_sliding_gives_the_steady_force(kind, data, v, load):
-    law = data.draw(laws(kind, plain=True))
-    distance = 50.0 * reach(law)  # the approach is exponential in the distance: e^-50 is left
-    run = solve_ivp(
-        lambda _, z: [rate / v for rate in law.rates(v, load, tuple(z))],
-        (0.0, distance if v > 0 else -distance),
-        [0.0] * len(law.states),
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-12 * reach(law),
+def test_long_sliding_gives_the_steady_force(kind):
+    law, v = drawn(kind, plain=True), velocities()
+    # the approach is exponential over at most the reach: exp(-25) is left
+    z = slid(law, v, (np.zeros(MANY),) * len(law.states), 25.0 * reach(law), 2000)
+    steady = law.steady(v, LOAD)
+    size = np.abs(steady) + np.abs(law.force(v, LOAD, (0.0,) * len(law.states)))
+    assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= 1e-8 * size)
+
+
+@each_law
+def test_steady_friction_opposes_motion_within_break_away_and_viscous_part(kind):
+    law, v = drawn(kind), velocities()
+    level = np.where(v > 0, *(law.towards(side).break_away(LOAD) for side in (1, -1)))
+    assert np.all(law.steady(v, LOAD) * v > 0)
+    assert np.all(
+        np.abs(law.steady(v, LOAD)) <= (level + np.abs(law.steady(v, 0.0))) * (1 + ROUNDING)
     )
-    force = law.force(v, load, tuple(run.y[:, -1]))
-    steady = law.steady(v, load)
-    # damping multiplies what is left of the bristle rate, hence the speed in the size
-    size = abs(steady) + abs(law.force(v, load, (0.0,) * len(law.states)))
-    assert abs(force - steady) <= 1e-8 * size  # the oracle's tolerance, a hundredfold
 
 
 @each_law
-@EVERY
-@given(data=st.data(), v=speeds, load=loads)
-def test_steady_friction_opposes_motion_within_break_away_and_viscous_part(kind, data, v, load):
-    law = data.draw(laws(kind))
-    viscous = abs(law.steady(v, 0.0))
-    assert law.steady(v, load) * v > 0
-    assert abs(law.steady(v, load)) <= (law.break_away(load) + viscous) * (1 + ROUNDING)
+def test_states_stay_at_rest_and_within_what_break_away_holds(kind):
+    law, z = moved(kind, plain=kind.directional)
+    assert all(np.all(rate == 0) for rate in law.rates(0.0, LOAD, z))
+    most = np.maximum(*(law.towards(side).break_away(LOAD) for side in (1, -1)))
+    # steps of a twentieth of the reach may pass the end of yielding by as much
+    assert np.all(np.abs(law.force(0.0, LOAD, z)) <= most * 1.06)
 
 
 @each_law
-@EVERY
-@given(data=st.data(), v=speeds, beyond=st.floats(1e-9, 1.0), load=loads)
-def test_bristles_beyond_the_reach_of_break_away_are_not_stretched_further(
-    kind, data, v, beyond, load
-):
-    law = data.draw(laws(kind))
-    z = deflections(law, (1.0 + beyond) if v > 0 else -(1.0 + beyond))
-    for rate in law.rates(v, load, z):
-        assert rate * v <= 0
-
-
-@each_law
-@EVERY
-@given(data=st.data(), share=shares, load=loads)
-def test_at_rest_bristles_stay_and_hold_within_break_away(kind, data, share, load):
-    law = data.draw(laws(kind))
-    z = deflections(law, share)
-    assert all(rate == 0 for rate in law.rates(0.0, load, z))
-    assert abs(law.force(0.0, load, z)) <= law.break_away(load) * (1 + ROUNDING)
-
-
-@each_law
-@EVERY
-@given(data=st.data(), v=speeds, share=shares, light=loads, more=loads)
-def test_friction_is_affine_in_the_load(kind, data, v, share, light, more):
-    law = data.draw(laws(kind))
-    z = deflections(law, share)
-    parts = [law.force(v, load, z) for load in (light + more, light, more, 0.0)]
+def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind):
+    law, z = moved(kind, plain=kind.directional)
+    v = velocities()
+    parts = [law.force(v, load, z) for load in (3.5, 2.0, 1.5, 0.0)]
     together, one, other, free = parts
-    assert abs(together + free - one - other) <= ROUNDING * max(map(abs, parts))
+    assert np.all(np.abs(together + free - one - other) <= ROUNDING * np.max(np.abs(parts), axis=0))
+    np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * one for one in z)))
 
 
 @each_law
-@EVERY
-@given(data=st.data(), v=speeds, share=shares)
-def test_without_load_only_viscous_friction_is_left(kind, data, v, share):
-    law = data.draw(laws(kind))
-    exponent = getattr(law, "viscous_exponent", 1.0)
-    expected = getattr(law, "viscous_coefficient", 0.0) * abs(v) ** (exponent - 1.0) * v
-    assert law.force(v, 0.0, deflections(law, share)) == expected
+def test_cycles_give_energy_back_only_where_the_entry_does_not_say_that_they_cannot(kind):
+    law = kind(**kind.typical.values)
+    found = least_energy(law, 1.0)
+    assert kind.passivity is not None
+    if kind.passivity.holds(law, 1.0):
+        assert found.energy >= -found.error, found
+    elif kind.name != "lugre-fading":  # whose condition is enough but not needed
+        assert found.energy < -100.0 * found.error, found
+    viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
+    calm = dataclasses.replace(law, **viscous)
+    assert kind.passivity.holds(calm, 1.0)
+    assert least_energy(calm, 1.0).energy >= -found.error

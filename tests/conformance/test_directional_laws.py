@@ -8,7 +8,7 @@ from tests.support import decade, examples, laws, mirrored_law
 
 from stickslip.friction import LAWS, SetValuedLaw
 
-DIRECTIONAL = [law for law in LAWS.values() if law.directional]
+DIRECTIONAL = [law for law in LAWS.values() if law.directional and not law.states]
 each_law = pytest.mark.parametrize("kind", DIRECTIONAL, ids=lambda kind: kind.name)
 FEW = examples(50)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.support import RIGS, SHOWN, Generated, example_of, examples, pairs
+from tests.support import RIGS, SHOWN, Generated, example_of, examples, informed, pairs
 
 from stickslip import simulate
 from stickslip.drives import Drive
@@ -78,6 +78,7 @@ def states(rig, bristles):
 
 @each_pair
 def test_energy_changes_by_the_power_supplied_less_the_power_taken(rig, kind):
+    rig = informed(rig, kind)
     generated = Generated(rig, example_of(kind))
     bristles = generated.sizes.states - 2 * len(rig.coordinates)
     for y, mode in states(rig, bristles):
@@ -103,6 +104,7 @@ def test_energy_changes_by_the_power_supplied_less_the_power_taken(rig, kind):
 @each_pair
 def test_a_run_has_every_column_and_a_certificate(rig, kind):
     law = example_of(kind)
+    rig = informed(rig, law)
     run = simulate(rig, law, t_end=1.5)
     bristles = law.states if law.states else ()
     efforts = [guide.effort for guide in rig.guided().values()]

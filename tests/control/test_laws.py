@@ -18,6 +18,8 @@ from stickslip import (
 from stickslip.control import PID, PartialLinearisation, closed_loop, compensation, dynamics_at
 from stickslip.drives import ThreePhase
 from stickslip.errors import InputError, ParameterError, UnknownNameError
+from stickslip.friction import bound
+from stickslip.friction import law as law_of
 from stickslip.mechanisms import Prescribed
 
 M, BALL, L, G = 0.5, 0.1, 0.3, 9.81
@@ -282,3 +284,18 @@ def test_a_cart_that_is_steered_through_its_pendulum_pays_with_the_swing():
     # the trapezoid's error at jumps of friction: 2.4 N times half a step
     assert momentum[-1] - momentum[0] == pytest.approx(-impulse, abs=6e-6)
     assert run["omega"][-1] > 3.0
+
+
+def test_compensation_takes_contact_inputs_as_it_takes_the_load():
+    kind = law_of("level + viscous * exponential[temperature]")
+    warm = kind(kinetic_coefficient=0.1, viscous_coefficient=0.12, viscous_temperature_decay=0.03)
+    wanted = bound(warm, {"temperature": 30.0}).force(0.5, 2.0)
+    for given in (30.0, lambda t, measured: measured["T"]):
+        push = compensation(warm, width=0.01, load=2.0, inputs={"temperature": given})
+        assert push(0.0, {"v": 0.5, "T": 30.0}) == wanted
+    told = bound(warm, {"temperature": 30.0})
+    assert compensation(told, width=0.01, load=2.0)(0.0, {"v": 0.5}) == wanted
+    with pytest.raises(InputError, match="depends on temperature: give it, as inputs="):
+        compensation(warm, width=0.01)
+    with pytest.raises(UnknownNameError, match="contact input of"):
+        compensation(warm, width=0.01, inputs={"temp": 1.0})

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar, Final, final
 
-from tests.support import example_of
+from tests.support import UNAIDED, example_of
 from typing_extensions import override
 
 from stickslip import LuGre
-from stickslip.friction import LAWS, BristleLaw, FrictionLaw, SetValuedLaw
+from stickslip.friction import BristleLaw, FrictionLaw, SetValuedLaw
 from stickslip.maths import Scalar, exp, sqrt, tanh, where
 from stickslip.quantities import Quantity, fields_of
 
@@ -86,7 +86,7 @@ class TwoBristles(BristleLaw):
 def exported() -> dict[str, FrictionLaw]:
     """Return laws by the names of their programs."""
     found: dict[str, FrictionLaw] = {}
-    for name, kind in LAWS.items():
+    for name, kind in UNAIDED.items():
         law: Any = example_of(kind)
         found[name.replace("-", "_")] = law
         shapes = [one for one, quantity in fields_of(kind).items() if quantity.structural]

@@ -8,14 +8,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 import pytest
 import symengine as se
-from tests.support import Generated, example_of
+from tests.support import UNAIDED, Generated, example_of
 
 from stickslip import Coulomb, EventDriven, MatrixMechanism, PendulumCart, ensemble, simulate
 from stickslip.drives import Drive, Sine
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation.matrix_form import matrix_supply
 from stickslip.formulation.trace import Switchboard, Traced, expression
-from stickslip.friction import LAWS
 from stickslip.maths import cos, sin
 from stickslip.mechanisms import Contact, Mechanism, Torque
 from stickslip.quantities import Quantity
@@ -89,7 +88,7 @@ ROUNDING = 1e-12
 """A few hundred roundings: the terms of the equations stand in another order."""
 
 
-@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
 @pytest.mark.parametrize(
     "matrix_cart", [MatrixCart, pytest.param(CountedCart, marks=pytest.mark.slow)]
 )

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stickslip import Axis, FixedStep, Pendulum, SpringBlock, ensemble, load_rig, simulate
-from stickslip.drives import PiecewiseLinear, Sampled, Sine
-from stickslip.errors import InputError, UnknownNameError
+from stickslip.drives import PiecewiseLinear, Ramp, Sampled, Sine
+from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.experiments.rigs.rig_writer import rig_toml
 from stickslip.friction import bound, law
 from stickslip.mechanisms import given_inputs
@@ -207,6 +207,34 @@ def test_a_block_on_a_slope_loses_as_much_as_gravity_says():
     pull = 9.81 * np.sin(0.1)
     slowing = pull + 0.3 * (1.0 - 0.1 * pull) * 9.81 * np.cos(0.1)
     assert run["x"][-1] == pytest.approx(0.5 / slowing, rel=1e-9)
+
+
+def test_a_factor_that_falls_towards_0_ends_a_run_before_friction_drives():
+    cold = law("level + viscous * linear[temperature]")(
+        kinetic_coefficient=1.0, viscous_coefficient=1.0, viscous_temperature_slope=-0.05
+    )
+    axis = Axis(inertia=1.0, drive=Sine(amplitude=3.0, frequency=1.0))
+    warming = given_inputs(axis, {"temperature": Ramp(rate=40.0)})
+    with pytest.raises(
+        SimulationError, match=r"viscous \* linear\[temperature\] falls below 0.001"
+    ):
+        simulate(warming, cold, t_end=3.0)
+    run = simulate(warming, cold, t_end=3.0, throw=False)
+    assert run.span[1] == pytest.approx(0.4995, abs=1e-9)  # 1 - 0.05 * 40 t = 0.001
+    assert simulate(warming, cold, t_end=0.4).certificate.certified
+    both = law("dahl(both_ways(level * linear[gravity])) + viscous")(
+        forward_kinetic_coefficient=1.0,
+        backward_kinetic_coefficient=1.0,
+        forward_level_gravity_slope=0.0,
+        backward_level_gravity_slope=-0.6,
+        bristle_stiffness=100.0,
+        viscous_coefficient=0.1,
+    )
+    lifting = Pendulum(mass=0.2, length=1.0, drive=Ramp(rate=-1.0))
+    run = simulate(lifting, both, t_end=20.0, throw=False)
+    assert run.events[-1].reason == "backward level * linear[gravity] falls below 0.001"
+    angle = run["theta"][-1]
+    assert -0.2 * 9.81 * np.sin(angle) == pytest.approx(0.999 / 0.6, rel=1e-6)
 
 
 RIG = """

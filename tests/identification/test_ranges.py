@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import pytest
+from tests.support import UNAIDED
 
 from stickslip.errors import ParameterError
-from stickslip.friction.registry import LAWS
 from stickslip.identification import starting_law
 from stickslip.identification.force_map.start_values import StartEstimate
 from stickslip.identification.series.start_values import Scales, law_unknowns
@@ -75,7 +75,7 @@ TRAVELS = {
 }
 OLD = {
     name: kind
-    for name, kind in LAWS.items()
+    for name, kind in UNAIDED.items()
     if {*fields_of(kind)} <= {*SHOOTING, "break_away_coefficient"}
 }
 """Laws whose parameters all have names of this list, and so the ranges above.

@@ -29,7 +29,7 @@ from stickslip import (
     select,
     simulate,
 )
-from stickslip.characterize import presliding_loop
+from stickslip.characterization import presliding_loop
 from stickslip.display import MOST_ROWS, InPanels, Summary, html_of
 from stickslip.drives import Sine
 from stickslip.errors import InputError, UnknownNameError

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tests.support import (
     RIGID,
     SLIDERS,
+    UNAIDED,
     decade,
     examples,
     held_by,
@@ -22,12 +23,11 @@ from tests.support import (
 
 from stickslip import Coulomb, Dahl, EventDriven, LuGre, PowerViscous, SpringBlock, simulate
 from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
-from stickslip.friction import LAWS
 from stickslip.quantities import Parametrised, fields_of
 
-each_law = pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+each_law = pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
 rigid = pytest.mark.parametrize("kind", RIGID, ids=lambda kind: kind.name)
-SCALABLE = [kind for kind in LAWS.values() if kind is not PowerViscous]
+SCALABLE = [kind for kind in UNAIDED.values() if kind is not PowerViscous]
 """Laws without a speed of their own that is no parameter; see tests/friction/test_power_viscous."""
 rigs = st.one_of(*SLIDERS.values())
 starts = st.fixed_dictionaries({"x": nearly(-0.1, 0.1), "v": nearly(-0.5, 0.5) | st.just(0.0)})

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.mechanisms.test_pendulum_cart import cart_with
-from tests.support import EXAMPLES, example_of
+from tests.support import EXAMPLES, UNAIDED, example_of
 
 from stickslip import Axis, Coulomb, EventDriven, LuGre, SpringBlock, TowedBlock, simulate
 from stickslip.drives import PiecewiseLinear, Pulse, Sine
-from stickslip.friction import LAWS, FrictionLaw, SetValuedLaw
+from stickslip.friction import FrictionLaw, SetValuedLaw
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.results import Trajectory
@@ -148,7 +148,7 @@ def variants(kind: type[FrictionLaw]) -> Iterator[FrictionLaw]:
 
 def bent() -> Iterator[Any]:
     """Yield each law that has an exponent with one that is no whole number."""
-    for kind in LAWS.values():
+    for kind in UNAIDED.values():
         for name, quantity in fields_of(kind).items():
             if quantity.structural:
                 value = min(1.5, 0.8 * quantity.high)
@@ -163,7 +163,7 @@ def cases() -> Iterator[Any]:
     """
     for i, name in enumerate(EXAMPLES):
         setups = SETUPS.get(name) or [Setup(mechanism=EXAMPLES[name])]
-        for j, kind in enumerate(LAWS.values()):
+        for j, kind in enumerate(UNAIDED.values()):
             first, *others = variants(kind)
             pairs = [(setup, first) for setup in setups]
             pairs += [(setups[i % len(setups)], law) for i, law in enumerate(others, start=1)]
@@ -271,7 +271,7 @@ def test_a_mechanism_of_two_coordinates_agrees(kind):
     agrees(Setup(mechanism=cart, y0={"theta": 0.3}, t_end=1.0), example_of(kind))
 
 
-@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
 def test_a_wrong_digit_would_be_noticed(kind):
     setup, law = SETUPS["axis"][1], example_of(kind)
     path, _, value = next(parameters(law, "law"))

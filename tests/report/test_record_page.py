@@ -557,11 +557,11 @@ def test_the_lines_of_python_make_the_selection_again(table_verdict):
 def test_many_laws_are_wrapped_and_the_usual_ones_are_not_named(table_verdict):
     names = [one.name for one in specifications(None)]
 
-    def lines(kept):
+    def lines(kept, **more):
         like = [dataclasses.replace(table_verdict.candidates[0], name=name) for name in kept]
-        return python_lines(dataclasses.replace(table_verdict, candidates=tuple(like)))
+        return python_lines(dataclasses.replace(table_verdict, candidates=tuple(like), **more))
 
-    assert "coulomb" not in lines(names)
+    assert "coulomb" not in lines(names, usual=True)
     nine = lines(names[1:])
     assert max(map(len, nine.split("\n"))) <= 76
     assert all(f'"{name}"' in nine for name in names[1:])

@@ -154,14 +154,14 @@ DAHL = Dahl(kinetic_coefficient=2.0, bristle_stiffness=1e7)
 )
 def test_what_a_fit_reduces_to_is_seen_from_its_values(law, at_bounds, expected):
     fitted = SimpleNamespace(law=law, at_bounds=at_bounds)
-    assert reduces_to(fitted, "coulomb-viscous") is expected
+    assert reduces_to(fitted, CoulombViscous) is expected
 
 
 @pytest.mark.parametrize(("viscous", "expected"), [(0.0, True), (5.0, False)])
 def test_a_level_that_nobody_gave_is_not_compared(viscous, expected):
     law = CoulombViscous(kinetic_coefficient=2.0, viscous_coefficient=viscous)
     assert law.static_coefficient is None
-    assert reduces_to(SimpleNamespace(law=law, at_bounds={}), "coulomb") is expected
+    assert reduces_to(SimpleNamespace(law=law, at_bounds={}), Coulomb) is expected
 
 
 def tabled(law, seed):

@@ -21,7 +21,7 @@ from tests.contact_cases import (
     decay,
     plates,
 )
-from tests.support import example_of
+from tests.support import UNAIDED, example_of
 
 from stickslip import (
     ClutchTrain,
@@ -37,7 +37,7 @@ from stickslip import (
 from stickslip.drives import Drive, Pulse, Ramp, Sampled
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.formulation import formulate
-from stickslip.friction import LAWS, Laws, assigned
+from stickslip.friction import Laws, assigned
 from stickslip.kernels import driver, enums, step
 from stickslip.kernels import state_layout as layout
 from stickslip.kernels.contacts import decisions
@@ -548,7 +548,7 @@ def test_a_coordinate_that_leaves_at_once_stops_no_other():
     assert run["x1"][-1] == pytest.approx(0.1 * 27.0 / 6.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("kind", LAWS.values(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
 def test_each_law_moves_a_block_as_it_does_alone(kind):
     law = example_of(kind)
     alone = run_of(chain(1)(stiffness=4.0), law, 1.0, {"x1": 0.5, "v1": 0.3})

@@ -13,12 +13,14 @@ from stickslip.control import Dynamics, DynamicsOfContacts, place_of
 from stickslip.display import require_library
 from stickslip.drives import Sampled
 from stickslip.errors import InputError
+from stickslip.formatting import joined
 from stickslip.formulation import Model, formulate
 from stickslip.friction import (
     Friction,
     FrictionLaw,
     Laws,
     PrintedForm,
+    is_bound,
 )
 from stickslip.kernels.state_layout import CAN_STICK, NUMBERS, SLIP
 from stickslip.mechanisms import Mechanism
@@ -342,6 +344,12 @@ def to_describing_function(law: Friction, *, load: float = 1.0) -> DescribingFun
         raise InputError(
             f"{type(law).__name__} has bristles, which remember the motion: its describing function"
             " depends on the frequency too. Give a law without bristles."
+        )
+    if law.inputs and not is_bound(law):
+        values = ", ".join(f"{name!r}: ..." for name in law.inputs)
+        raise InputError(
+            f"{law.name} depends on {joined(law.inputs)}, and a describing function is that of one"
+            f" value: give bound(law, {{{values}}}) from stickslip.friction."
         )
     if not (math.isfinite(load) and load >= 0.0):
         raise InputError(f"load [N] must not be below 0, got {load!r}.")

@@ -353,7 +353,10 @@ def simulate(
     ] = None,
     method: Annotated[
         str,
-        typer.Option("--method", help="Integration method for --fixed-step: euler, heun or rk4."),
+        typer.Option(
+            "--method",
+            help="Integration method for --fixed-step: euler, semi-implicit, heun or rk4.",
+        ),
     ] = "euler",
     no_stick_rule: Annotated[
         bool,
@@ -370,6 +373,16 @@ def simulate(
             " Karnopp (1985) does.",
         ),
     ] = 0.0,
+    program: Annotated[
+        str | None,
+        typer.Option(
+            "--as",
+            metavar="PROGRAM",
+            help="Simulate as another program does, and compare that with the exact run: mujoco,"
+            " mujoco-dcmotor, drake, simscape or karnopp, with settings such as"
+            " mujoco:timestep=0.001,impedance=0.99.",
+        ),
+    ] = None,
     ensemble: Annotated[
         int | None,
         typer.Option(
@@ -424,6 +437,7 @@ def simulate(
         method=method,
         stick_rule=not no_stick_rule,
         zero_velocity_band=zero_velocity_band,
+        program=program,
         ensemble=ensemble,
         refit=refit,
         seed=seed,
@@ -693,6 +707,73 @@ def models(
     from stickslip.cli.models import run
 
     run(name, published=published, as_json=as_json)
+
+
+@command(app, "characterize")
+def characterize(
+    laws: Annotated[
+        list[str],
+        typer.Argument(
+            help="Names or compositions of laws, such as lugre or 'dahl(level) + power', or files"
+            " with a fitted law such as law.toml.",
+            metavar="LAW...",
+        ),
+    ],
+    tests: Annotated[
+        str | None,
+        typer.Option(
+            "--tests",
+            metavar="NAMES",
+            help="Tests, joined by commas: steady, presliding, break-away, lag, map, drift, creep,"
+            " limit-cycle, passivity, cost; default: all.",
+        ),
+    ] = None,
+    rig: Annotated[
+        Path | None,
+        typer.Option(
+            "--rig",
+            help="Rig file of an axis or a block, whose mass and stiffness are taken; default: 1 kg"
+            " on 100 N/m.",
+        ),
+    ] = None,
+    load: Annotated[
+        str | None,
+        typer.Option(
+            "--load", help="Normal force with its unit, e.g. 20N; default: that of the rig, or 1 N."
+        ),
+    ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="NAME=VALUE,...",
+            help="Values of an input of a law, e.g. temperature=20,40; each is tested.",
+        ),
+    ] = None,
+    match: Annotated[
+        bool,
+        typer.Option(
+            "--match/--no-match",
+            help="Give the other laws the levels, Stribeck velocity and stiffness of the first.",
+        ),
+    ] = True,
+    report: Annotated[
+        Path | None, typer.Option("--report", help="Page with all figures (HTML).")
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+    _quiet: Quiet = False,
+) -> None:
+    """Test friction laws on a virtual bench.
+
+    Steady curve, presliding and memory, break-away, lag, stick-slip map, drift, creep, hunting,
+    passivity and cost of one law, or of several side by side. A law without values has typical
+    ones.
+    """
+    from stickslip.cli.characterize import run
+
+    start = partial(run, match=match, force=force, as_json=as_json)
+    start(laws, rig, load, tests, inputs or [], report)
 
 
 @command(app, "paper")

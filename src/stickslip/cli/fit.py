@@ -31,7 +31,7 @@ from stickslip.cli.trials import content_of, show_trials
 from stickslip.errors import InputError
 from stickslip.experiments import Checks, Rig, check, findings_text, load_rig, refuse_same
 from stickslip.identification import Fit, far_above_dry
-from stickslip.routes import FitRequest, FitSummary, Law
+from stickslip.routes import FitRequest, FitSummary, Law, refuse_uninformed
 
 __all__ = ["run"]
 
@@ -129,6 +129,9 @@ def _fitted(rig: Rig, found: Inputs) -> Fit:
     """Fit with a bar; of records, Ctrl-C once ends the search."""
     law: Law = found.law
     name = _name(law)
+    several = isinstance(law, Mapping)
+    laws = [one for one in law.values() if one is not None] if several else [law]
+    refuse_uninformed(found.route, laws, rig.mechanism, found.measurement)
     kind, vary = found.route.law_and_parameters(law, found.vary, found.fixed)
     with watching([name], found) as watch:
         report = partial(watch, name)

@@ -19,7 +19,7 @@ PANELS: Final[dict[str, tuple[str, ...]]] = {
     "Fit and plan": ("fit", "plan"),
     "Simulate": ("simulate", "animate", "sweep", "profile"),
     "Hand over": ("export",),
-    "Look up": ("models", "cite", "schema", "data", "paper"),
+    "Look up": ("models", "characterize", "cite", "schema", "data", "paper"),
     "Set up": ("warmup",),
 }
 """Commands by the heading under which they are listed."""
@@ -41,6 +41,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "sweep": ("stickslip sweep rig.toml --vary mechanism.drive.drive.frequency=1:6:50",),
     "plan": ("stickslip plan rig.toml --between 40mm..100mm -o sheet.html",),
     "models": ("stickslip models", "stickslip models lugre"),
+    "characterize": (
+        "stickslip characterize lugre --tests drift,map",
+        "stickslip characterize lugre dahl 'tanh(level) + viscous' --report laws.html",
+    ),
     "export": (
         "stickslip export law.toml --to c",
         "stickslip export law.toml --to mjcf --rig rig.toml",

@@ -293,7 +293,9 @@ def _number(text: str) -> float | str:
 
 
 @contextmanager
-def watching(names: Sequence[str], found: Inputs) -> Iterator[Watching | Searching]:
+def watching(
+    names: Sequence[str], found: Inputs, *, at_most: bool = False
+) -> Iterator[Watching | Searching]:
     """Show how far the fits of laws are; where searches can be ended early, Ctrl-C does so.
 
     Parameters
@@ -302,6 +304,8 @@ def watching(names: Sequence[str], found: Inputs) -> Iterator[Watching | Searchi
         Laws in the order in which they are fitted.
     found : Inputs
         What is fitted, and by which route.
+    at_most : bool
+        Whether some of the laws may not be fitted.
 
     Yields
     ------
@@ -316,7 +320,7 @@ def watching(names: Sequence[str], found: Inputs) -> Iterator[Watching | Searchi
     def text(error: float) -> str:
         return found.route.residual_text(error, found.measurement, found.options)
 
-    with Interrupts() as interrupts, Searching(names, text, interrupts) as bar:
+    with Interrupts() as interrupts, Searching(names, text, interrupts, at_most=at_most) as bar:
         yield bar
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from stickslip.cli.console import document, plain, print_json, show_table, stdout
+from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.described import texts_below
 from stickslip.errors import UnknownNameError
 from stickslip.formatting import capital, number
@@ -122,6 +123,10 @@ def _one(name: str, *, as_json: bool) -> None:
     console.print(f"{formula_text(law.formula)}\n", markup=False, soft_wrap=True)
     _show_parameters(law)
     console.print()
+    for asked in law.inputs:
+        told = CONTACT_INPUTS[asked]
+        text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
+        console.print(text, markup=False, soft_wrap=True)
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
@@ -192,6 +197,10 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
         "kind": "bristle" if law.states else "set-valued",
         "formula": law.formula,
         "parameters": _parameters(law),
+        "inputs": {
+            name: {"unit": CONTACT_INPUTS[name].unit, "meaning": CONTACT_INPUTS[name].meaning}
+            for name in law.inputs
+        },
         "sources": [SOURCES[key] for key in law.sources],
     }
 

@@ -183,9 +183,9 @@ class _ByLaw(_Shown):
 
     counted = False
 
-    def __init__(self, names: Sequence[str]) -> None:
+    def __init__(self, names: Sequence[str], *, at_most: bool = False) -> None:
         super().__init__()
-        self._names = set(names)
+        self._names, self._of = set(names), "of at most" if at_most else "of"
         self._met: list[str] = []
         self._task = self._bars.add_task("", total=len(self._names), runs="")
 
@@ -196,12 +196,12 @@ class _ByLaw(_Shown):
         place, total = self._met.index(name) + 1, len(self._names)
         step = f"{verb} {name}"
         self._say(step, place, total)
-        text = f"{step} (law {place} of {total})"
+        text = f"{step} (law {place} {self._of} {total})"
         self._bars.update(self._task, completed=len(self._met) - 1, description=text, runs=reached)
 
     @override
     def _far(self, elapsed: float, done: float, total: float) -> str:
-        place = [f"law {done:.0f} of {total:.0f}"] if total else []
+        place = [f"law {done:.0f} {self._of} {total:.0f}"] if total else []
         parts = [*place, *([_time_text(elapsed)] if elapsed >= LONG else [])]
         return f" ({', '.join(parts)})" if parts else ""
 
@@ -242,12 +242,19 @@ class Searching(_ByLaw):
         Returns the text of a residual [SI].
     interrupts : Interrupts
         Counts Ctrl-C, which ends the search.
+    at_most : bool
+        Whether some of the laws may not be fitted.
     """
 
     def __init__(
-        self, names: Sequence[str], told: Callable[[float], str], interrupts: Interrupts
+        self,
+        names: Sequence[str],
+        told: Callable[[float], str],
+        interrupts: Interrupts,
+        *,
+        at_most: bool = False,
     ) -> None:
-        super().__init__(names)
+        super().__init__(names, at_most=at_most)
         self._told, self._interrupts = told, interrupts
 
     def __call__(self, name: str, residual: float) -> bool:

@@ -1,6 +1,7 @@
 """``stickslip select``."""
 
 import contextlib
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,7 @@ from stickslip.routes import (
     DOCUMENT,
     VERDICT_FILES,
     SelectRequest,
+    refuse_uninformed,
     refuse_unused,
     route_named,
     routes,
@@ -53,6 +55,8 @@ if TYPE_CHECKING:
 
 __all__ = ["NO_LAW", "laws_of", "run", "show_verdict"]
 
+BETWEEN = r",(?![^\[]*\])"
+"""Commas between laws: those in brackets are of one law."""
 NO_LAW = 3
 """Exit code where no law is recommended."""
 CRITERIA_FAILED = 4
@@ -164,7 +168,7 @@ def laws_of(
     """
     if names is None:
         return rig.laws or None
-    asked = dict.fromkeys(part.strip() for part in names.split(","))
+    asked = dict.fromkeys(part.strip() for part in re.split(BETWEEN, names))
     return [rig.laws.get(name) or name for name in asked]
 
 
@@ -175,8 +179,16 @@ def _selected(
     jobs: int,
 ) -> Verdict:
     """Select with bars; of records, Ctrl-C once ends the search with what there is."""
+    for measurement in (found.measurement, found.options.validate):
+        if measurement is not None:
+            given = laws.values() if isinstance(laws, Mapping) else laws or ()
+            refuse_uninformed(found.route, given, rig.mechanism, measurement)
     names = found.route.candidates(laws, found.measurement)
-    with watching(names, found) as watch, workers(min(jobs, len(names))) as executor:
+    climbs = laws is None and found.route.climbs
+    with (
+        watching(names, found, at_most=climbs) as watch,
+        workers(min(jobs, len(names))) as executor,
+    ):
         request = SelectRequest(
             mechanism=rig.mechanism,
             laws=laws,

@@ -33,14 +33,16 @@ from stickslip.cli.law_choice import (
     rig_and_form,
     rig_and_friction,
 )
+from stickslip.cli.numbers import number_of
 from stickslip.cli.pages import PAGE, draw_page, leave_unless_drawn
 from stickslip.cli.progress import Drawing
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
 from stickslip.friction import PRINTED_FORMS
 from stickslip.identification import RecordSettings, inside
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
+from stickslip.quantities import fields_of, named
 from stickslip.routes import fit
 from stickslip.selection import criteria_of
 from stickslip.simulation import refuse, simulate
@@ -60,6 +62,8 @@ from stickslip.trajectory import Event, Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from stickslip.exports import Twin
 
 __all__ = ["Settings", "check_table", "run", "table_bytes"]
 
@@ -98,6 +102,14 @@ class Settings:
     """Whether fixed steps hold the body at rest by a rule."""
     zero_velocity_band: float = 0.0
     """Speed [m/s] within which fixed steps hold the body; none if 0."""
+    program: str | None = None
+    """Another program with its settings, as ``NAME:SETTING=VALUE,...``, that is run in its way."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether events are located, so that the run can be certified."""
+        return self.fixed_step is None and self.program is None
+
     ensemble: int | None = None
     """Number of draws of uncertain parameters; none if None."""
     refit: bool = False
@@ -126,6 +138,8 @@ class Ran:
     """What was measured on the rig beside the prediction; None if that cannot be compared."""
     refit: Refit | None = None
     """The law fitted to that, on request."""
+    twin: "Twin | None" = None
+    """The run as that of another program, with what it makes of the friction."""
 
 
 def run(
@@ -199,7 +213,7 @@ def run(
         if settings.report is not None:
             content["report"] = None if page_code else str(settings.report / PAGE)
         print_json(document("simulate", content))
-    refuse(ran.run, certified=settings.fixed_step is None)
+    refuse(ran.run, certified=settings.exact)
     advances = criteria is None or (
         criteria.velocity_never_negative and criteria.displacement_never_decreases
     )
@@ -217,6 +231,8 @@ def _ran(
     rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings, *, enforce: bool
 ) -> Ran:
     """Make the run, in the way of what was chosen."""
+    if settings.program is not None:
+        return _ran_as(rig, chosen, settings)
     if isinstance(chosen, ChosenForm):
         return _ran_form(rig, chosen, settings)
     if has_one_slip(rig.mechanism) and isinstance(chosen, ChosenLaw):
@@ -258,6 +274,36 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         validation=_validated(rig, chosen, settings),
         refit=_refitted(rig, chosen) if settings.refit else None,
     )
+
+
+def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings) -> Ran:
+    """Make the run as another program does."""
+    from stickslip.exports import PROGRAMS, Program, twin
+
+    given = settings.fixed_step is not None or settings.report is not None
+    if given or settings.ensemble is not None or settings.refit:
+        raise InputError(
+            "--as runs in the way of another program, and takes none of --fixed-step, --report,"
+            " --ensemble and --refit: leave them out, or --as."
+        )
+    if not isinstance(chosen, ChosenLaw):
+        raise InputError(
+            "--as takes one friction law, not an equation as printed nor laws by contact."
+        )
+    assert settings.program is not None
+    name, _, changes = settings.program.partition(":")
+    kind: type[Program] = named(PROGRAMS, name, "program")
+    values = dict(one.partition("=")[::2] for one in changes.split(",") if one)
+    known = fields_of(kind)
+    for key in values:
+        named(known, key, f"setting of {name}")
+    try:
+        program = kind(**{key: number_of(text, known[key]) for key, text in values.items()})
+    except ParameterError as error:
+        raise ParameterError(f"--as {settings.program}: {error}") from None
+    t_end = rig.t_end if settings.t_end is None else settings.t_end
+    found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
+    return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)
 
 
 def _ran_form(rig: Rig, chosen: ChosenForm, settings: Settings) -> Ran:
@@ -533,7 +579,7 @@ def table_bytes(frame: "pd.DataFrame", output: Path, units: Mapping[str, str]) -
 def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
     run = ran.run
     ends = run.at(run.span)
-    unchecked = EVENT_CHECKS if settings.fixed_step is not None else ()
+    unchecked = () if settings.exact else EVENT_CHECKS
     content: dict[str, Any] = {
         "rig": ran.rig.heading,
         "digest": ran.rig.digest,
@@ -555,6 +601,8 @@ def _content(ran: Ran, settings: Settings) -> dict[str, Any]:
         content["cycles"] = [asdict(one) | {"mean_velocity": one.mean_velocity} for one in cycles]
     if ran.band is not None:
         content["band"] = ran.band.to_dict()
+    if ran.twin is not None:
+        content["twin"] = ran.twin.to_dict()
     if ran.validation is not None:
         content["validation"] = ran.validation.to_dict()
     if ran.refit is not None:
@@ -591,7 +639,7 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print(f"{more} further contacts; --json lists all", markup=False)
     trust = run.certificate
     checked = f"Energy mismatch {residue(trust.energy_error)}, "
-    if settings.fixed_step is None:
+    if settings.exact:
         checked += f"guard violation {residue(trust.guard_violation)}, "
         checked += f"stick drift {residue(trust.stick_drift)}, "
     console.print(f"{checked}{trust.steps} steps", markup=False)
@@ -599,6 +647,8 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print(f"Warning: {warning}", markup=False)
     for problem in trust.problems:
         console.print(f"Not certified: {problem}", markup=False)
+    if ran.twin is not None:
+        _show_twin(ran.twin)
     if ran.band is not None:
         _show_band(ran.band)
     if ran.validation is not None:
@@ -607,6 +657,17 @@ def _show(ran: Ran, settings: Settings) -> None:
         console.print("\nRefitted to this measurement", markup=False, style="bold")
         for line in ran.refit.sentences(ran.validation):
             console.print(f"  {line}", markup=False)
+
+
+def _show_twin(found: "Twin") -> None:
+    """Print what another program makes of the friction, and settings that come closer."""
+    console = stdout()
+    console.print("\nBeside the exact run", markup=False, style="bold")
+    for line in found.sentences:
+        console.print(line, markup=False)
+    console.print("\nWith settings that come closer", markup=False, style="bold")
+    for line in found.cured().sentences[:3]:
+        console.print(line, markup=False)
 
 
 def _show_validation(seen: Validation) -> None:

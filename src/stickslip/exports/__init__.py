@@ -3,11 +3,20 @@
 from stickslip.lazy import attach
 
 HOMES = {
+    "Drake": "twins",
     "Export": "base",
+    "Karnopp": "twins",
+    "MuJoCo": "twins",
+    "MuJoCoMotor": "twins",
+    "PROGRAMS": "twins",
+    "Program": "twins",
+    "Simscape": "twins",
     "TARGETS": "registry",
     "Target": "base",
+    "Twin": "twins",
     "export": "verb",
     "export_fmu": "fmu.export",
+    "twin": "twins",
 }
 
 INSIDE = {

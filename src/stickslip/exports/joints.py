@@ -16,7 +16,16 @@ from stickslip.formatting import quantity
 from stickslip.friction import Dahl, FrictionLaw, LuGre
 from stickslip.quantities import turned, vary
 
-__all__ = ["Mjcf", "Urdf"]
+__all__ = [
+    "HARD",
+    "SOFT",
+    "TIMESTEP",
+    "Mjcf",
+    "Urdf",
+    "as_lugre",
+    "bristle_step",
+    "inertia_of",
+]
 
 TIMESTEP: Final = 1e-3
 """Longest step of a model for MuJoCo [s]."""
@@ -54,8 +63,8 @@ def _comment(subject: Subject, notes: Sequence[str], said: Sequence[str]) -> Ite
     yield "-->"
 
 
-def _inertia(subject: Subject) -> float | None:
-    """Return the inertia of what slips while all else rests at 0; None if it is not known."""
+def inertia_of(subject: Subject) -> float | None:
+    """Return the inertia [kg] of what slips while all else rests at 0; None if it is not known."""
     mechanism = subject.mechanism
     contacts = () if mechanism is None else mechanism.contacts()
     slips = [one.slip for one in contacts if subject.contact in ("", one.name)]
@@ -119,7 +128,7 @@ def _by_constraint(subject: Subject, inertia: float) -> _Joint:
     )
 
 
-def _as_lugre(law: FrictionLaw) -> LuGre | None:
+def as_lugre(law: FrictionLaw) -> LuGre | None:
     """Return a law as LuGre friction that MuJoCo has, if it is such a law."""
     if isinstance(law, Dahl):
         values = next(one for one in LuGre.contained if one.law == law.name).embed(law)
@@ -135,7 +144,7 @@ def _as_lugre(law: FrictionLaw) -> LuGre | None:
         return (
             None
             if values is None
-            else _as_lugre(
+            else as_lugre(
                 vary(start, "friction", {f"friction.{name}": x for name, x in values.items()})
             )
         )
@@ -144,15 +153,36 @@ def _as_lugre(law: FrictionLaw) -> LuGre | None:
     return law if law.exponent == 2.0 and law.viscous_exponent == 1.0 else None
 
 
-def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
-    """Return the friction of a joint as bristles, which MuJoCo's model of a motor has."""
-    load = subject.needed_load()
+def bristle_step(law: LuGre, load: float, inertia: float) -> tuple[float, float]:
+    """Return a time step for bristles on an inertia, and the shortest time constant of both [s].
+
+    Parameters
+    ----------
+    law : LuGre
+        The law.
+    load : float
+        Normal force [N].
+    inertia : float
+        Inertia of what slips [kg].
+
+    Returns
+    -------
+    tuple of float
+        Step and time constant.
+    """
     stiffness, damping = law.bristle_stiffness * load, law.bristle_damping * load
     shortest = math.sqrt(inertia / stiffness)
     if damping > 0.0:
         shortest = min(shortest, inertia / damping)
     step = STEADINESS * shortest
-    step = TIMESTEP if step >= TIMESTEP else float(f"{step:.1e}")
+    return TIMESTEP if step >= TIMESTEP else float(f"{step:.1e}"), shortest
+
+
+def _by_bristles(subject: Subject, law: LuGre, inertia: float) -> _Joint:
+    """Return the friction of a joint as bristles, which MuJoCo's model of a motor has."""
+    load = subject.needed_load()
+    stiffness, damping = law.bristle_stiffness * load, law.bristle_damping * load
+    step, shortest = bristle_step(law, load, inertia)
     numbers = (
         stiffness,
         damping,
@@ -192,7 +222,7 @@ class Mjcf(Target):
 
     @override
     def export(self, subject: Subject) -> Export:
-        known, law, name = _inertia(subject), _as_lugre(subject.law), subject.name
+        known, law, name = inertia_of(subject), as_lugre(subject.law), subject.name
         inertia = 1.0 if known is None else known
         joint = (
             _by_constraint(subject, inertia) if law is None else _by_bristles(subject, law, inertia)
@@ -237,7 +267,7 @@ class Urdf(Target):
     @override
     def export(self, subject: Subject) -> Export:
         found = simplified(subject)
-        joint, name, known = found.joint, subject.name, _inertia(subject)
+        joint, name, known = found.joint, subject.name, inertia_of(subject)
         inertia, said = 1.0 if known is None else known, tuple(_sentences(subject, found))
         notes = (
             "The joint's friction is a simplification of this law. Copy the element dynamics to the"

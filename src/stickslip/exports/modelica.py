@@ -29,7 +29,9 @@ def modelica_unit(unit: str) -> str:
     >>> [modelica_unit(unit) for unit in ("N s^2/m^2", "kg m^2", "1/m", "")]
     ['N.s2/m2', 'kg.m2', '1/m', '1']
     """
-    return re.sub(r"\^", "", unit).replace(" ", ".") or "1"
+    above, *below = unit.replace("^", "").replace(" ", ".").split("/")
+    divisors = ".".join(below)
+    return "/".join(filter(None, (above, f"({divisors})" if "." in divisors else divisors))) or "1"
 
 
 def _safe(text: str) -> str:

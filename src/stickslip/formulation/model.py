@@ -5,6 +5,8 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 
 import symengine as se
 
+from stickslip.errors import InputError
+from stickslip.formatting import joined
 from stickslip.formulation.code_printer import Case, Cases, program
 from stickslip.formulation.contact_model import contact_model
 from stickslip.formulation.hard_stops import impact_events, wall_guards
@@ -20,7 +22,7 @@ from stickslip.kernels.header import ModeSizes
 from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
-__all__ = ["Model", "formulate"]
+__all__ = ["Model", "formulate", "refuse_inputs_of_parts"]
 
 
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
@@ -79,8 +81,41 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
     return mapped or type(mechanism).loads is not Mechanism.loads
 
 
+def refuse_inputs_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:
+    """Refuse laws with contact inputs where equations are parts, which do not tell laws of any.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or Laws
+        Friction of its contact, or the law of each.
+
+    Raises
+    ------
+    InputError
+        With the law and its inputs.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, SpringBlock
+    >>> refuse_inputs_of_parts(SpringBlock(mass=1.0), Coulomb(kinetic_coefficient=0.2))
+    """
+    laws = law.members if isinstance(law, Laws) else (("", law),)
+    for contact, one in laws:
+        if one.inputs and _is_of_parts(mechanism, law):
+            where = f" of the contact {contact!r}" if contact else ""
+            raise InputError(
+                f"runs of {type(mechanism).__name__} have no laws with contact inputs: these need a"
+                " mechanism with one contact that slips along one coordinate, under a load that is"
+                f" constant or a reaction. The law {one.name}{where} depends on"
+                f" {joined(one.inputs)}: give a law without inputs."
+            )
+
+
 def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> Model:
     """Trace and derive; write the text."""
+    refuse_inputs_of_parts(mechanism, law)
     if _is_of_parts(mechanism, law):
         return contact_model(mechanism, law, slopes=slopes)
     assert isinstance(law, FrictionLaw)  # laws by contact are of parts

@@ -78,6 +78,8 @@ class _Context:
         }
         own = own_limits(self.mechanics.mechanism, reactions)
         found = {name: expression(margin) for name, margin in own.items()}
+        of_law = self.law.limits() if self.law.inputs else {}
+        found |= {name: expression(margin) for name, margin in of_law.items()}
         if motion.pivot.free_symbols:
             found[PAINLEVE] = motion.pivot - NEAREST
         return found

@@ -34,6 +34,16 @@ NAMED = (
     "ElastoPlastic",
     "BoucWen",
     "MaxwellSlip",
+    "WarmViscous",
+    "JointLoadTemperature",
+    "Cogging",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
+    "LuGreGear",
     "GMS",
     "HaessigFriedland",
     "BlimanSorine",
@@ -65,12 +75,12 @@ HOMES = {
     "SetValuedLaw": "base",
     "bound": "base",
     "contained_laws": "registry",
-    "containment_of": "base",
+    "containment_of": "containment",
     "law": "registry",
     "law_type": "registry",
     "laws": "registry",
     "specification": "registry",
-    "usual_specifications": "registry",
+    "usual_specifications": "ladder",
 }
 
 INSIDE = {
@@ -84,6 +94,8 @@ INSIDE = {
     "given_to": "by_contact",
     "is_bound": "base",
     "is_composition": "registry",
+    "Rung": "ladder",
+    "rungs": "ladder",
     "listed": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

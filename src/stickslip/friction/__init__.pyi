@@ -11,7 +11,6 @@ from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
 from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
-from stickslip.friction.base import containment_of as containment_of
 from stickslip.friction.base import force_parameters as force_parameters
 from stickslip.friction.base import is_bound as is_bound
 from stickslip.friction.by_contact import Friction as Friction
@@ -19,6 +18,10 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
+from stickslip.friction.containment import containment_of as containment_of
+from stickslip.friction.ladder import Rung as Rung
+from stickslip.friction.ladder import rungs as rungs
+from stickslip.friction.ladder import usual_specifications as usual_specifications
 from stickslip.friction.published import PRINTED_EQUATIONS as PRINTED_EQUATIONS
 from stickslip.friction.published import PRINTED_FORMS as PRINTED_FORMS
 from stickslip.friction.published import PrintedCartDynamics as _PrintedCartDynamics
@@ -40,7 +43,6 @@ from stickslip.friction.registry import law_type as law_type
 from stickslip.friction.registry import laws as laws
 from stickslip.friction.registry import listed as listed
 from stickslip.friction.registry import specification as specification
-from stickslip.friction.registry import usual_specifications as usual_specifications
 from stickslip.friction.sources import SOURCES as SOURCES
 from stickslip.maths import Scalar as _Scalar
 from stickslip.quantities import Given as _Given
@@ -76,6 +78,152 @@ class ArctanCoulomb(_SetValuedLaw):
         kinetic_coefficient: _Given,
         smoothing_velocity: _Given,
         viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM1(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM2(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM3(_SetValuedLaw):
+    kinetic_coefficient: float
+    transmitted_coefficient: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        transmitted_coefficient: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM4(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    transmitted_static_surplus: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        transmitted_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM5(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class BamM6(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    motor_friction: float
+    external_friction: float
+    motor_static_friction: float
+    external_static_friction: float
+    motor_quadratic: float
+    external_quadratic: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        motor_friction: _Given,
+        external_friction: _Given,
+        motor_static_friction: _Given,
+        external_static_friction: _Given,
+        motor_quadratic: _Given,
+        external_quadratic: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
     ) -> None: ...
     @_override
     def break_away(self, load: _Scalar) -> _Scalar: ...
@@ -147,6 +295,28 @@ class BrownMcPhee(_SetValuedLaw):
         kinetic_coefficient: _Given,
         static_coefficient: _Given,
         transition_velocity: _Given,
+        viscous_coefficient: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Cogging(_SetValuedLaw):
+    kinetic_coefficient: float
+    level_position_cosine: float
+    level_position_sine: float
+    level_position_harmonic: float = ...
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        level_position_cosine: _Given,
+        level_position_sine: _Given,
+        level_position_harmonic: _Given = ...,
         viscous_coefficient: _Given,
     ) -> None: ...
     @_override
@@ -505,6 +675,36 @@ class HessSoom(_SetValuedLaw):
 
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
+class JointLoadTemperature(_SetValuedLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    stribeck_velocity_temperature_slope: float
+    gravity_coefficient: float
+    gravity_static_surplus: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        stribeck_velocity_temperature_slope: _Given,
+        gravity_coefficient: _Given,
+        gravity_static_surplus: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
 class LuGre(_BristleLaw):
     kinetic_coefficient: float
     static_coefficient: float
@@ -557,6 +757,39 @@ class LuGreFading(_BristleLaw):
         bristle_stiffness: _Given,
         bristle_damping: _Given,
         damping_velocity: _Given,
+        viscous_coefficient: _Given,
+        fading_exponent: _Given = ...,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def force(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...] = ...) -> _Scalar: ...
+    @_override
+    def rates(self, velocity: _Scalar, load: _Scalar, states: tuple[_Scalar, ...]) -> tuple[_Scalar, ...]: ...
+    @_override
+    def steady(self, velocity: _Scalar, load: _Scalar) -> _Scalar: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class LuGreGear(_BristleLaw):
+    kinetic_coefficient: float
+    static_coefficient: float
+    stribeck_velocity: float
+    fading_exponent: float = ...
+    transmitted_coefficient: float
+    bristle_stiffness: float
+    bristle_damping: float
+    viscous_coefficient: float
+    def __init__(
+        self,
+        *,
+        static_switch: bool = ...,
+        kinetic_coefficient: _Given,
+        static_coefficient: _Given,
+        stribeck_velocity: _Given,
+        transmitted_coefficient: _Given,
+        bristle_stiffness: _Given,
+        bristle_damping: _Given,
         viscous_coefficient: _Given,
         fading_exponent: _Given = ...,
     ) -> None: ...
@@ -691,8 +924,12 @@ class RateState(_RateState):  # type: ignore[misc]  # final but for this
         direct_effect: _Given,
         evolution_effect: _Given = ...,
         critical_distance: _Given | None = ...,
+        second_evolution_effect: _Given = ...,
+        second_critical_distance: _Given | None = ...,
+        stress_effect: _Given = ...,
         reference_velocity: _Given,
         evolution: _Evolution = ...,
+        regularised: bool = ...,
     ) -> None: ...
 
 @final
@@ -891,14 +1128,39 @@ class Viscous(_SetValuedLaw):
     @_override
     def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
 
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class WarmViscous(_SetValuedLaw):
+    kinetic_coefficient: float
+    viscous_coefficient: float
+    viscous_temperature_decay: float
+    def __init__(
+        self,
+        *,
+        kinetic_coefficient: _Given,
+        viscous_coefficient: _Given,
+        viscous_temperature_decay: _Given,
+    ) -> None: ...
+    @_override
+    def break_away(self, load: _Scalar) -> _Scalar: ...
+    @_override
+    def sliding(self, speed: _Scalar, load: _Scalar) -> _Scalar: ...
+
 __all__ = [
     "Ambrosio",
     "ArctanCoulomb",
+    "BamM1",
+    "BamM2",
+    "BamM3",
+    "BamM4",
+    "BamM5",
+    "BamM6",
     "BlimanSorine",
     "BoucWen",
     "BristleLaw",
     "BrownMcPhee",
     "CandidateSpec",
+    "Cogging",
     "Containment",
     "Coulomb",
     "CoulombViscous",
@@ -916,10 +1178,12 @@ __all__ = [
     "GMS",
     "HaessigFriedland",
     "HessSoom",
+    "JointLoadTemperature",
     "LAWS",
     "Laws",
     "LuGre",
     "LuGreFading",
+    "LuGreGear",
     "MaxwellSlip",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
@@ -943,6 +1207,7 @@ __all__ = [
     "Threlfall",
     "Tustin",
     "Viscous",
+    "WarmViscous",
     "bound",
     "contained_laws",
     "containment_of",

@@ -25,7 +25,6 @@ __all__ = [
     "Typical",
     "anywhere",
     "bound",
-    "containment_of",
     "force_parameters",
     "is_bound",
 ]
@@ -353,6 +352,16 @@ class FrictionLaw(Parametrised, ABC):
         """
         return self
 
+    def limits(self) -> Mapping[str, Scalar]:
+        """Return what ends a run as it falls below 0, by the name of the event.
+
+        Returns
+        -------
+        mapping of str to float or array
+            Such as a factor with which friction would drive instead of braking.
+        """
+        return {}
+
     def contact(self, name: str) -> Scalar:
         """Return an input of the contact, for the equations of a law that has `inputs`.
 
@@ -566,27 +575,3 @@ class BristleLaw(FrictionLaw, ABC):
         float or array
             Friction force, with the sign of the velocity [N].
         """
-
-
-def containment_of(kind: type[FrictionLaw], name: str) -> Containment | None:
-    """Return how a type of law contains the law of a name at first hand; None if it does not.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    name : str
-        Registered name of the simpler one.
-
-    Returns
-    -------
-    Containment or None
-        The limits in which the richer law becomes the simpler one.
-
-    Examples
-    --------
-    >>> from stickslip import Coulomb, LuGre
-    >>> containment_of(LuGre, "dahl").limits, containment_of(Coulomb, "dahl")
-    ((), None)
-    """
-    return next((one for one in kind.contained if one.law == name), None)

@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeAlias, final
 
+from typing_extensions import override
+
 from stickslip.described import with_marks
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction.notation import (
     BOTH_WAYS,
+    PER_DIRECTION,
     Around,
     Name,
     Product,
@@ -24,8 +27,6 @@ __all__ = ["SIDES", "Choose", "Composition", "Leaf"]
 
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
-PER_DIRECTION = ("level", "slope")
-"""Scales of parameters that ``both_ways[levels]`` doubles."""
 
 Names: TypeAlias = Mapping[str, str | tuple[str, str]]
 """Field of the law by a part's own name of it; two where the directions have their own."""
@@ -49,6 +50,7 @@ class Leaf:
     modulated: "Mapping[str, tuple[Leaf, ...]]" = dataclasses.field(default_factory=dict)
     """Factors of parameters, by the part's own name of these."""
 
+    @override
     def __str__(self) -> str:
         holds = self.inputs if self.part.argument == "input" else ()
         return self.part.name + "".join(f"[{one}]" for one in holds)
@@ -119,6 +121,7 @@ class Composition:
         self.fields: dict[str, Parameter] = {}
         self.meanings: dict[str, str] = {}
         self.memory: Leaf | None = None
+        self.factors: dict[str, Leaf] = {}
         self.argument = ""
         self.inside: list[Leaf] = []
         self.outside: list[Leaf] = []
@@ -184,6 +187,7 @@ class Composition:
         for factor in term.factors:
             names = self._enter(factor, sides, stem=term.stem(factor), owner=str(term))
             leaf = Leaf(part=factor.part, names=names, inputs=factor.inputs)
+            self.factors[str(Product(term.first, (factor,)))] = leaf
             if factor.modulated:
                 self._check_modulated(factor, leaves)
                 there = modulated.get(factor.modulated, ())
@@ -300,13 +304,8 @@ class Composition:
                 if self.meanings.setdefault(field, meaning) != meaning:
                     self._refuse(f"has two parameters called {field}, of different meaning.")
                 change = functools.partial(self._placed, owner or name.name, prefix, mark, inside)
-                self.fields[field] = dataclasses.replace(
-                    one,
-                    name=field,
-                    hint=with_marks(
-                        one.hint, lambda q, to=change: to(q) if isinstance(q, Quantity) else q
-                    ),
-                )
+                hint = with_marks(one.hint, change)
+                self.fields[field] = dataclasses.replace(one, name=field, hint=hint)
                 made.append(field)
             if doubled:
                 names[one.name] = (made[0], made[1])
@@ -314,8 +313,10 @@ class Composition:
                 names[one.name] = made[0]
         return names
 
-    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Quantity) -> Quantity:
-        """Return the quantity of a part's parameter as it is in this law."""
+    def _placed(self, part: str, prefix: str, mark: str, inside: bool, q: Any) -> Any:
+        """Return the quantity of a part's parameter as it is in this law, all else as it is."""
+        if not isinstance(q, Quantity):
+            return q
         symbol = q.symbol
         if mark:
             stem, _, index = symbol.partition("_")

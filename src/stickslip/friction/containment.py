@@ -1,6 +1,7 @@
 """Which laws a composition contains: those that are left as parts vanish or become simpler."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, final
 
@@ -20,8 +21,9 @@ from stickslip.friction.notation import (
 from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
+from stickslip.quantities import fields_of
 
-__all__ = ["Contained"]
+__all__ = ["Contained", "containment_of"]
 
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
@@ -43,6 +45,76 @@ class Contained:
         return self._found
 
 
+def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Containment | None:
+    """Return how a type of law contains another one; None if it does not.
+
+    Parameters
+    ----------
+    kind : type
+        Type of the richer law.
+    simpler : type
+        Type of the simpler one.
+
+    Returns
+    -------
+    Containment or None
+        The values at which the richer law is the simpler one. Of laws that are not composed of
+        parts, only what they declare at first hand.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb, Dahl, LuGre
+    >>> from stickslip.friction import law
+    >>> containment_of(LuGre, Dahl).limits, containment_of(Coulomb, Dahl)
+    ((), None)
+    >>> containment_of(law("both_ways(level + stribeck) + power"), Coulomb).values[
+    ...     "viscous_coefficient"
+    ... ]
+    0.0
+    """
+    declared = next((one for one in kind.contained if one.law == simpler.name), None)
+    if declared is not None or kind is simpler or None in (kind.made_of, simpler.made_of):
+        return declared
+    reached = _below(kind)
+    for form in _forms(simpler.made_of.term, simpler):
+        if form in reached:
+            found = _containment(kind.made_of, simpler, *reached[form])
+            known = fields_of(kind)
+            fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
+            return found if all(known[n].allows(v) for n, v in fixed.items()) else None
+    return None
+
+
+@functools.cache
+def _below(kind: type[FrictionLaw]) -> Mapping[str, tuple[Values, tuple[str, ...]]]:
+    """Return by composition what leads from a law to each simpler one, on the shortest way."""
+    c = kind.made_of
+    found: dict[str, tuple[Values, tuple[str, ...]]] = {}
+    level: list[Reduction] = [(c.term, {}, ())]
+    while level:
+        below: list[Reduction] = []
+        for term, values, limits in level:
+            for simpler, more, lost in _reductions(term):
+                form = canonical(simpler)
+                if form not in found and form != canonical(c.term):
+                    found[form] = {**values, **more}, (*limits, *lost)
+                    below.append((simpler, *found[form]))
+        level = below
+    return found
+
+
+def _forms(term: Term, kind: type[FrictionLaw]) -> Iterator[str]:
+    """Yield the compositions of a law: its own, and those that exponents at their defaults make."""
+    yield canonical(term)
+    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
+    for simpler, values, limits in _reductions(term):
+        here = {fields[one]: value for one, value in values.items() if one in fields}
+        shapes = (kind.made_of.fields[name].quantity.structural for name in here)
+        at_default = all(getattr(kind, name, None) == value for name, value in here.items())
+        if here and not limits and all(shapes) and at_default:
+            yield from _forms(simpler, kind)
+
+
 def _nearest(
     c: Composition, kind: type[FrictionLaw], known: Mapping[str, Any]
 ) -> Iterator[Containment]:
@@ -57,7 +129,12 @@ def _nearest(
         if one.name not in found:
             found[one.name] = one.law, _containment(c, one.law, values, limits)
 
-    same = known.get(canonical(c.term))
+    def named(term: Term) -> Any:
+        """Return the law of a term, or of the same with a power of the speed that is 1."""
+        plain, raised = (known.get(canonical(one)) for one in (term, _with_power(term)))
+        return plain if plain is not None or raised is None or raised.name == kind.name else raised
+
+    same = named(c.term)
     # a name of its own for the same parts, where optional ones have to be there
     if same is not None and same.name != kind.name:
         find(same, dict(_vanished(c.term)), ())
@@ -71,7 +148,7 @@ def _nearest(
                     continue
                 seen.add(canonical(simpler))
                 state = simpler, {**values, **more}, (*limits, *lost)
-                there = known.get(canonical(simpler))
+                there = named(simpler)
                 # a law that is tried only on request stands between no others
                 if there is None or (there.on_request and not kind.on_request):
                     below.append(state)
@@ -81,6 +158,21 @@ def _nearest(
     by_name = {one.name: one for one in known.values()}
     within = {name for law, _ in found.values() for name in _all_within(law, by_name)}
     yield from (one for law, one in found.values() if law.name not in within)
+
+
+def _with_power(term: Term) -> Term:
+    """Return a term with a power of the speed in place of a viscous part."""
+    match term:
+        case Name(name="viscous"):
+            return Name("power")
+        case Sum(items=items):
+            return Sum(tuple(map(_with_power, items)))
+        case Around(head=head, inner=inner):
+            return Around(head, _with_power(inner))
+        case Product(first=first, factors=factors):
+            return Product(_with_power(first), factors)
+        case _:
+            return term
 
 
 def _all_within(kind: type[FrictionLaw], known: Mapping[str, Any]) -> Iterator[str]:
@@ -124,6 +216,9 @@ def _containment(
         for field in theirs.values()
         if field not in reached and defaults[field] not in (None, dataclasses.MISSING)
     }
+    power = theirs.get("viscous_exponent")
+    if power in where and "viscous_exponent" not in mine and "viscous_exponent" not in values:
+        where[power] = 1.0  # whatever its default is
     return Containment(
         law=simpler.name,
         values=found,

@@ -6,9 +6,18 @@ from typing import Any, cast
 
 from stickslip.errors import InputError
 from stickslip.friction.base import BOUND, bound, is_bound
-from stickslip.friction.composition import Choose, Composition, Leaf, SIDES, STILL
+from stickslip.friction.composition import SIDES, STILL, Choose, Composition, Leaf
 from stickslip.friction.notation import Around, Name, Product, Sum, Term, summed, terms_of
-from stickslip.friction.parts.base import Extra, Flow, Level, Memory, Slip, SmoothLevel, SmoothSign
+from stickslip.friction.parts.base import (
+    Extra,
+    Factor,
+    Flow,
+    Level,
+    Memory,
+    Slip,
+    SmoothLevel,
+    SmoothSign,
+)
 from stickslip.maths import Scalar, sign, where
 from stickslip.quantities import unchecked
 
@@ -30,10 +39,12 @@ def equations_of(c: Composition, one_way: Callable[[], type[Any]]) -> dict[str, 
     dict of str to callable
         Methods; of laws with memory the names of the states as well.
     """
+    more: dict[str, Any] = {"limits": _limits(c)}
     if c.memory is None and not c.directional:
-        return _set_valued(c)
-    towards = {"towards": _towards(c, one_way)} if c.directional else {}
-    return towards | (_directional() if c.memory is None else _with_memory(c, c.memory))
+        return more | _set_valued(c)
+    if c.directional:
+        more["towards"] = _towards(c, one_way)
+    return more | (_directional() if c.memory is None else _with_memory(c, c.memory))
 
 
 def one_way(term: Term) -> Term:
@@ -205,6 +216,29 @@ def _directional() -> dict[str, Any]:
         return _least(*(self.towards(side).break_away(load) for side in (1, -1)))
 
     return {"force": force, "break_away": break_away}
+
+
+LEAST = 1e-3
+"""Factor at which runs end: a memory divides by its level, and below 0 friction would drive."""
+
+
+def _limits(c: Composition) -> Callable[[Any], dict[str, Scalar]]:
+    """Return the method that gives the factors that may fall below 0."""
+    found = {text: leaf for text, leaf in c.factors.items() if not cast(Factor, leaf.part).positive}
+
+    def limits(self: Any) -> dict[str, Scalar]:
+        if c.directional:
+            return {
+                f"{way} {text}": margin
+                for side, way in ((1, "forward"), (-1, "backward"))
+                for text, margin in self.towards(side).limits().items()
+            }
+        return {
+            f"{text} falls below {LEAST:g}": leaf.factor(self, STILL, None) - LEAST
+            for text, leaf in found.items()
+        }
+
+    return limits
 
 
 def _towards(c: Composition, one_way: Callable[[], type[Any]]) -> Callable[[Any, int], Any]:

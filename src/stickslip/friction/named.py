@@ -1002,6 +1002,314 @@ class MaxwellSlip:
     on_request = True
 
 
+# Laws that ask the contact for more than speed and load.
+
+
+@composed("level + viscous * exponential[temperature]")
+class WarmViscous:
+    """A constant level plus a viscous part that falls as the lubricant warms up.
+
+    The viscous coefficient is that at 0 degC.
+
+    Examples
+    --------
+    >>> from stickslip import WarmViscous
+    >>> from stickslip.friction import bound
+    >>> law = WarmViscous(
+    ...     kinetic_coefficient=1.0, viscous_coefficient=4.0, viscous_temperature_decay=0.03
+    ... )
+    >>> [round(bound(law, {"temperature": T}).force(0.5, load=1.0), 6) for T in (0.0, 40.0)]
+    [3.0, 1.602388]
+    """
+
+    name = "warm-viscous"
+    title = "Coulomb + viscous that warms up"
+    sources = ("simoni2015",)
+    typical = Typical(values={**SLIDING, "viscous_temperature_decay": 0.03})
+    passivity = ALWAYS
+    defects = "A record of one temperature cannot tell the decay from the viscous coefficient."
+    compared = False
+    on_request = True
+
+
+@composed(
+    "level + stribeck * linear[temperature, stribeck_velocity] + weight[gravity]"
+    " + weight_fading[gravity] + viscous * exponential[temperature]"
+)
+class JointLoadTemperature:
+    """Friction of a robot's joint that grows with its load and changes with the temperature.
+
+    Level and static surplus grow with the size of the load torque; the Stribeck velocity grows and
+    the viscous part falls with the temperature. The law of the source has a Stribeck velocity of
+    its own for the loaded part, and a viscous part that no temperature takes away.
+
+    Examples
+    --------
+    >>> from stickslip import JointLoadTemperature
+    >>> JointLoadTemperature.inputs
+    ('temperature', 'gravity')
+    """
+
+    name = "joint-load-temperature"
+    title = "Joint with load and temperature"
+    sources = ("bittencourt2012",)
+    typical = Typical(
+        values={
+            **FADING,
+            "stribeck_velocity_temperature_slope": 0.02,
+            "gravity_coefficient": 0.05,
+            "gravity_static_surplus": 0.05,
+            "viscous_temperature_decay": 0.03,
+        }
+    )
+    passivity = Passivity(
+        condition="1 + alpha_T T > 0, so that the Stribeck velocity is above 0",
+        holds=lambda law, _load: law.stribeck_velocity_temperature_slope >= 0.0,
+    )
+    compared = False
+    on_request = True
+
+
+@composed("level * ripple[position] + viscous")
+class Cogging:
+    """A level with one harmonic of the position, as of meshing teeth, and a viscous part.
+
+    Of an angle, the harmonic is the number of periods in a turn.
+
+    Examples
+    --------
+    >>> from stickslip import Cogging
+    >>> from stickslip.friction import bound
+    >>> law = Cogging(
+    ...     kinetic_coefficient=2.0,
+    ...     level_position_cosine=0.5,
+    ...     level_position_sine=0.0,
+    ...     level_position_harmonic=12.0,
+    ...     viscous_coefficient=0.0,
+    ... )
+    >>> bound(law, {"position": 0.0}).break_away(load=1.0)
+    3.0
+    """
+
+    name = "cogging"
+    title = "Coulomb with teeth + viscous"
+    sources = ("coulomb1785", "reynolds1886")
+    typical = Typical(
+        values={
+            **SLIDING,
+            "level_position_cosine": 0.3,
+            "level_position_sine": 0.1,
+            "level_position_harmonic": 12.0,
+        }
+    )
+    passivity = Passivity(
+        condition="a_x^2 + b_x^2 <= 1",
+        holds=lambda law, _load: law.level_position_cosine**2 + law.level_position_sine**2 <= 1.0,
+    )
+    defects = "A force of cogging that is there at rest too, and drives, is none of friction."
+    on_request = True
+
+
+@composed("level + viscous")
+class BamM1:
+    """The first one of six laws of servo motors: Coulomb friction and a viscous part.
+
+    Examples
+    --------
+    >>> from stickslip import BamM1
+    >>> BamM1(kinetic_coefficient=0.02, viscous_coefficient=0.01).force(1.0, load=1.0)
+    0.03
+    """
+
+    name = "bam-m1"
+    title = "BAM M1, Coulomb"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={"kinetic_coefficient": 0.0182117, "viscous_coefficient": 0.005902},
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    on_request = True
+
+
+@composed("level + stribeck + viscous")
+class BamM2:
+    """The second law of servo motors: with a static surplus that fades.
+
+    The surplus that its source prints is ``static_coefficient - kinetic_coefficient``.
+
+    Examples
+    --------
+    >>> from stickslip import BamM2
+    >>> BamM2.contained[0].law
+    'stribeck'
+    """
+
+    name = "bam-m2"
+    title = "BAM M2, Stribeck"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={
+            "kinetic_coefficient": 0.0186015,
+            "static_coefficient": 0.0197028,
+            "stribeck_velocity": 0.261268,
+            "fading_exponent": 4.0,
+            "viscous_coefficient": 0.00404797,
+        },
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    on_request = True
+
+
+@composed("level + weight[transmitted] + viscous")
+class BamM3:
+    """The third law of servo motors: a level that grows with the torque that the gear transmits.
+
+    Examples
+    --------
+    >>> from stickslip import BamM3
+    >>> from stickslip.friction import bound
+    >>> law = BamM3(kinetic_coefficient=0.5, transmitted_coefficient=0.25, viscous_coefficient=0.0)
+    >>> bound(law, {"transmitted": -2.0}).break_away(load=1.0)
+    1.0
+    """
+
+    name = "bam-m3"
+    title = "BAM M3, load of the gear"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={
+            "kinetic_coefficient": 0.00231969,
+            "transmitted_coefficient": 0.264077,
+            "viscous_coefficient": 0.0169039,
+        },
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    on_request = True
+
+
+@composed("level + stribeck + weight[transmitted] + weight_fading[transmitted] + viscous")
+class BamM4:
+    """The fourth law of servo motors: a load of the gear of which a part fades with the speed.
+
+    Examples
+    --------
+    >>> from stickslip import BamM4
+    >>> [one.law for one in BamM4.contained]
+    ['stribeck', 'bam-m3', 'tustin']
+    """
+
+    name = "bam-m4"
+    title = "BAM M4, load of the gear and Stribeck"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={
+            "kinetic_coefficient": 0.00215218,
+            "static_coefficient": 0.00256646,
+            "stribeck_velocity": 0.117806,
+            "fading_exponent": 1.0,
+            "transmitted_coefficient": 0.251587,
+            "transmitted_static_surplus": 0.0520285,
+            "viscous_coefficient": 0.0178197,
+        },
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    on_request = True
+
+
+@composed("level + stribeck + gear + gear_stribeck + viscous")
+class BamM5:
+    """The fifth law of servo motors: a gear that loses another share of each torque.
+
+    Examples
+    --------
+    >>> from stickslip import BamM5
+    >>> BamM5.inputs, [one.law for one in BamM5.contained]
+    (('motor', 'external'), ['bam-m4'])
+    """
+
+    name = "bam-m5"
+    title = "BAM M5, directions of the gear"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={
+            "kinetic_coefficient": 0.00203918,
+            "static_coefficient": 0.00203919,
+            "stribeck_velocity": 0.222587,
+            "fading_exponent": 2.32884,
+            "motor_friction": 0.230076,
+            "external_friction": 0.258258,
+            "motor_static_friction": 5.00448e-07,
+            "external_static_friction": 0.117008,
+            "viscous_coefficient": 0.0186865,
+        },
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    defects = "Where k_m tau_m = k_e tau_e it has no load, although the gear is loaded."
+    on_request = True
+
+
+@composed("level + stribeck + gear + gear_stribeck + gear_quadratic + viscous")
+class BamM6:
+    """The sixth law of servo motors: with the square of the smaller of two opposed torques.
+
+    Examples
+    --------
+    >>> from stickslip import BamM6
+    >>> [one.law for one in BamM6.contained]
+    ['bam-m5']
+    """
+
+    name = "bam-m6"
+    title = "BAM M6, quadratic in the torque"
+    sources = ("duclusaud2025",)
+    typical = Typical(
+        values={
+            "kinetic_coefficient": 0.00232584,
+            "static_coefficient": 0.00251147,
+            "stribeck_velocity": 0.115329,
+            "fading_exponent": 1.0,
+            "motor_friction": 0.23063,
+            "external_friction": 0.260779,
+            "motor_static_friction": 1.91577e-06,
+            "external_static_friction": 0.151588,
+            "motor_quadratic": 0.00559596,
+            "external_quadratic": 0.00377471,
+            "viscous_coefficient": 0.0185448,
+        },
+        source="duclusaud2025",
+    )
+    passivity = ALWAYS
+    defects = BamM5.defects + " It jumps where both torques are equally large and opposed."
+    on_request = True
+
+
+@composed("lugre(level + stribeck + weight[transmitted]) + viscous")
+class LuGreGear:
+    """Bristles whose largest force grows with the torque that a gear transmits.
+
+    Examples
+    --------
+    >>> from stickslip import LuGreGear
+    >>> LuGreGear.inputs, LuGreGear.states
+    (('transmitted',), ('z',))
+    """
+
+    name = "lugre-gear"
+    title = "LuGre with the load of a gear"
+    sources = ("canudas1995", "duclusaud2025")
+    typical = Typical(values={**FADING, **DAMPED, "transmitted_coefficient": 0.1})
+    passivity = Passivity(
+        condition=f"{BRISTLE_DAMPING.condition}, while the gear transmits the same torque",
+        holds=BRISTLE_DAMPING.holds,
+    )
+    defects = DRIFTS
+
+
 @composed("gms[4](level + stribeck) + viscous")
 class GMS:
     """Generalised Maxwell slip: four elements that slip until the velocity turns, and lag then.

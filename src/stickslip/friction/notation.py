@@ -19,6 +19,7 @@ from stickslip.quantities import Quantity
 __all__ = [
     "BOTH_WAYS",
     "OPTIONAL",
+    "PER_DIRECTION",
     "Around",
     "Name",
     "Product",
@@ -34,6 +35,8 @@ OPTIONAL = ("step", "peak")
 """Parts that laws of one name may have or not."""
 BOTH_WAYS = "both_ways"
 """What stands around terms that have parameters of their own for each direction."""
+PER_DIRECTION = ("level", "slope")
+"""Scales of parameters that ``both_ways[levels]`` doubles."""
 
 
 @final
@@ -257,17 +260,30 @@ def summed(items: tuple[Term, ...]) -> Term:
 
 
 def canonical(term: Term) -> str:
-    """Return a text that is the same for compositions that differ in the order of their sums."""
+    """Return a text that is the same for compositions that differ in the order of their sums.
+
+    Both directions of a sum are the sum of both directions of its terms.
+    """
+    return " + ".join(sorted(_canonical(term)))
+
+
+def _canonical(term: Term) -> Iterator[str]:
     match term:
         case Sum(items=items):
-            return " + ".join(sorted(canonical(one) for one in items if str(one) not in OPTIONAL))
+            for one in items:
+                yield from _canonical(one)
+        case Around(head=Name(name="both_ways") as head, inner=inner):
+            for one in terms_of(inner):
+                scales = {p.quantity.scale for name in one.parts() for p in name.part.parameters}
+                whole = Name(BOTH_WAYS) if scales <= {*PER_DIRECTION} else head
+                yield from (f"{whole}({text})" for text in _canonical(one))
         case Around(head=head, inner=inner):
-            return f"{head}({canonical(inner)})"
+            yield f"{head}({canonical(inner)})"
         case Product(first=first, factors=factors):
-            inner = canonical(first)
-            return " * ".join((f"({inner})" if "+" in inner else inner, *sorted(map(str, factors))))
-        case _:
-            return str(term)
+            text = canonical(first)
+            yield " * ".join((f"({text})" if "+" in text else text, *sorted(map(str, factors))))
+        case _ if str(term) not in OPTIONAL:
+            yield str(term)
 
 
 TOKEN = re.compile(

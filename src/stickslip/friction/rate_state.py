@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, ClassVar, Final, Literal, NamedTuple, TypeAlias, final
+from typing import Annotated, Final, Literal, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,20 +16,30 @@ from stickslip.quantities import Parametrised, Quantity
 __all__ = ["RATE_STATE_FORMS", "Evolution", "RateState", "RateStateForm"]
 
 Array: TypeAlias = NDArray[np.float64]
-Evolution: TypeAlias = Literal["ageing", "slip", "none"]
+Evolution: TypeAlias = Literal["ageing", "slip", "prz", "nagata", "none"]
 
-RATE_ONLY: Final = r"\mu = \mu_0 + a \ln\frac{V}{V_0}"
-WITH_STATE: Final = (
-    r"\mu = \mu_0 + a \ln\frac{V}{V_0} + b \ln\frac{V_0 \theta}{D_c}, \qquad \dot\theta = "
-)
 EVOLUTIONS: Final[Mapping[Evolution, str]] = MappingProxyType(
     {
-        "ageing": WITH_STATE + r"1 - \frac{V \theta}{D_c}",
-        "slip": WITH_STATE + r"-\frac{V \theta}{D_c} \ln\frac{V \theta}{D_c}",
-        "none": RATE_ONLY,
+        "ageing": r"1 - \frac{V \theta}{D_c}",
+        "slip": r"-\frac{V \theta}{D_c} \ln\frac{V \theta}{D_c}",
+        "prz": r"1 - \left(\frac{V \theta}{2 D_c}\right)^2",
+        "nagata": r"1 - \frac{V \theta}{D_c} - \frac{c}{b} \theta \dot\mu",
+        "none": "",
     }
 )
-"""The law in LaTeX by how the state follows."""
+"""The rate of the state in LaTeX by how it follows."""
+TITLES: Final = {"ageing": "ageing", "slip": "slip", "prz": "Perrin-Rice-Zheng", "nagata": "Nagata"}
+"""Names of the evolution laws in running text."""
+NAMES: Final = {"ageing": "", "slip": "-slip", "prz": "-prz", "nagata": "-nagata"}
+"""What they add to the name of a form."""
+ONE_STATE: Final = (
+    "reference_coefficient",
+    "direct_effect",
+    "evolution_effect",
+    "critical_distance",
+)
+SECOND: Final = ("second_evolution_effect", "second_critical_distance")
+STRESS: Final = "stress_effect"
 
 
 class RateStateForm(NamedTuple):
@@ -42,25 +52,54 @@ class RateStateForm(NamedTuple):
     fit_order: tuple[str, ...]
     """Parameters that are fitted."""
 
+    @property
+    def second(self) -> bool:
+        """Whether it has a second state."""
+        return SECOND[0] in self.fit_order
+
+    @property
+    def words(self) -> str:
+        """Name within a sentence."""
+        if self.evolution == "none":
+            return (
+                "friction logarithmic in speed"
+                if len(self.fit_order) > 1
+                else ("a constant coefficient")
+            )
+        states = "two states and " if self.second else ""
+        return f"rate-and-state friction with {states}the {TITLES[self.evolution]} law"
+
+    def contains(self, other: "RateStateForm") -> bool:
+        """Whether another form is this one at some values of its parameters.
+
+        Nagata's law is the ageing law without an effect of stress.
+        """
+        follows = {"none", self.evolution, *(("ageing",) if self.evolution == "nagata" else ())}
+        return other.evolution in follows and set(other.fit_order) < set(self.fit_order)
+
+
+def _evolving(evolution: Evolution, *, second: bool) -> RateStateForm:
+    stress = (STRESS,) if evolution == "nagata" else ()
+    states, more = ("two states", SECOND) if second else ("state", ())
+    return RateStateForm(
+        f"Rate and {states} ({TITLES[evolution]})", evolution, (*ONE_STATE, *more, *stress)
+    )
+
+
+def _name(evolution: Evolution, *, second: bool) -> str:
+    return f"rate-and-{'two-states' if second else 'state'}{NAMES[evolution]}"
+
 
 RATE_STATE_FORMS: Final[Mapping[str, RateStateForm]] = MappingProxyType(
     {
-        "constant-coefficient": RateStateForm(
-            "Constant coefficient", "none", ("reference_coefficient",)
-        ),
-        "logarithmic": RateStateForm(
-            "Logarithmic in speed", "none", ("reference_coefficient", "direct_effect")
-        ),
-        "rate-and-state": RateStateForm(
-            "Rate and state (ageing)",
-            "ageing",
-            ("reference_coefficient", "direct_effect", "evolution_effect", "critical_distance"),
-        ),
-        "rate-and-state-slip": RateStateForm(
-            "Rate and state (slip)",
-            "slip",
-            ("reference_coefficient", "direct_effect", "evolution_effect", "critical_distance"),
-        ),
+        "constant-coefficient": RateStateForm("Constant coefficient", "none", ONE_STATE[:1]),
+        "logarithmic": RateStateForm("Logarithmic in speed", "none", ONE_STATE[:2]),
+    }
+    | {
+        _name(evolution, second=second): _evolving(evolution, second=second)
+        for second in (False, True)
+        for evolution in EVOLUTIONS
+        if evolution != "none"
     }
 )
 """Forms of the law by name, the simplest first."""
@@ -71,13 +110,24 @@ RATE_STATE_FORMS: Final[Mapping[str, RateStateForm]] = MappingProxyType(
 class RateState(Parametrised):
     r"""Friction that depends on the slip speed and on a state that remembers past slip.
 
-    mu = mu_0 + a ln(V / V_0) + b ln(V_0 theta / D_c), where theta follows the ageing law
-    (Dieterich), d theta/dt = 1 - V theta / D_c, or the slip law (Ruina),
-    d theta/dt = -(V theta / D_c) ln(V theta / D_c). Without evolution, mu = mu_0 + a ln(V / V_0),
+    mu = mu_0 + a ln(V / V_0) + b ln(V_0 theta / D_c), where theta follows
+
+    - the ageing law (Dieterich), d theta/dt = 1 - V theta / D_c,
+    - the slip law (Ruina), d theta/dt = -(V theta / D_c) ln(V theta / D_c),
+    - the law of Perrin, Rice and Zheng, d theta/dt = 1 - (V theta / (2 D_c))^2, where 2 D_c
+      stands for D_c in the coefficient, or
+    - the law of Nagata, d theta/dt = 1 - V theta / D_c - (c / b) theta d mu/dt.
+
+    A second state adds b_2 ln(V_0 theta_2 / D_2), with the same evolution law; what stress takes
+    away is then shared by both, c / (b + b_2) each. Without evolution, mu = mu_0 + a ln(V / V_0),
     where a may have either sign; a = 0 is a constant coefficient.
 
-    It is not a `FrictionLaw`: the speed stands in a logarithm, so nothing is ever at rest, and the
-    event-driven solver has no use for it.
+    The regularised form, mu = a arcsinh((V / (2 V_0)) exp((mu_0 + b ln(V_0 theta / D_c)) / a)), is
+    0 at rest and may reverse: in the evolution laws V is then the speed |V|, and mu is |mu|. While
+    mu is many times a, as in all forward sliding, both forms agree to exp(-2 mu / a).
+
+    It is not a `FrictionLaw`: the slope of the coefficient at rest is exp(mu_0 / a) times a / (2
+    V_0), which the event-driven solver cannot resolve; `simulate_velocity_steps` runs it.
 
     Examples
     --------
@@ -92,8 +142,6 @@ class RateState(Parametrised):
     (0.58848707, 500.0)
     """
 
-    sources: ClassVar[tuple[str, ...]] = ("dieterich1979", "ruina1983", "marone1998")
-
     reference_coefficient: Annotated[float, Quantity("mu_0")]
     """Steady friction coefficient at the reference velocity."""
     direct_effect: Annotated[float, Quantity("a")]
@@ -102,10 +150,20 @@ class RateState(Parametrised):
     """What it takes away again as the contacts are renewed."""
     critical_distance: Annotated[float, Quantity("D_c", "m", above=0)] | None = None
     """Slip over which contacts are renewed; None without evolution."""
+    second_evolution_effect: Annotated[float, Quantity("b_2")] = 0.0
+    """The evolution effect of a second state; may be negative."""
+    second_critical_distance: Annotated[float, Quantity("D_2", "m", above=0)] | None = None
+    """The critical distance of a second state; None without one."""
+    stress_effect: Annotated[float, Quantity("c", low=0)] = 0.0
+    """What a rise of the coefficient takes off the state at once, in Nagata's law."""
     reference_velocity: Annotated[float, Quantity("V_0", "m/s", above=0)]
     """Speed at which the reference coefficient holds."""
     evolution: Evolution = "ageing"
-    """How the state follows: ``"ageing"``, ``"slip"`` or, where there is no state, ``"none"``."""
+    """How states follow: ``"ageing"``, ``"slip"``, ``"prz"``, ``"nagata"`` or, where there is no
+    state, ``"none"``."""
+    regularised: bool = False
+    """Whether the speed stands in an arcsinh, which has a value at rest and backwards, and not in a
+    logarithm."""
 
     @override
     def __post_init__(self) -> None:
@@ -113,8 +171,8 @@ class RateState(Parametrised):
         super().__post_init__()
         if self.evolution not in EVOLUTIONS:
             raise ParameterError(
-                "RateState.evolution must be 'ageing' or 'slip', or 'none' without a state, got"
-                f" {self.evolution!r}."
+                "RateState.evolution must be 'ageing', 'slip', 'prz' or 'nagata', or 'none' without"
+                f" a state, got {self.evolution!r}."
             )
         if self.evolution == "none":
             if self.evolution_effect != 0.0 or self.critical_distance is not None:
@@ -123,15 +181,35 @@ class RateState(Parametrised):
                     f" critical_distance (D_c): leave them out, got b = {self.evolution_effect:g}"
                     f" and D_c = {self.critical_distance}."
                 )
+            if self.second_critical_distance is not None:
+                raise ParameterError(
+                    "RateState.evolution is 'none', which has no second_critical_distance (D_2):"
+                    f" leave it out, got {self.second_critical_distance:g} m."
+                )
         elif self.critical_distance is None:
             raise ParameterError(
                 "RateState.critical_distance (D_c) must be above 0 m, got none; evolution='none'"
                 " does without it."
             )
-        elif not self.direct_effect > 0.0:
+        if not self.direct_effect > 0.0 and (self.evolution != "none" or self.regularised):
             raise ParameterError(
                 f"RateState.direct_effect (a) must be above 0, got {self.direct_effect:g};"
-                " evolution='none' takes either sign."
+                " evolution='none' takes either sign where it is not regularised."
+            )
+        if self.second_evolution_effect and self.second_critical_distance is None:
+            raise ParameterError(
+                "RateState.second_critical_distance (D_2) must be above 0 m where there is a"
+                f" second_evolution_effect (b_2), here {self.second_evolution_effect:g}; got none."
+            )
+        if self.stress_effect and self.evolution != "nagata":
+            raise ParameterError(
+                "RateState.stress_effect (c) is a parameter of evolution='nagata': leave it out,"
+                f" got {self.stress_effect:g} with {self.evolution!r}."
+            )
+        if self.stress_effect and not self.evolved > 0.0:
+            raise ParameterError(
+                "RateState.evolution_effect (b, with b_2) must be above 0 where there is a"
+                f" stress_effect (c), which it divides; got {self.evolved:g}."
             )
 
     @property
@@ -139,7 +217,7 @@ class RateState(Parametrised):
         """Key of the form of the law, as in `RATE_STATE_FORMS`."""
         if self.evolution == "none":
             return "logarithmic" if self.direct_effect else "constant-coefficient"
-        return "rate-and-state" if self.evolution == "ageing" else "rate-and-state-slip"
+        return _name(self.evolution, second=self.second_critical_distance is not None)
 
     @property
     def title(self) -> str:
@@ -147,41 +225,116 @@ class RateState(Parametrised):
         return RATE_STATE_FORMS[self.name].title
 
     @property
+    def sources(self) -> tuple[str, ...]:
+        """Keys of the references."""
+        own = {"prz": ("perrin1995",), "nagata": ("nagata2012",)}.get(self.evolution, ())
+        regularised = ("lapusta2000",) if self.regularised else ()
+        return ("dieterich1979", "ruina1983", "marone1998", *own, *regularised)
+
+    @property
     def formula(self) -> str:
         """The law in LaTeX."""
-        return r"\mu = \mu_0" if self.name == "constant-coefficient" else EVOLUTIONS[self.evolution]
+        if self.name == "constant-coefficient" and not self.regularised:
+            return r"\mu = \mu_0"
+        second = self.second_critical_distance is not None
+        length = "2 D_{}" if self.evolution == "prz" else "D_{}"
+        index = {"c": r"b \ln\frac{V_0 \theta}", "2": r"b_2 \ln\frac{V_0 \theta_2}"}
+        states = "".join(
+            f" + {effect}{{{length.format(place)}}}"
+            for place, effect in index.items()
+            if self.evolution != "none" and (place == "c" or second)
+        )
+        if self.regularised:
+            level = rf"\frac{{\mu_0{states}}}{{a}}"
+            told = rf"\mu = a \operatorname{{arsinh}}\left(\frac{{V}}{{2 V_0}} e^{{{level}}}\right)"
+        else:
+            told = rf"\mu = \mu_0 + a \ln\frac{{V}}{{V_0}}{states}"
+        if self.evolution == "none":
+            return told
+        rate = EVOLUTIONS[self.evolution]
+        if not second:
+            return rf"{told}, \qquad \dot\theta = {rate}"
+        rate = rate.replace(r"\frac{c}{b}", r"\frac{c}{b + b_2}")
+        other = rate.replace(r"\theta", r"\theta_2").replace("D_c", "D_2")
+        return rf"{told}, \qquad \dot\theta = {rate}, \qquad \dot\theta_2 = {other}"
+
+    @property
+    def states(self) -> tuple[tuple[float, float], ...]:
+        """The evolution effect and the critical distance [m] of each state."""
+        both = (
+            (self.evolution_effect, self.critical_distance),
+            (self.second_evolution_effect, self.second_critical_distance),
+        )
+        return tuple((b, distance) for b, distance in both if distance is not None)
+
+    @property
+    def evolved(self) -> float:
+        """The evolution effects of all states together: b, or b + b_2."""
+        return self.evolution_effect + self.second_evolution_effect
+
+    @property
+    def rate(self) -> float:
+        """Lasting change of the coefficient by the logarithm of speed, a - b or a - b - b_2."""
+        return self.direct_effect - self.evolved
 
     @property
     def critical_stiffness(self) -> float:
-        """Stiffness (b - a) / D_c [1/m] below which steady sliding is not stable; may be negative.
+        """Stiffness [1/m] below which steady sliding is not stable; may be negative.
 
-        It is a change of the coefficient with position: times the load, it is in N/m. Without
-        evolution it is infinite where friction falls with speed, and else minus infinity.
+        It is (b - a) / D_c with one state, divided by 1 + c in Nagata's law, and the larger root of
+        a quadratic with two. It is a change of the coefficient with position: times the load, it is
+        in N/m. Without evolution it is infinite where friction falls with speed, and else minus
+        infinity, as with two states where any stiffness is enough.
         """
         if self.critical_distance is None:
             return math.inf if self.direct_effect < 0.0 else -math.inf
-        return (self.evolution_effect - self.direct_effect) / self.critical_distance
+        a, b, D, c = (
+            self.direct_effect,
+            self.evolution_effect,
+            self.critical_distance,
+            self.stress_effect,
+        )
+        if self.second_critical_distance is None:
+            return (b - a) / D / (1.0 + c) if c else (b - a) / D
+        b_2, D_2 = self.second_evolution_effect, self.second_critical_distance
+        share = c / self.evolved if c else 0.0
+        # the cubic of small deviations, with p for the rate over the speed:
+        # a D D_2 p^3 + (p2 + k q2) p^2 + (p1 + k q1) p + k; Hurwitz: the middle two > a D D_2 k
+        p_2, q_2 = a * (D + D_2) - b * D_2 - b_2 * D, (1.0 + c) * D * D_2
+        p_1, q_1 = a - b - b_2, D + D_2 + share * (b * D + b_2 * D_2)
+        square, linear, constant = q_1 * q_2, p_1 * q_2 + p_2 * q_1 - a * D * D_2, p_1 * p_2
+        under = linear**2 - 4.0 * square * constant
+        return (-linear + math.sqrt(under)) / (2.0 * square) if under >= 0.0 else -math.inf
 
     def steady(self, velocity: ArrayLike) -> Array:
-        """Return the coefficient after long sliding at speeds above 0 [m/s].
+        """Return the coefficient after long sliding at velocities [m/s].
+
+        They must be above 0, or of either sign in the regularised form, which is 0 at rest.
 
         Examples
         --------
-        >>> law = RateState(
+        >>> numbers = dict(
         ...     reference_coefficient=0.6,
         ...     direct_effect=0.01,
         ...     evolution_effect=0.01,
         ...     critical_distance=1e-5,
         ...     reference_velocity=1e-6,
         ... )
-        >>> law.steady([1e-6, 1e-3])
+        >>> RateState(**numbers).steady([1e-6, 1e-3])
         array([0.6, 0.6])
+        >>> RateState(**numbers, regularised=True).steady([-1e-6, 0.0, 1e-3])
+        array([-0.6,  0. ,  0.6])
         """
-        mu_0, a, b, V_0 = (
-            self.reference_coefficient,
-            self.direct_effect,
-            self.evolution_effect,
-            self.reference_velocity,
-        )
+        mu_0, V_0 = self.reference_coefficient, self.reference_velocity
         V = np.asarray(velocity, dtype=float)
-        return mu_0 + (a - b) * np.log(V / V_0)
+        if not self.regularised:
+            return mu_0 + self.rate * np.log(V / V_0)
+        a = self.direct_effect
+        with np.errstate(divide="ignore"):
+            log = np.log(np.abs(V) / V_0)
+        moving = np.where(V == 0.0, 0.0, log)
+        # arsinh(e^x / 2) = x + ln((1 + sqrt(1 + 4 e^-2x)) / 2), without overflow where x is large
+        x = (mu_0 + self.rate * moving) / a
+        large = x + np.log1p(np.sqrt(1.0 + 4.0 * np.exp(-2.0 * np.maximum(x, 0.0)))) - math.log(2.0)
+        small = np.arcsinh(0.5 * np.exp(np.minimum(x, 0.0)))
+        return np.sign(V) * a * np.where(x > 0.0, large, small)

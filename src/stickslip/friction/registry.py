@@ -27,8 +27,8 @@ __all__ = [
     "law_type",
     "laws",
     "listed",
+    "special_specifications",
     "specification",
-    "usual_specifications",
 ]
 
 
@@ -63,17 +63,6 @@ class _Lazy(Mapping[str, type[FrictionLaw]]):
 LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
-USUAL = (
-    "viscous",
-    "coulomb",
-    "coulomb-viscous",
-    "direction-dependent",
-    "power-viscous",
-    "quadratic-drag",
-    "stribeck",
-    "lugre",
-)
-"""Laws that records are compared with by default, with all they can fit."""
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
@@ -144,40 +133,45 @@ def law_type(name: str) -> type[FrictionLaw]:
     """
     if is_composition(name):
         return law(name)
-    for one in usual_specifications() if name not in laws() else ():
+    for one in special_specifications() if name not in laws() else ():
         if one.name == name:
             raise InputError(
-                f"{name} is available only for fits to records: {one.law.name} with its exponent"
+                f"{name} is available only for fits to records: {one.law.name} with an exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
     kind: type[FrictionLaw] = _law_named(laws(), name)
     return kind
 
 
-def usual_specifications() -> tuple[CandidateSpec, ...]:
-    """Return what records are compared with by default.
+def special_specifications() -> tuple[CandidateSpec, ...]:
+    """Return the candidates for records that are laws with other parameters free than usual.
 
     Examples
     --------
-    >>> [one.name for one in usual_specifications()][-3:]
-    ['stribeck-exponent', 'dahl', 'dahl-exponent']
+    >>> [one.name for one in special_specifications()]
+    ['stribeck-exponent', 'dahl', 'dahl-power', 'dahl-exponent', 'lugre-power']
     """
-    stribeck, dahl = LAWS["stribeck"], LAWS["dahl"]
-    return (
-        *(CandidateSpec.of(name, LAWS[name]) for name in USUAL),
-        CandidateSpec(
-            name="stribeck-exponent",
-            title="Stribeck with exponent",
-            law=stribeck,
-            free=(*stribeck.fit_order, "exponent"),
-        ),
-        CandidateSpec(name="dahl", title="Dahl", law=dahl, free=PLAIN_DAHL),
-        CandidateSpec(name="dahl-exponent", title="Dahl with exponent", law=dahl),
+    stribeck, dahl, lugre = (LAWS[name] for name in ("stribeck", "dahl", "lugre"))
+    power = "viscous_exponent"
+    return tuple(
+        CandidateSpec(name=name, title=title, law=law, free=free)
+        for name, title, law, free in (
+            (
+                "stribeck-exponent",
+                "Stribeck with exponent",
+                stribeck,
+                (*stribeck.fit_order, "exponent"),
+            ),
+            ("dahl", "Dahl", dahl, PLAIN_DAHL),
+            ("dahl-power", "Dahl + power of speed", dahl, (*PLAIN_DAHL, power)),
+            ("dahl-exponent", "Dahl with exponent", dahl, dahl.fit_order),
+            ("lugre-power", "LuGre + power of speed", lugre, (*lugre.fit_order, power)),
+        )
     )
 
 
 def specification(name: str) -> CandidateSpec:
-    """Return the candidate for records of that name: a usual one, or a law with all it can fit.
+    """Return the candidate for records of that name: a special one, or a law with all it can fit.
 
     Raises
     ------
@@ -193,10 +187,10 @@ def specification(name: str) -> CandidateSpec:
     """
     if is_composition(name):
         return CandidateSpec.of(name, law(name))
-    usual = {one.name: one for one in usual_specifications()}
-    if name in usual:
-        return usual[name]
-    _law_named(dict.fromkeys((*laws(), *usual)), name)  # refuses unknown names
+    special = {one.name: one for one in special_specifications()}
+    if name in special:
+        return special[name]
+    _law_named(dict.fromkeys((*laws(), *special)), name)  # refuses unknown names
     return CandidateSpec.of(name, laws()[name])
 
 

@@ -29,6 +29,20 @@ SOURCES = MappingProxyType(
             "C. Marone. Laboratory-derived friction laws and their application to seismic faulting."
             " Annual Review of Earth and Planetary Sciences 26, 1998."
         ),
+        "perrin1995": (
+            "G. Perrin, J. R. Rice, G. Zheng. Self-healing slip pulse on a frictional surface."
+            " Journal of the Mechanics and Physics of Solids 43(9), 1995."
+        ),
+        "nagata2012": (
+            "K. Nagata, M. Nakatani, S. Yoshida. A revised rate- and state-dependent friction law"
+            " obtained by constraining constitutive and evolution laws separately with laboratory"
+            " data. Journal of Geophysical Research 117(B2), 2012."
+        ),
+        "lapusta2000": (
+            "N. Lapusta, J. R. Rice, Y. Ben-Zion, G. Zheng. Elastodynamic analysis for slow"
+            " tectonic loading with spontaneous rupture episodes on faults with rate- and"
+            " state-dependent friction. Journal of Geophysical Research 105(B10), 2000."
+        ),
         "bo1982": (
             "L. C. Bo, D. Pavelescu. The friction-speed relation and its influence on the critical"
             " velocity of stick-slip motion. Wear 82, 1982."
@@ -109,6 +123,14 @@ SOURCES = MappingProxyType(
         "iwan1966": (
             "W. D. Iwan. A distributed-element model for hysteresis and its steady-state dynamic"
             " response. Journal of Applied Mechanics 33(4), 1966."
+        ),
+        "simoni2015": (
+            "L. Simoni, M. Beschi, G. Legnani, A. Visioli. Friction modeling with temperature"
+            " effects for industrial robot manipulators. IEEE/RSJ IROS, 2015."
+        ),
+        "duclusaud2025": (
+            "M. Duclusaud, G. Passault, V. Padois, O. Ly. Extended friction models for the physics"
+            " simulation of servo actuators. IEEE ICRA, 2025."
         ),
         "albender2005": (
             "F. Al-Bender, V. Lampaert, J. Swevers. The generalized Maxwell-slip model: a novel"

@@ -45,6 +45,9 @@ from stickslip.plots.data.trials import plot_trials as plot_trials
 from stickslip.plots.dispatch import PLOTS as PLOTS
 from stickslip.plots.dispatch import plot as plot
 from stickslip.plots.dispatch import thumbnail as thumbnail
+from stickslip.plots.laws.battery import draw_characteristic as draw_characteristic
+from stickslip.plots.laws.battery import plot_characteristic as plot_characteristic
+from stickslip.plots.laws.battery import plot_characterization as plot_characterization
 from stickslip.plots.laws.curves import characteristic as characteristic
 from stickslip.plots.laws.curves import characteristic_sizes as characteristic_sizes
 from stickslip.plots.laws.curves import draw_characteristics as draw_characteristics
@@ -161,6 +164,7 @@ __all__ = [
     "animation_html",
     "draw_basins",
     "draw_bifurcation",
+    "draw_characteristic",
     "draw_characteristics",
     "draw_closed_loop",
     "draw_cycles",
@@ -192,6 +196,8 @@ __all__ = [
     "overview_size",
     "plot",
     "plot_band",
+    "plot_characteristic",
+    "plot_characterization",
     "plot_closed_loop",
     "plot_ensemble",
     "plot_fit",

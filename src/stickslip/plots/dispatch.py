@@ -7,7 +7,7 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.characterize import PreslidingLoop
+from stickslip.characterization import Characteristic, Characterization, PreslidingLoop
 from stickslip.control import ClosedLoop
 from stickslip.display import InPanels
 from stickslip.errors import InputError
@@ -19,6 +19,7 @@ from stickslip.plots.core.axes import Panels, PanelTarget
 from stickslip.plots.core.svg import standalone_svg
 from stickslip.plots.data.data_overview import plot_measurement
 from stickslip.plots.data.trials import plot_trials
+from stickslip.plots.laws.battery import plot_characteristic, plot_characterization
 from stickslip.plots.laws.curves import plot_law, plot_presliding
 from stickslip.plots.runs.closed_loop import plot_closed_loop
 from stickslip.plots.runs.ensembles import plot_band, plot_ensemble
@@ -44,6 +45,8 @@ PLOTS: Final[Mapping[type, Callable[..., Axes | Panels]]] = MappingProxyType(
         TrialComparison: plot_trials,
         Verdict: plot_verdict,
         PreslidingLoop: plot_presliding,
+        Characteristic: plot_characteristic,
+        Characterization: plot_characterization,
         FrictionLaw: plot_law,
         VelocityMap: plot_sweep,
         Bifurcation: plot_sweep,

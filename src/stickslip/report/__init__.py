@@ -45,6 +45,7 @@ HOMES = {
 }
 
 INSIDE = {
+    "characterization_page": "laws",
     "ContactsReport": "runs",
     "Origin": "core.documents",
     "RunReport": "runs",

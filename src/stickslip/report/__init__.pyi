@@ -50,6 +50,7 @@ from stickslip.report.core.versions import colophon as colophon
 from stickslip.report.core.versions import versions as versions
 from stickslip.report.features.sections import feature_sections as feature_sections
 from stickslip.report.joints.sections import joint_sections as joint_sections
+from stickslip.report.laws import characterization_page as characterization_page
 from stickslip.report.plans import plan_page as plan_page
 from stickslip.report.rate_state.sections import rate_state_sections as rate_state_sections
 from stickslip.report.records.sections import record_sections as record_sections

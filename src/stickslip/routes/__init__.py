@@ -26,6 +26,7 @@ INSIDE = {
     "DOCUMENT": "report",
     "PAGE": "report",
     "VERDICT_FILES": "report",
+    "refuse_uninformed": "registry",
     "unused_text": "registry",
     "write_verdict": "report",
 }

@@ -1,6 +1,7 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.routes.page import verdict_page as verdict_page
 from stickslip.routes.registry import AnyRoute as AnyRoute
+from stickslip.routes.registry import refuse_uninformed as refuse_uninformed
 from stickslip.routes.registry import refuse_unused as refuse_unused
 from stickslip.routes.registry import route_named as route_named
 from stickslip.routes.registry import route_of as route_of

@@ -43,6 +43,7 @@ class JointRoute(Route[RecordFit[Any], JointVerdict]):
     uses = frozenset({"validate", "executor"})
     settings = frozenset({"hold", "starts", "seed", "position_zeros"})
     by_contact = True
+    climbs = True
 
     @override
     def serves(self, measurement: Measurement) -> bool:

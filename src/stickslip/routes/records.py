@@ -67,6 +67,7 @@ class RecordRoute(Route[RecordFit, RecordVerdict]):
 
     names = ROUTES
     measured = "records of motion or friction"
+    climbs = True
     uses = frozenset({"route", "purpose", "horizon", "validate", "executor"})
     settings = frozenset(field.name for field in fields(RecordSettings))
 

@@ -201,6 +201,8 @@ class Route(ABC, Generic[F, V]):
     """Whether progress is a number of runs; else it is the least residual so far."""
     by_contact: ClassVar[bool] = False
     """Whether laws are given by the name of the contact."""
+    climbs: ClassVar[bool] = False
+    """Whether the candidates that are compared by default are only fitted as far as they gain."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"

@@ -192,9 +192,10 @@ def select(
     laws : mapping, sequence or a single law, or None
         The candidates, as instances, types or names; instances bring start values and, for
         travels, assumptions. None stands for the usual ones: for travels Coulomb, viscous, both,
-        Stribeck, Dahl and LuGre; for records eleven, of which those without bristles for several
-        joints; for features of stick-slip those with a step
-        above sliding; for velocity steps four forms of rate-and-state friction.
+        Stribeck, Dahl and LuGre; for records Coulomb + viscous friction and further laws with
+        one part more at a time, as far as a part is shown to gain, without bristles for several
+        joints; for features of stick-slip those with a step above sliding; for velocity steps
+        four forms of rate-and-state friction.
     measurement : Measurement
         One travel or several trials; or records in time of position, velocity and force; or
         friction, measured directly; or one record of the force of a spring that pulls a block, or

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from stickslip.friction import containment_of
+from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
@@ -29,6 +29,7 @@ __all__ = [
     "paired",
     "reduces_to",
     "shown_over_simpler",
+    "significant",
 ]
 
 NEAR = 0.02
@@ -115,17 +116,31 @@ def established(
     """
     assert rich.validation is not None
     assert simple.validation is not None
-    if simple.name in rich.is_simpler or simple.score <= uncertainty:
+    if simple.score <= uncertainty or not significant(rich, simple):
         return False
     own, other = rich.validation.losses, simple.validation.losses
-    if _chance(rich, simple) >= 1.0 - LEVEL:
-        return False
     if rich.weak:  # a fit at a bound is no evidence for the law, only its predictions may be
         return beyond_doubt(other, own)
     # Ratios weigh blocks alike: squares of one bad block would outweigh all others.
     gain, error = paired(*(np.log(np.maximum(one, LEAST)).tolist() for one in (other, own)))
     material = rich.residual < (1.0 - MATERIAL) * simple.residual
     return gain > error or (gain >= -error and material)
+
+
+def significant(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> bool:
+    """Whether an F test on the whole record is for a richer law, which need not be judged yet.
+
+    Parameters
+    ----------
+    rich, simple : CrossValidated
+        Two candidates with fits to one record.
+
+    Returns
+    -------
+    bool
+        True if the richer law is not the simpler one at its values, and its gain no chance.
+    """
+    return simple.name not in rich.is_simpler and _chance(rich, simple) < 1.0 - LEVEL
 
 
 def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> float:
@@ -237,15 +252,15 @@ def _simpler_of(rich: C, scored: Sequence[C]) -> list[C]:
     return [c for c in scored if c.name in rich.simpler]
 
 
-def reduces_to(fit: RecordFit, simpler: str) -> bool:
-    """Whether a fitted law is, at its values, the simpler law of a name that it contains.
+def reduces_to(fit: RecordFit, simpler: type[FrictionLaw]) -> bool:
+    """Whether a fitted law is, at its values, a simpler law that it contains.
 
     Parameters
     ----------
     fit : RecordFit
         The fit of the richer law.
-    simpler : str
-        Registry name of the simpler law.
+    simpler : type
+        Type of the simpler law.
 
     Returns
     -------
@@ -254,11 +269,11 @@ def reduces_to(fit: RecordFit, simpler: str) -> bool:
 
     Examples
     --------
-    >>> from stickslip import Axis, Measurement, QuadraticDrag, fit
+    >>> from stickslip import Axis, CoulombViscous, Measurement, QuadraticDrag, fit
     >>> v = np.linspace(0.1, 1.0, 40)
     >>> table = Measurement(velocity=v, friction=2.0 + 3.0 * np.sqrt(v))
     >>> found = fit(Axis(inertia=1.0), QuadraticDrag, table)
-    >>> reduces_to(found, "coulomb-viscous")  # no drag that falls off: it went to 0
+    >>> reduces_to(found, CoulombViscous)  # no drag that falls off: it went to 0
     True
     """
     one = containment_of(type(fit.law), simpler)

@@ -33,7 +33,7 @@ from stickslip.selection.candidates import (
 )
 from stickslip.selection.cross_validation import Plan, plan_of
 from stickslip.selection.joint_verdict import JointVerdict, combination_of, joint_wording
-from stickslip.selection.parallel_fit import fitted_side_by_side
+from stickslip.selection.ladder import climbed
 from stickslip.selection.record_verdict import RecordCandidate, RecordVerdict
 from stickslip.selection.records import (
     PURPOSES,
@@ -263,7 +263,18 @@ class _Descent:
             now=self.fits[self._name()],
         )
         watch = self.watch and partial(_by_joint, self.watch, joint, self)
-        tried = fitted_side_by_side(work, self.specs, watch, self.executor)
+        found = climbed(
+            self.specs,
+            work,
+            watch,
+            self.executor,
+            seen=lambda tried, specs: with_contained(
+                [self._alone(one, joint, contact) for one in tried], specs
+            ),
+            at_noise=lambda _: False,  # of one among several joints there is no estimate
+            usual=self.usual,
+        )
+        tried, specs = found.tried, found.specs
         judge = partial(with_scores, plan=self.plan, validate=self.validate)
         without = _without(work)
         every = [*tried, *([without] if without else [])]
@@ -272,15 +283,15 @@ class _Descent:
         run = map if self.executor is None else self.executor.map
         scored = list(run(judge, every))
         views = [with_objections(self._alone(one, joint, contact)) for one in scored]
-        for one, spec in zip(scored, self.specs, strict=False):
+        for one, spec in zip(scored, specs, strict=False):
             name = self._name({contact: spec})
             if one.fit is not None:
                 self.fits[name] = replace(
                     one, name=name, title=_title({**self.chosen, contact: spec})
                 )
-        judged = with_contained(views[: len(tried)], self.specs)
+        judged = with_contained(views[: len(tried)], specs)
         own = self.records[contact]
-        return verdict_on(
+        verdict = verdict_on(
             self.fitter.mechanism,
             own[0][0],
             judged,
@@ -293,6 +304,7 @@ class _Descent:
             material=APART,
             shown=self.scales[own[0][0].unit("force")],
         )
+        return replace(verdict, usual=self.usual, untried=found.untried, why_untried=found.why)
 
     def _fault(self) -> str:
         """Return why no law can be recommended at any joint; empty if nothing is known."""

@@ -117,9 +117,10 @@ def reach_of(fit: RecordFit) -> tuple[float, float] | None:
 def predictor_of(fit: RecordFit) -> Predictor:
     """Return a fit as what predicts measurements that have not been made."""
     return Predictor(
-        law=fit.typical_law,
+        law=fit.law,
         mechanism=fit.mechanism,
         load=load_of(fit.mechanism),
+        inputs=fit.typical_inputs,
         estimates=dict(zip(fit.free_parameters.paths, fit.values.tolist(), strict=True)),
         errors=fit.inference.errors,
         correlation=fit.inference.correlation,

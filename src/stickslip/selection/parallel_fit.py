@@ -78,6 +78,7 @@ def fitted_side_by_side(
     chosen: Sequence[CandidateSpec],
     watch: Watch | None,
     executor: Executor | None,
+    found: dict[str, C] | None = None,
 ) -> list[C]:
     """Return the candidates in order, each fitted by a worker; without any, one after the other.
 
@@ -97,14 +98,16 @@ def fitted_side_by_side(
         Called with name and least residual; False ends the searches. None if nobody watches.
     executor : Executor or None
         Processes that fit; None to fit one after the other.
+    found : dict, optional
+        Those of the candidates that are fitted already, by name; all of them in the end.
 
     Returns
     -------
     list of Tried
         The fitted candidates, in the order of `chosen`.
     """
-    found: dict[str, C] = {}
-    waiting = list(chosen)
+    found = {} if found is None else found
+    waiting = [one for one in chosen if one.name not in found]
     if executor is None:
         while waiting:
             one = next(one for one in waiting if not _awaited(one, waiting))
@@ -124,7 +127,7 @@ def fitted_side_by_side(
                 futures[executor.submit(fitted, one, nested, rival, wanted)] = one
                 waiting.remove(one)
             done, _ = wait(futures, timeout=PATIENCE, return_when=FIRST_COMPLETED)
-            found |= {futures.pop(future).name: future.result() for future in done}
+            found.update({futures.pop(future).name: future.result() for future in done})
             news = [(future.result().name, _residual(future.result())) for future in done]
             news += [(one.name, math.nan) for one in futures.values()][:1]
             if watch is not None and any(watch(*item) is False for item in news):

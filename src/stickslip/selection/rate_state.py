@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError, InputError, SimulationError
 from stickslip.experiments import Checks, Measurement
-from stickslip.friction import RATE_STATE_FORMS, RateState
+from stickslip.friction import RATE_STATE_FORMS, RateState, RateStateForm
 from stickslip.identification import (
     LAW,
     STARTS,
+    UNSPENT,
     Drift,
     Parameters,
     RateStateFit,
@@ -58,6 +59,10 @@ FACTORS = (100.0, 10.0, 0.1, 0.01)
 SETTLED = 20.0
 """Way of the load point after such a step, in critical distances."""
 POINTS = 200
+USUAL = ("constant-coefficient", "logarithmic", "rate-and-state", "rate-and-state-slip")
+"""Forms that are tried where none is named."""
+ALIKE = 1e-3
+"""Relative difference of two critical distances below which they are one."""
 
 
 @final
@@ -68,12 +73,12 @@ class _Law:
     name: str
     title: str
     law: RateStateLaw
-    fitted: frozenset[str]
-    """Parameters that its form has."""
+    form: RateStateForm
+    """Its form."""
 
 
 def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ...]:
-    """Return the candidates: those given, or all forms of rate-and-state friction.
+    """Return the candidates: those given, or the usual forms of rate-and-state friction.
 
     Parameters
     ----------
@@ -90,11 +95,8 @@ def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ..
     >>> [one.name for one in rate_state_laws(None)]
     ['constant-coefficient', 'logarithmic', 'rate-and-state', 'rate-and-state-slip']
     """
-    given: RateStateLaws
-    if laws is None:
-        given = tuple(RATE_STATE_FORMS)
-    else:
-        given = (laws,) if isinstance(laws, str | type | RateState) else laws
+    asked = USUAL if laws is None else laws
+    given = (asked,) if isinstance(asked, str | type | RateState) else asked
     names = {form.title: name for name, form in RATE_STATE_FORMS.items()}
     pairs = (
         list(given.items())
@@ -106,7 +108,7 @@ def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ..
     check_apart([name for name, _ in pairs])
     forms = [form_of(law) for _, law in pairs]
     return tuple(
-        _Law(name=name, title=form.title, law=law, fitted=frozenset(form.fit_order))
+        _Law(name=name, title=form.title, law=law, form=form)
         for (name, law), form in zip(pairs, forms, strict=True)
     )
 
@@ -135,7 +137,8 @@ def select_rate_state(
         Stiffness of spring and machine, as in `fit_rate_state`.
     laws : mapping, sequence or a single RateState, type or str, or None
         The candidates; None stands for a constant coefficient, friction logarithmic in speed, and
-        rate and state with the ageing and the slip law.
+        rate and state with the ageing and the slip law. The other forms of `RATE_STATE_FORMS` are
+        tried if they are named.
     measurement : Measurement
         One record with ``time``, ``pull`` and ``friction``.
     vary : str or sequence of str, optional
@@ -190,7 +193,7 @@ def select_rate_state(
         seed=seed,
     )
     # a drift is one of the record: what the richest law needs, all others are given too
-    richest = max(chosen, key=lambda one: len(one.fitted))
+    richest = max(chosen, key=lambda one: len(one.form.fit_order))
     first = work(richest, "auto", progress)
     drift: Drift = "linear" if first.fit is not None and first.fit.drift else "none"
     rest = [one for one in chosen if one is not richest]
@@ -200,10 +203,42 @@ def select_rate_state(
         others = [one.result() for one in [executor.submit(work, x, drift, None) for x in rest]]
     by_name = {one.name: one for one in (first, *others)}
     judged = [
-        replace(by_name[one.name], simpler=tuple(x.name for x in chosen if x.fitted < one.fitted))
+        _among(by_name[one.name], [x for x in chosen if one.form.contains(x.form)])
         for one in chosen
     ]
     return _verdict(parameters.mechanism, measurement, judged, checks)
+
+
+def _among(one: RateStateCandidate, simpler: Sequence[_Law]) -> RateStateCandidate:
+    """Return a candidate that knows which of the others it contains, and which ones it is."""
+    left = None if one.law is None else _acting(one.law)
+    return replace(
+        one,
+        simpler=tuple(other.name for other in simpler),
+        reduces_to=tuple(
+            other.name for other in simpler if left is not None and left <= {*other.form.fit_order}
+        ),
+    )
+
+
+def _acting(law: RateState) -> frozenset[str]:
+    """Return the parameters that have an effect at the values of a law, named as in its forms."""
+    if law.evolution == "none":
+        return frozenset(RATE_STATE_FORMS[law.name].fit_order)
+    acting = [one for one in law.states if abs(one[0]) >= UNSPENT * law.direct_effect]
+    distances = [distance for _, distance in acting]
+    count = len(acting)
+    if count > 1 and max(distances) <= (1.0 + ALIKE) * min(distances):
+        count = 1  # they evolve alike
+    effects = (
+        ("evolution_effect", "critical_distance"),
+        (
+            "second_evolution_effect",
+            "second_critical_distance",
+        ),
+    )
+    stress = {"stress_effect"} if law.stress_effect >= UNSPENT else set()
+    return frozenset({"reference_coefficient", "direct_effect", *stress}.union(*effects[:count]))
 
 
 def _candidate(
@@ -367,8 +402,8 @@ def _other_steps(closest: RateStateCandidate, rival: RateStateCandidate) -> tupl
     assert closest.fit is not None
     assert rival.fit is not None
     first = closest.fit.problem.record.speed
-    distances = [one.law.critical_distance for one in (closest, rival) if one.law]
-    way = SETTLED * max((x for x in distances if x is not None), default=0.0)
+    distances = [x for one in (closest, rival) if one.law for _, x in one.law.states]
+    way = SETTLED * max(distances, default=0.0)
     found = []
     for factor in FACTORS:
         if not way > 0.0:

@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.friction import RateState
-from stickslip.identification import UNSPENT, VELOCITY_STEPS, RateStateFit, bounds_met
+from stickslip.identification import VELOCITY_STEPS, RateStateFit, bounds_met
 from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
 from stickslip.selection.verdict import plain
 
@@ -45,6 +45,8 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
     unseen: Array | None = None
     """Measured less predicted coefficient of each row of the fit, by the fit that has not seen it
     (n,); NaN for rows that were never held out."""
+    reduces_to: tuple[str, ...] = ()
+    """Names of the simpler laws that the fitted values make of it."""
     second: float | None = None
     """Root mean square error on the record given to validate, if there is one."""
 
@@ -56,12 +58,7 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
     @property
     @override
     def is_simpler(self) -> Collection[str]:
-        law = self.law
-        if law is None:
-            return ()
-        if law.evolution != "none":
-            return self.simpler if abs(law.evolution_effect) < UNSPENT * law.direct_effect else ()
-        return self.simpler if law.direct_effect == 0.0 else ()
+        return self.reduces_to
 
     @property
     @override

@@ -7,6 +7,7 @@ import numpy as np
 
 from stickslip.experiments import Checks
 from stickslip.formatting import Scale, capital, joined, quantity, ratio, significant, span
+from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import RateStateFit
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate
 from stickslip.selection.verdict import Wording, score_text
@@ -22,15 +23,10 @@ SLOW = 5.0
 """Samples in the time D_c/V below which sampling hides how friction settles."""
 STRUCTURE = 5.0
 """Residuals over the scatter of neighbouring samples from which the law misses something."""
-LAWS = {
-    "constant-coefficient": "a constant coefficient",
-    "logarithmic": "friction logarithmic in speed",
-    "rate-and-state": "rate-and-state friction with the ageing law",
-    "rate-and-state-slip": "rate-and-state friction with the slip law",
-}
-"""The laws within a sentence."""
 PLAIN = Scale(1.0, "")
-DISTANCE = "friction.critical_distance"
+DISTANCES = ("friction.critical_distance", "friction.second_critical_distance")
+OWN = ("a", "b", "D_c", "b_2", "D_2", "c")
+"""Symbols of what a law adds to its level, in the order in which they are told."""
 
 
 def score_of(one: RateStateCandidate) -> str:
@@ -136,7 +132,7 @@ def _verdict(
     rival: RateStateCandidate | None,
     fault: str,
 ) -> str:
-    name = LAWS[fit.law.name]
+    name = RATE_STATE_FORMS[fit.law.name].words
     if fault:
         return f"No candidate explains this record; the closest is {name}."
     told = f"Use {name}"
@@ -155,7 +151,8 @@ def _verdict(
     elif rival is not None:
         told += f"; this record does not distinguish it from {_law(rival)}"
     if fit.law.evolution != "none" and not fit.separable:
-        return f"{told}. Only the difference of $a$ and $b$ is identified."
+        which = "the difference of $a$ and $b$" if len(fit.rate_symbols) < 3 else _rate(fit)
+        return f"{told}. Only {which} is identified."
     return f"{told}."
 
 
@@ -181,7 +178,7 @@ def _lede(
 
 def _about_rate(fit: RateStateFit) -> str:
     rate = fit.rate
-    told = f"$a$ − $b$ = {rate.plus_minus}"
+    told = f"{_rate(fit)} = {rate.plus_minus}"
     if rate.low > 0.0:
         return f"{told}: friction grows with speed, and steady sliding is stable."
     if rate.high < 0.0:
@@ -196,14 +193,18 @@ def _about_rate(fit: RateStateFit) -> str:
     return f"{told}: either sign is possible."
 
 
+def _rate(fit: RateStateFit) -> str:
+    return " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)
+
+
 def _settles(fit: RateStateFit) -> tuple[str, ...]:
     lines = []
     if fit.rate.interval != "known" and fit.rate.bounded:
-        lines.append(f"$a$ − $b$ = {fit.rate.plus_minus}.")
+        lines.append(f"{_rate(fit)} = {fit.rate.plus_minus}.")
     known = [e for e in fit.estimates if e.bounded and e.path.startswith("friction.")]
     if fit.separable:
-        symbols = [f"${e.quantity.symbol}$ = {e.plus_minus}" for e in known
-                   if e.quantity.symbol in ("a", "b", "D_c")]  # fmt: skip
+        told = {e.quantity.symbol: e.plus_minus for e in known}
+        symbols = [f"${symbol}$ = {told[symbol]}" for symbol in OWN if symbol in told]
         lines.append(f"{joined(symbols)}.")
     level = [e for e in known if e.quantity.symbol == "mu_0"]
     lines += [
@@ -224,7 +225,11 @@ def _cannot_tell(
         )
     if fit.law.evolution != "none" and not fit.separable:
         lines.append("$a$ and $b$: larger and smaller ones of the same difference fit as well.")
-    lines += [f"$D_c$: {e.reason}." for e in fit.estimates if e.path == DISTANCE and e.reason]
+    lines += [
+        f"${e.quantity.symbol}$: {e.reason}."
+        for e in fit.estimates
+        if e.path in DISTANCES and e.reason
+    ]
     lines += [line for line in fit.sentences if "depends on the length of record" in line]
     lines += [line for line in fit.sentences if "drifts by" in line]
     if fit.over_scatter > STRUCTURE:
@@ -271,11 +276,13 @@ def _measure_next(
             f"The same steps on a stiffer machine: this one gives way by a/k = {quantity(way, 'm')}"
             " before the slider follows, which hides how friction settles over less than that."
         )
-    if law.critical_distance is not None and interval * fastest * SLOW > law.critical_distance:
-        wanted = law.critical_distance / fastest / (2.0 * SLOW)
+    shortest = min((distance for _, distance in law.states), default=0.0)
+    if law.states and interval * fastest * SLOW > shortest:
+        wanted = shortest / fastest / (2.0 * SLOW)
+        name = "D_c" if shortest == law.critical_distance else "D_2"
         lines.append(
             f"Samples every {quantity(wanted, 's', 2)} or less after a step to"
-            f" {quantity(fastest, 'm/s')}: D_c is slid in {quantity(2 * SLOW * wanted, 's', 2)}."
+            f" {quantity(fastest, 'm/s')}: {name} is slid in {quantity(2 * SLOW * wanted, 's', 2)}."
         )
     if fit.drift:
         lines.append("A longer way before the first step, until friction no longer drifts.")
@@ -297,4 +304,4 @@ def _no_score(ordered: Sequence[RateStateCandidate], rival: RateStateCandidate |
 
 
 def _law(one: RateStateCandidate) -> str:
-    return one.title if one.law is None else LAWS[one.law.name]
+    return one.title if one.law is None else RATE_STATE_FORMS[one.law.name].words

@@ -83,8 +83,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
     """Schwarz's criterion, residuals counted by their effective number; for information."""
-    simpler: Mapping[str, str] = field(default_factory=dict)
-    """The candidates that the law contains: name -> name of their law."""
+    simpler: Mapping[str, type[FrictionLaw]] = field(default_factory=dict)
+    """The candidates that the law contains, with the types of their laws."""
 
     @property
     @override
@@ -175,6 +175,12 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Estimates of the best law from the first and the second half of the record, by path."""
+    usual: bool = False
+    """Whether no laws were named."""
+    untried: tuple[str, ...] = ()
+    """Names of the usual candidates that were not fitted."""
+    why_untried: str = ""
+    """Why they were not, in a sentence; empty if all were fitted."""
     shown: Scale | None = None
     """What scores are shown in beside those of other joints; None where they stand alone."""
 
@@ -217,7 +223,10 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Why judged candidates lack a number, in sentences; what was not judged says so itself."""
+        """Why judged candidates lack a number, and others are not there, in sentences.
+
+        What was fitted and not judged says so itself.
+        """
         judged = [c for c in self.candidates if c.validation is not None]
         ahead = [c.name for c in judged if c.validation and math.isnan(c.validation.extrapolation)]
         fails = [c.name for c in judged if c.second and not math.isfinite(c.second.rms)]
@@ -232,7 +241,7 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
             found.append(
                 f"No error on the second record ({', '.join(fails)}): the simulation fails."
             )
-        return tuple(found)
+        return (*found, *([self.why_untried] if self.why_untried else []))
 
     @property
     def blocks_scored(self) -> int:
@@ -257,6 +266,7 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
             "gap": self.plan.gap,
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),
+            "not_tried": {"laws": list(self.untried), "why": self.why_untried},
             "second_record": asdict(self.on_second) if self.on_second else None,
             "control": self.control.to_dict() if self.control else None,
             "checks": self.checks.to_dict(),

@@ -55,10 +55,11 @@ from stickslip.selection.choice import (
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.given_levels import refuted_by_record
+from stickslip.selection.ladder import Climbed, climbed
 from stickslip.selection.late_forces import late_force
 from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
-from stickslip.selection.parallel_fit import fitted_side_by_side, takes_long
+from stickslip.selection.parallel_fit import takes_long
 from stickslip.selection.record_admissibility import (
     objection,
     standard_uncertainty,
@@ -160,7 +161,9 @@ def select_records(
         if route is None
         else choice_of(route, measurement, settings)
     ).with_hold(mechanism, measurement)
-    fitted, tried = _tried(parameters, measurement, choice, chosen, progress, executor)
+    climb = partial(_tried, parameters, measurement, choice, usual=laws is None)
+    fitted, found = climb(chosen, progress, executor)
+    chosen, tried = found.specs, found.tried
     with with_doubts(measurement, mechanism, of=ConvergenceError):
         fits = _fits(tried)
     plan = plan_of(min(fits, key=lambda fit: fit.rms), horizon=aim)
@@ -181,10 +184,16 @@ def select_records(
         )
 
     late = partial(late_force, settings=choice.settings, refit=refit)
-    found = verdict_on(
+    verdict = verdict_on(
         mechanism, measurement, judged, without, plan, purpose, checks, validate, late=late
     )
-    return replace(found, settings=choice.settings)
+    return replace(
+        verdict,
+        settings=choice.settings,
+        usual=laws is None,
+        untried=found.untried,
+        why_untried=found.why,
+    )
 
 
 def _tried(
@@ -194,8 +203,10 @@ def _tried(
     chosen: Sequence[CandidateSpec],
     watch: Watch | None,
     executor: Executor | None,
-) -> tuple[Callable[..., RecordCandidate], list[RecordCandidate]]:
-    """Return what fits a candidate, and all of them fitted: by the better of two open routes."""
+    *,
+    usual: bool,
+) -> tuple[Callable[..., RecordCandidate], Climbed[RecordCandidate]]:
+    """Return what fits a candidate, and those that were: by the better of two open routes."""
 
     def by(name: RecordRouteName, reason: str) -> Callable[..., RecordCandidate]:
         return partial(
@@ -205,21 +216,37 @@ def _tried(
             route=replace(choice, route=name, reason=reason, alternative=None),
         )
 
+    def at_noise(one: RecordCandidate) -> bool:
+        assert one.fit is not None
+        stated = standard_uncertainty(measurement, one.fit.problem.quantity)
+        return one.residual <= stated or one.fit.at_noise
+
+    climb = partial(
+        climbed,
+        chosen,
+        watch=watch,
+        executor=executor,
+        seen=with_contained,
+        at_noise=at_noise,
+        usual=usual,
+    )
     fitted = by(choice.route, choice.reason)
-    tried = fitted_side_by_side(fitted, chosen, watch, executor)
-    fits = [one.fit for one in tried if one.fit]
+    found = climb(fitted)
+    fits = [one.fit for one in found.tried if one.fit]
     if choice.alternative is None or not to_compare(choice, fits):
-        return fitted, tried
+        return fitted, found
     try:
-        others = fitted_side_by_side(by(choice.alternative, ""), chosen, watch, executor)
+        others = climb(by(choice.alternative, ""))
     except InputError:  # what inverse dynamics does not serve was fitted by simulation
-        return fitted, tried
-    why = better_route(fits, [one.fit for one in others if one.fit])
+        return fitted, found
+    why = better_route(fits, [one.fit for one in others.tried if one.fit])
     if not why:
-        return fitted, tried
-    return by(choice.alternative, why), [
-        replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one for one in others
+        return fitted, found
+    tried = [
+        replace(one, fit=replace(one.fit, route_reason=why)) if one.fit else one
+        for one in others.tried
     ]
+    return by(choice.alternative, why), replace(others, tried=tuple(tried))
 
 
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
@@ -264,7 +291,7 @@ def _laws(
     """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
     if laws is None and one_way(measurement):
-        return tuple(one for one in chosen if one.name != "direction-dependent")
+        return tuple(one for one in chosen if not one.law.directional)
     return chosen
 
 
@@ -537,7 +564,9 @@ def with_contained(
     """
     simpler = {
         rich.name: {
-            one.name: one.law.name for one in chosen if one is not rich and contains(rich, one)
+            one.name: one.law if isinstance(one.law, type) else type(one.law)
+            for one in chosen
+            if one is not rich and contains(rich, one)
         }
         for rich in chosen
     }

@@ -115,7 +115,11 @@ def friction_of(title: str) -> str:
     --------
     >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
     ('direction-dependent friction', 'Dahl friction with exponent')
+    >>> friction_of("level + stribeck + power")  # a composition keeps its letters
+    'the friction of level + stribeck + power'
     """
+    if title.islower() and "+" in title:
+        return f"the friction of {title}"
     kind, joint, more = in_sentence(title).partition(" with ")
     noun = "" if kind.endswith("friction") else " friction"
     return f"{kind}{noun}{joint}{more}"

@@ -16,6 +16,7 @@ HOMES = {
     "Progress": "compile.precompile",
     "Samples": "reducers",
     "Sensitivity": "reducers",
+    "SoftConstraint": "block_diagram",
     "Solver": "base",
     "WarmUp": "compile.precompile",
     "prepare": "run",

@@ -6,6 +6,7 @@ from stickslip.quantities import Given as _Given
 from stickslip.solver.base import Solver as Solver
 from stickslip.solver.base import column_units as column_units
 from stickslip.solver.base import path_units as path_units
+from stickslip.solver.block_diagram import SoftConstraint as _SoftConstraint
 from stickslip.solver.compile.messages import notice as notice
 from stickslip.solver.compile.modules import object_files as object_files
 from stickslip.solver.compile.precompile import Progress as Progress
@@ -53,6 +54,7 @@ class EventDriven(_EventDriven):  # type: ignore[misc]  # final but for this
 @final
 @dataclass(frozen=True, kw_only=True, init=False)
 class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
+    soft: SoftConstraint | None = ...
     def __init__(
         self,
         *,
@@ -60,6 +62,18 @@ class FixedStep(_FixedStep):  # type: ignore[misc]  # final but for this
         method: _Method = ...,
         stick_rule: bool = ...,
         zero_velocity_band: _Given = ...,
+        soft: _SoftConstraint | None = ...,
+        viscous: _Given = ...,
+    ) -> None: ...
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class SoftConstraint(_SoftConstraint):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        impedance: _Given,
+        damping: _Given,
     ) -> None: ...
 
 __all__ = [
@@ -76,6 +90,7 @@ __all__ = [
     "Progress",
     "Samples",
     "Sensitivity",
+    "SoftConstraint",
     "Solver",
     "WarmUp",
     "prepare",

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, NamedTuple, Self, final
+from typing import Annotated, ClassVar, NamedTuple, Self, final
 
 from typing_extensions import override
 
@@ -20,10 +20,11 @@ from stickslip.friction import (
 from stickslip.kernels.state_layout import SLIP
 from stickslip.maths import Latches
 from stickslip.mechanisms import Mechanism, of_contact
+from stickslip.quantities import Parametrised, Quantity
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-__all__ = ["BlockDiagram", "Diagram", "Lead", "leads_of", "limits_of"]
+__all__ = ["BlockDiagram", "Diagram", "Lead", "SoftConstraint", "leads_of", "limits_of"]
 
 
 FRICTION = -3
@@ -37,6 +38,21 @@ STAND_IN = Coulomb(kinetic_coefficient=0.0)
 def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Return what ends runs of a mechanism."""
     return formulate(mechanism, STAND_IN).limits
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SoftConstraint(Parametrised):
+    """Dry friction as a soft constraint, as MuJoCo has it.
+
+    Friction is d times what would hold the body and brake it at a rate b, up to its level: a held
+    body creeps at (1 - d) / (d b) times force over inertia.
+    """
+
+    impedance: Annotated[float, Quantity("d", above=0, high=1)]
+    """Share of a held force that friction takes."""
+    damping: Annotated[float, Quantity("b", "1/s", above=0)]
+    """Rate at which the velocity of a held body decays."""
 
 
 class Lead(NamedTuple):
@@ -76,6 +92,11 @@ class BlockDiagram(ABC):
     """Index in the state of the rate of each coordinate along which a contact slips (m,)."""
     leads: tuple[Lead, ...]
     """Guided coordinates, which are set before rates are asked for."""
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> int:
+        """Number of coordinates, which come first in the state; their rates follow."""
 
     @property
     @abstractmethod
@@ -232,6 +253,12 @@ class Diagram(BlockDiagram):
     """Guided coordinates, which are set before rates are asked for."""
     mechanism: Mechanism
     """What moves, which tells the law of its contact."""
+    soft: SoftConstraint | None = None
+    """How softly friction holds, where no rule for rest does."""
+    viscous: float = 0.0
+    """Part of friction over velocity that a step takes with the velocity at its end [N s/m]."""
+    step: float = 0.0
+    """Such a step [s]."""
     asked: list[_State] = field(default_factory=list, compare=False, repr=False)
     """The last state: a step asks for several things at each."""
     latches: tuple[Latches, Latches] = field(
@@ -246,6 +273,9 @@ class Diagram(BlockDiagram):
         law: FrictionLaw | PrintedForm,
         t_end: float,
         y0: Sequence[float],
+        soft: SoftConstraint | None = None,
+        viscous: float = 0.0,
+        step: float = 0.0,
     ) -> Self:
         """Take the mechanism's own equations; any law serves to formulate them.
 
@@ -259,6 +289,12 @@ class Diagram(BlockDiagram):
             Last time that drives are asked for [s].
         y0 : sequence of float (n,)
             State at time 0: coordinates, rates, bristles [SI].
+        soft : SoftConstraint, optional
+            How softly friction holds, where no rule for rest does.
+        viscous : float
+            Part of friction over velocity that a step takes with the velocity at its end [N s/m].
+        step : float
+            Such a step [s].
 
         Returns
         -------
@@ -276,7 +312,12 @@ class Diagram(BlockDiagram):
         bristles = law.states
         states = (*mechanism.coordinates, *mechanism.rates)
         slips, leads = (model.sizes.header[SLIP],), leads_of(mechanism, y0)
-        return cls(equations, law, states, bristles, slips, leads, mechanism)
+        return cls(equations, law, states, bristles, slips, leads, mechanism, soft, viscous, step)
+
+    @property
+    @override
+    def coordinates(self) -> int:
+        return self.equations.sizes.coordinates
 
     @property
     @override
@@ -368,8 +409,31 @@ class Diagram(BlockDiagram):
         v, z = self._split(y)
         if isinstance(self.law, PrintedForm):
             return self.law.force(v, normal, z, needed), normal
+        law = self._informed(t, y)
+        if self.soft is not None:
+            return self._softly(self.soft, law, t, y), normal
         with self.latches[0]:
-            return self._informed(t, y).force(v, normal, z), normal
+            return law.force(v, normal, z), normal
+
+    def _softly(
+        self, soft: SoftConstraint, law: FrictionLaw, t: float, y: Sequence[float]
+    ) -> float:
+        """Return the friction of a soft constraint, at most that of the law."""
+        normal, needed = self._open(t, y)
+        v, viscous = y[self.slip], self.viscous * y[self.slip]
+        mobility = self._mobilities(t, y)[self.slip - self.coordinates]
+        wanted = soft.impedance * (needed - viscous + soft.damping * v / mobility)
+        side = 1 if wanted > 0.0 else -1
+        most = law.towards(side).break_away(normal)
+        if v * side > 0.0:
+            most = abs(law.force(v, normal) - viscous)
+        return float(side * min(abs(wanted), most) + viscous)
+
+    def _mobilities(self, t: float, y: Sequence[float]) -> list[float]:
+        """Return the accelerations that a unit of friction takes away (coordinates,)."""
+        state, n = self._at(t, y), self.coordinates
+        open_, loaded = self._evaluated(state, 0.0)[:n], self._evaluated(state, 1.0)[:n]
+        return [a - b for a, b in zip(open_, loaded, strict=True)]
 
     @override
     def holds(self, t: float, y: Sequence[float], held: Sequence[bool]) -> tuple[bool, ...]:
@@ -392,6 +456,10 @@ class Diagram(BlockDiagram):
         n = self.equations.sizes.coordinates
         *accelerations, _, _, _ = self._free(t, y, friction)
         v, z = self._split(y)
+        if self.viscous and not stuck:
+            lag, away = self.step * self.viscous, self._mobilities(t, y)
+            ahead = lag * accelerations[self.slip - n] / (1.0 + lag * away[self.slip - n])
+            accelerations = [a - ahead * one for a, one in zip(accelerations, away, strict=True)]
         if stuck:
             accelerations[self.slip - n] = 0.0
         moved: Sequence[float] = (0.0,) * len(z)

@@ -123,6 +123,11 @@ class ContactDiagram(BlockDiagram):
 
     @property
     @override
+    def coordinates(self) -> int:
+        return int(self.equations.whole[N_COORDINATES])
+
+    @property
+    @override
     def columns(self) -> tuple[str, ...]:
         contacts = self.model.contacts
         kinds = ("friction", "normal_force", "mode")

@@ -17,14 +17,14 @@ from stickslip.friction import FrictionLaw, Laws, PrintedForm
 from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity
 from stickslip.solver.base import Solver, column_units, name_of_only_contact
-from stickslip.solver.block_diagram import BlockDiagram, Diagram, limits_of
+from stickslip.solver.block_diagram import BlockDiagram, Diagram, SoftConstraint, limits_of
 from stickslip.solver.contact_diagram import ContactDiagram
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
 __all__ = ["FixedStep", "Method"]
 
-Method: TypeAlias = Literal["euler", "heun", "rk4"]
+Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]
 """Integrators of a fixed step."""
 
 MOST_STEPS = 1e7
@@ -34,6 +34,7 @@ Tableau: TypeAlias = tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]
 
 TABLEAUS: dict[str, Tableau] = {
     "euler": (((),), (1.0,)),
+    "semi-implicit": (((),), (1.0,)),  # coordinates then move by the new rates
     "heun": (((), (1.0,)), (0.5, 0.5)),
     "rk4": (((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
 }
@@ -66,11 +67,18 @@ class FixedStep(Solver):
     dt: Annotated[float, Quantity("dt", "s", above=0)]
     """Step."""
     method: Method = "euler"
-    """Integrator: forward Euler, Heun, or the classical Runge-Kutta of order 4."""
+    """Integrator: forward Euler, semi-implicit Euler, Heun, or Runge-Kutta of order 4.
+    With semi-implicit Euler, coordinates move by the new rates, and bristles as if the speed
+    stayed."""
     stick_rule: bool = True
     """Hold the body when its velocity changes sign within a step and break-away is not exceeded."""
     zero_velocity_band: Annotated[float, Quantity("D_v", "m/s", low=0)] = 0.0
     """Hold it too when a step ends within this speed and break-away is not exceeded (Karnopp)."""
+    soft: SoftConstraint | None = None
+    """Hold it softly, as MuJoCo does, in place of both rules; of a law without memory."""
+    viscous: Annotated[float, Quantity("D", "N s/m", low=0)] = 0.0
+    """Part of the law's friction over velocity that steps take with the velocity at their end, as
+    MuJoCo does with the damping of joints; of one contact."""
 
     @override
     def __post_init__(self) -> None:
@@ -92,7 +100,7 @@ class FixedStep(Solver):
         told: Sequence[str] = (),
     ) -> Trajectory:
         refuse_stops(mechanism)
-        diagram = _diagram(mechanism, law, t_end, y0)
+        diagram = _diagram(self, mechanism, law, t_end, y0)
         if self.dt > t_end:
             raise ParameterError(
                 f"FixedStep.dt (dt) must be at most t_end = {number(t_end, 6)} s, got"
@@ -107,7 +115,7 @@ class FixedStep(Solver):
         times = self._times(t_end)
         y = diagram.begun(y0)
         rests = tuple(
-            (self.stick_rule and y[slip] == 0) or self._within_band(y[slip])
+            self.soft is None and ((self.stick_rule and y[slip] == 0) or self._within_band(y[slip]))
             for slip in diagram.slips
         )
         held = diagram.holds(0.0, y, rests)
@@ -153,6 +161,15 @@ class FixedStep(Solver):
         tableau = TABLEAUS[self.method]
         kept = diagram.holds(t, y, held)
         new = _advanced(diagram, tableau, t, y, dt, kept)
+        if self.method == "semi-implicit":
+            n = diagram.coordinates
+            new[:n] = [x + dt * rate for x, rate in zip(y[:n], new[n : 2 * n], strict=True)]
+            for i in range(2 * n, len(y)):  # exact for bristles that decay in proportion
+                decay = dt * _slope(diagram, t, y, kept, i)
+                new[i] = y[i] + (math.expm1(decay) / decay if decay else 1.0) * (new[i] - y[i])
+            new = diagram.led(t + dt, new)
+        if self.soft is not None:
+            return new, kept
         slips = list(zip(diagram.slips, kept, strict=True))
         turned = [
             not stuck and ((self.stick_rule and y[i] * new[i] < 0) or self._within_band(new[i]))
@@ -174,17 +191,38 @@ class FixedStep(Solver):
         return stopped, after
 
 
+def _slope(
+    diagram: BlockDiagram, t: float, y: Sequence[float], held: tuple[bool, ...], i: int
+) -> float:
+    """Return the rate of a bristle by its deflection [1/s]."""
+    moved = [*y]
+    moved[i] += 1.0
+    return diagram.rates(t, moved, held)[i] - diagram.rates(t, y, held)[i]
+
+
 def _diagram(
+    solver: FixedStep,
     mechanism: Mechanism,
     law: FrictionLaw | Laws | PrintedForm,
     t_end: float,
     y0: Sequence[float],
 ) -> BlockDiagram:
     """Return the diagram of a mechanism, whose equations are parts where contacts are several."""
-    contacts = mechanism.contacts()
+    contacts, soft = mechanism.contacts(), solver.soft
     if not isinstance(law, Laws) and has_one_slip(mechanism):
         refuse_limits(mechanism, limits_of(mechanism))
-        return Diagram.build(mechanism, law, t_end, y0)
+        if soft is not None and (isinstance(law, PrintedForm) or law.states):
+            raise InputError(
+                f"FixedStep.soft holds a body by a law without memory, not by {law.name}: leave it"
+                " out."
+            )
+        return Diagram.build(mechanism, law, t_end, y0, soft, solver.viscous, solver.dt)
+    if soft is not None or solver.viscous:
+        raise InputError(
+            "FixedStep.soft and viscous take a mechanism with one contact that slips along a"
+            f" coordinate, but {mechanism.name} has"
+            f" {', '.join(one.name for one in contacts) or 'another'}: leave them out."
+        )
     if isinstance(law, PrintedForm):
         names = ", ".join(one.name for one in contacts)
         raise InputError(

@@ -1,19 +1,24 @@
 """The suite for friction laws."""
 
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.formatting import number
-from stickslip.friction import FrictionLaw
-from stickslip.mechanisms import Axis
+from stickslip.friction import FrictionLaw, bound
+from stickslip.mechanisms import Axis, given_inputs
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
 from stickslip.testing import class_declarations, generated_equations
 from stickslip.testing.report import Report, Suite, examine
 
-__all__ = ["check_friction"]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["LeastEnergy", "check_friction", "least_energy"]
 
 ROUNDING = 1e-11
 """Some thousand roundings of the largest term; bristles have terms a hundred times their sum."""
@@ -23,6 +28,7 @@ TOLD = ("name", "title", "formula", "sources")
 @dataclass(frozen=True)
 class _Case:
     law: FrictionLaw
+    inputs: Mapping[str, float]
     load: float
     speed: float
     mirrored: bool
@@ -35,16 +41,120 @@ class _Case:
 
     def steady(self, velocity: float, load: float) -> float:
         """Return the friction force after long sliding [N]."""
-        return float(self.law.steady(velocity, load))
+        return float(self.told.steady(velocity, load))
 
     def level(self, direction: int, load: float) -> float:
         """Return the break-away level in a direction [N]."""
-        return float(self.law.towards(direction).break_away(load))
+        return float(self.told.towards(direction).break_away(load))
+
+    @functools.cached_property
+    def told(self) -> FrictionLaw:
+        """The law, which sees its inputs."""
+        return bound(self.law, self.inputs)
 
     @property
     def rig(self) -> Axis:
-        """A mass between springs, which friction alone brings to rest."""
-        return Axis(inertia=1.0, stiffness=(self.load + 1.0), load=self.load)
+        """A mass between springs, which friction alone brings to rest, with the law's inputs."""
+        bare = Axis(inertia=1.0, stiffness=(self.load + 1.0), load=self.load)
+        return given_inputs(bare, {name: self.inputs[name] for name in self.law.inputs})
+
+
+ORDINARY: Mapping[str, float] = {
+    "motor": 1.5,
+    "external": -0.5,
+    "transmitted": 2.0,
+    "gravity": -0.5,
+    "position": 0.1,
+    "temperature": 20.0,
+    "pressure": 1e5,
+}
+"""Inputs of a contact at which laws are checked [SI, degC]."""
+
+
+@dataclass(frozen=True)
+class LeastEnergy:
+    """What friction takes up in a cycle, least of many."""
+
+    energy: float
+    """Energy in the worst cycle [J], negative if friction gives some back."""
+    error: float
+    """What the integration may be wrong by [J]."""
+    velocities: tuple[float, ...]
+    """Velocities in it [m/s]."""
+    lengths: tuple[float, ...]
+    """Lengths over which they are held [m]."""
+
+
+def least_energy(
+    law: FrictionLaw, load: float, *, speed: float | None = None, cycles: int = 160
+) -> LeastEnergy:
+    """Search cycles of slip for one in which friction with states gives energy back.
+
+    Velocities are held over lengths, three in a cycle, both drawn over decades; the states are
+    those after some repetitions. What is found in a law that is passive is not negative; that
+    nothing is found is no proof.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        A law with states and with values.
+    load : float
+        Normal force [N].
+    speed : float, optional
+        Speed about which velocities are drawn [m/s]; that of the law if it has one.
+    cycles : int
+        How many cycles are tried.
+
+    Returns
+    -------
+    LeastEnergy
+        The worst cycle.
+    """
+    own = [getattr(law, name) for name, one in fields_of(type(law)).items() if one.scale == "speed"]
+    middle = speed if speed is not None else float(np.median(own)) if own else 1e-3
+    dice = np.random.default_rng(11)
+    size = (3, cycles)
+    v = middle * 10.0 ** dice.uniform(-2.0, 2.0, size) * dice.choice([1.0, 1.0, -1.0], size)
+    reach = generated_equations.reach(law)
+    lengths = reach * 10.0 ** dice.uniform(-1.0, 0.6, size)
+    # one that loads slowly and lets go quickly, which constant damping of bristles does not stand
+    v[:, 0], lengths[:, 0] = middle * np.array([0.1, 100.0, 0.1]), reach * np.array([1.7, 1.3, 0.1])
+    z = np.zeros((len(law.states), cycles))
+    for repetition in range(REPETITIONS):
+        before, energy = z.copy(), np.zeros(cycles)
+        steps = 90 if repetition == REPETITIONS - 1 else 45
+        for held, length in zip(v, lengths, strict=True):
+            h = length / steps
+            for _ in range(steps):
+                z, gained = _advanced(law, load, held, z, h)
+                energy += gained
+    level = float(law.break_away(load))
+    settled = np.abs(z - before).max(axis=0) <= 1e-3 * reach
+    worst = int(np.argmin(np.where(settled, energy, np.inf)))
+    return LeastEnergy(
+        float(energy[worst]), 2e-3 * level * reach, tuple(v[:, worst]), tuple(lengths[:, worst])
+    )
+
+
+REPETITIONS = 4
+"""Times that a cycle is run through before its energy counts, and that time."""
+
+
+def _advanced(
+    law: FrictionLaw, load: float, v: "NDArray[np.float64]", z: "NDArray[np.float64]", h: Any
+) -> tuple["NDArray[np.float64]", "NDArray[np.float64]"]:
+    """Return states after a step of a length, by the rule of Runge and Kutta, and the energy."""
+
+    def slopes(at: "NDArray[np.float64]") -> tuple["NDArray[np.float64]", "NDArray[np.float64]"]:
+        rates = np.array(np.broadcast_arrays(*law.rates(v, load, tuple(at)), v)[:-1])
+        return rates / np.abs(v), law.force(v, load, tuple(at)) * np.sign(v)
+
+    one, force_1 = slopes(z)
+    two, force_2 = slopes(z + 0.5 * h * one)
+    three, force_3 = slopes(z + 0.5 * h * two)
+    four, force_4 = slopes(z + h * three)
+    change = (one + 2.0 * (two + three) + four) * h / 6.0
+    return z + change, (force_1 + 2.0 * (force_2 + force_3) + force_4) * h / 6.0
 
 
 def check_friction(
@@ -52,6 +162,7 @@ def check_friction(
     *,
     load: float = 10.0,
     speed: float = 1.0,
+    inputs: Mapping[str, float] | None = None,
     mirrored: bool | None = None,
     t_end: float = 2.0,
     compiled: bool = True,
@@ -67,6 +178,8 @@ def check_friction(
         An ordinary normal force [N], or 1 where levels are forces.
     speed : float
         A high slip speed [m/s]; checks go from 1e-8 to 10 times this.
+    inputs : mapping of str to float, optional
+        What the contact tells the law beside these, by name; ordinary values if not given.
     mirrored : bool, optional
         Whether it claims to be the same in both directions; all but directional ones if not given.
     t_end : float
@@ -90,7 +203,7 @@ def check_friction(
     """
     if mirrored is None:
         mirrored = not law.directional
-    case = _Case(law, load, speed, mirrored, t_end)
+    case = _Case(law, {**ORDINARY, **(inputs or {})}, load, speed, mirrored, t_end)
     then = {
         name: check for name, check in THEN.items() if compiled or name != generated_equations.TIERS
     }
@@ -144,16 +257,18 @@ def _breaks_away(case: _Case) -> Iterator[str]:
         if case.level(sense, 0.0) != 0.0:
             yield f"without load the break-away level is {number(case.level(sense, 0.0))} N, not 0"
         if case.law.states:
-            yield from _bristles_break_away(case.law, case.load, level)
+            yield from _bristles_break_away(case.told, case.load, sense, level)
 
 
-def _bristles_break_away(law: FrictionLaw, load: float, level: float) -> Iterator[str]:
+def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float) -> Iterator[str]:
     """Yield what bristles hold, or keep, at rest that they should not."""
-    z = (generated_equations.reach(law),) * len(law.states)
+    stiffness = float(law.force(0.0, load, (1.0,) * len(law.states)))
+    z = (sense * level / stiffness,) * len(law.states)
     if any(rate != 0.0 for rate in law.rates(0.0, load, z)):
         yield "the bristle deflections change at rest"
-    beyond = tuple(1.01 * one for one in z)
-    if any(rate > 0.0 for rate in law.rates(1e-3, load, beyond)):
+    # of several, some hold more than their share, but none twice as much
+    beyond = tuple((1.01 if len(z) == 1 else 2.0) * one for one in z)
+    if any(sense * rate > 0.0 for rate in law.rates(sense * 1e-3, load, beyond)):
         yield f"bristles at the break-away level of {number(level)} N deflect further"
 
 
@@ -175,7 +290,7 @@ def _odd(case: _Case) -> Iterator[str]:
 
 
 def _arrays(case: _Case) -> Iterator[str]:
-    law, v = case.law, np.array([*case.speeds, *(-s for s in case.speeds)])
+    law, v = case.told, np.array([*case.speeds, *(-s for s in case.speeds)])
     found = law.steady(v, case.load)
     one_by_one = np.array([case.steady(float(each), case.load) for each in v])
     # exp and pow of NumPy may differ from those of math in the last digit
@@ -185,8 +300,8 @@ def _arrays(case: _Case) -> Iterator[str]:
 
 def _traced(case: _Case) -> Iterator[str]:
     """Yield speeds at which the generated equations have another force than the law itself."""
-    law = case.law
-    equations = generated_equations.generated(case.rig, law)
+    law = case.told
+    equations = generated_equations.generated(case.rig, case.law)
     share = generated_equations.reach(law) * 0.3 if law.states else 0.0
     for speed in case.speeds[::4]:
         for sense in (1, -1):
@@ -220,6 +335,19 @@ def _dissipates(case: _Case) -> Iterator[str]:
             )
 
 
+def _passive(case: _Case) -> Iterator[str]:
+    """Yield the worst cycle of a law with states that says that it gives no energy back."""
+    said = type(case.law).passivity
+    if not case.law.states or said is None or not said.holds(case.law, case.load):
+        return
+    found = least_energy(case.law, case.load, cycles=40)
+    if found.energy < -found.error:
+        yield (
+            f"{number(-found.energy)} J are given back in a cycle with the velocities"
+            f" {', '.join(map(number, found.velocities))} m/s"
+        )
+
+
 def _certified(case: _Case) -> Iterator[str]:
     for v in (case.speed, -case.speed):
         run = simulate(case.rig, case.law, t_end=case.t_end, y0={"v": v}, throw=False)
@@ -246,6 +374,7 @@ FIRST: Suite[_Case] = {
 THEN: Suite[_Case] = {
     "the generated equations agree with the law": _traced,
     "friction never increases the energy": _dissipates,
+    "no cycle gives energy back where the law says that it cannot": _passive,
     generated_equations.BALANCED: _certified,
     generated_equations.FINITE: lambda case: generated_equations.finite_near_rest(
         case.rig, case.law, ({}, {"x": 0.1})

@@ -14,11 +14,12 @@ from typing import Any, Literal
 
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
 from tests.properties.fuzzing.rigs import OWN, PendulumCart
+from tests.support import UNAIDED
 
 from stickslip import EventDriven, simulate
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import LAWS, FrictionLaw, Laws, PowerViscous
+from stickslip.friction import FrictionLaw, Laws, PowerViscous
 from stickslip.friction.parts.flows import PLATEAU
 from stickslip.mechanisms import MECHANISMS, Mechanism, Motor
 from stickslip.quantities import fields_of
@@ -132,7 +133,7 @@ FUZZED = [
 def draw_structure(rng: Random) -> Structure:
     """Return what shapes the equations of a case with one contact."""
     mechanism = rng.choice([*FUZZED, *OWN.values()])
-    law = rng.choice(list(LAWS.values()))
+    law = rng.choice(list(UNAIDED.values()))
     return Structure(mechanism=mechanism, **vars(draw_shape(rng, law, mechanism)))
 
 

@@ -17,10 +17,11 @@ from tests.properties.fuzzing.cases import (
     factor_of_start,
 )
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
+from tests.support import UNAIDED
 
 from stickslip.drives import Drive
 from stickslip.drives.registry import DRIVES
-from stickslip.friction import LAWS, FrictionLaw, Laws, assigned, bristle_names
+from stickslip.friction import FrictionLaw, Laws, assigned, bristle_names
 from stickslip.mechanisms import (
     BlockChain,
     ClutchTrain,
@@ -312,7 +313,7 @@ LOOPS: Mapping[str, Callable[[Random, Sizes, float], Any]] = {"looped": _looped}
 
 def _laws(rng: Random, names: tuple[str, ...], size: Sizes) -> FrictionLaw | Laws:
     def law() -> FrictionLaw:
-        kind = rng.choice(list(LAWS.values()))
+        kind = rng.choice(list(UNAIDED.values()))
         shape = draw_shape(rng, kind)
         flags = {**shape.flags, "static_switch": False}  # for one contact only
         return draw_law(rng, replace(shape, flags=flags), size)

@@ -334,8 +334,8 @@ def _contact_input(name: str) -> Any:
     """Return the type of a contact input: a number with its unit, or a drive."""
     quantity = input_quantity(name)
     other = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
-    number = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
-    drive = Annotated[drive_tables(), Tag(A_DRIVE)]
+    number: Any = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
+    drive: Any = Annotated[drive_tables(), Tag(A_DRIVE)]
     return Annotated[number | drive, Discriminator(_number_or_drive)]
 
 

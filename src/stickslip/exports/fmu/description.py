@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import Literal, TypeAlias, final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from stickslip.exports.fmu.units import base_units
+from stickslip.exports.fmu.units import ZEROS, base_units
 from stickslip.exports.fmu.variables import Variable
 
 __all__ = ["Fmi", "Heading", "model_description"]
@@ -118,6 +118,7 @@ def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     place = SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(one.unit for one in variables if one.unit and not one.whole):
         powers = {base: str(power) for base, power in base_units(unit).items()}
+        powers |= {"offset": ZEROS[unit]} if unit in ZEROS else {}
         SubElement(SubElement(place, "Unit", {"name": unit}), "BaseUnit", powers)
 
 

@@ -16,7 +16,7 @@ from stickslip.drives import Sum
 from stickslip.errors import InputError
 from stickslip.exports.fmu.binary import FOLDERS, compiled, compiler_here
 from stickslip.exports.fmu.description import Fmi, Heading, model_description
-from stickslip.exports.fmu.inputs import with_inputs
+from stickslip.exports.fmu.inputs import TOLD, told_from_outside, with_inputs
 from stickslip.exports.fmu.tables import model_header
 from stickslip.exports.fmu.variables import variables_of
 from stickslip.exports.identifiers import identifier
@@ -80,7 +80,8 @@ def export_fmu(
     y0 : mapping or sequence, optional
         Initial states, as in `simulate`; the importer can set other ones.
     inputs : sequence of str
-        Drives of the mechanism that become inputs. The other ones run as they are.
+        Drives of the mechanism that become inputs, and contact inputs that it was given. The other
+        ones run as they are; contact inputs of the law that nothing tells are inputs too.
     fmi : {2, 3}
         Version of the standard, 2.0 or 3.0.
     name : str, optional
@@ -125,20 +126,22 @@ def export_fmu(
     compiler_here()
     stop = END.check("export_fmu", "t_end", t_end)
     solver = EventDriven() if solver is None else solver
+    mechanism, inputs = told_from_outside(mechanism, law, inputs)
     laws = check_pair(mechanism, law)
     if isinstance(laws, PrintedForm):
         raise InputError(
             f"{type(laws).__name__} has no exact event-driven solution: export the corrected law"
             f" {laws.corrected.__name__}."
         )
-    driven, found = with_inputs(mechanism, inputs)
+    driven, drives = with_inputs(mechanism, inputs)
+    found = {name.removeprefix(TOLD): one for name, one in drives.items()}
     start = within_stops(driven, initial_state("export_fmu", driven, laws, y0))
     model = formulate(driven, laws)
     numbers = gather(driven, laws, model, stop)
     nominals = _nominals(driven, laws, solver, start, stop)
     variables = variables_of(driven, laws, model, y0=start, nominals=nominals, inputs=found)
     names = [one.name for one in variables]
-    twice = [one for one in inputs if names.count(one) > 1]
+    twice = [one for one in found if names.count(one) > 1]
     if twice:
         raise InputError(
             f"the input {twice[0]!r} has the name of another variable: name the drive by its path."

@@ -4,16 +4,20 @@ import dataclasses
 import typing
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, final
+from typing import Any, Final, NamedTuple, final
 
 from typing_extensions import override
 
-from stickslip.drives import Drive, Piece, Profile, Straight
+from stickslip.drives import Drive, Piece, Profile, Sampled, Straight
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.mechanisms import Mechanism
+from stickslip.friction import Friction, FrictionLaw
+from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_names
 from stickslip.quantities import Parametrised
 
-__all__ = ["Input", "with_inputs"]
+__all__ = ["TOLD", "Input", "told_from_outside", "with_inputs"]
+
+TOLD: Final = "contact_"
+"""What drives that are contact inputs begin with."""
 
 
 @final
@@ -33,6 +37,47 @@ class Input(NamedTuple):
     """Name under which the mechanism's `drives` list it."""
     start: float
     """Value at time 0 of the drive that was there before, 0 if there was none."""
+
+
+def told_from_outside(
+    mechanism: Mechanism, law: Friction, names: Sequence[str]
+) -> tuple[Mechanism, tuple[str, ...]]:
+    """Return a mechanism whose contact inputs that are told from outside are drives.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What moves.
+    law : FrictionLaw or mapping of str to FrictionLaw
+        Its law; only that of a single contact may have contact inputs.
+    names : sequence of str
+        Drives and contact inputs that are to be told from outside.
+
+    Returns
+    -------
+    (Mechanism, tuple of str)
+        The mechanism, and the names of all drives that are told from outside.
+
+    Raises
+    ------
+    InputError
+        If the mechanism itself makes a contact input of one of the names.
+    """
+    found = list(names)
+    for name in law.inputs if isinstance(law, FrictionLaw) else ():
+        told = name in input_names(mechanism)
+        if told and name not in names:
+            continue
+        if told and name not in given_names(mechanism):
+            raise InputError(
+                f"the contact input {name!r} follows from the motion and the drives of"
+                f" {mechanism.title}: leave it out of inputs."
+            )
+        before = getattr(mechanism, TOLD + name, 0.0)
+        start = before.value(0.0) if isinstance(before, Drive) else float(before)
+        mechanism = given_inputs(mechanism, {name: Sampled(times=(0.0,), values=(start,))})
+        found = [*(one for one in found if one != name), TOLD + name]
+    return mechanism, tuple(found)
 
 
 def with_inputs(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, Input]]:

@@ -7,9 +7,11 @@ from typing import Final
 
 from stickslip.errors import InputError
 
-__all__ = ["BASES", "base_units", "per_second"]
+__all__ = ["BASES", "ZEROS", "base_units", "per_second"]
 
 BASES: Final = ("kg", "m", "s", "A", "K", "rad")
+ZEROS: Final = {"degC": "273.15"}
+"""Zeros of units that do not count from that of their base units."""
 _NAMED: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
     {
         **{base: {base: 1} for base in BASES},
@@ -19,6 +21,7 @@ _NAMED: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
         "W": {"kg": 1, "m": 2, "s": -3},
         "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
         "Hz": {"s": -1},
+        "degC": {"K": 1},
         "1": {},
     }
 )
@@ -31,8 +34,8 @@ def base_units(unit: str) -> dict[str, int]:
     Parameters
     ----------
     unit : str
-        Unit as quantities have it: factors separated by spaces, and one solidus at most, behind
-        which all factors are divisors, in parentheses or not.
+        Unit as quantities have it: factors separated by spaces; behind each solidus all factors
+        are divisors, in parentheses or not.
 
     Returns
     -------
@@ -93,10 +96,9 @@ def per_second(unit: str) -> str:
 def _factors(unit: str) -> dict[str, int]:
     """Return the powers of the units that stand in a unit, in their order."""
     found: dict[str, int] = {}
-    above, _, below = unit.partition("/")
-    if below.startswith("(") and below.endswith(")"):
-        below = below[1:-1]
-    for side, sign in ((above, 1), (below, -1)):
+    above, *below = unit.split("/")
+    sides = [(above, 1), *((one.removeprefix("(").removesuffix(")"), -1) for one in below)]
+    for side, sign in sides:
         for factor in side.split():
             parsed = _FACTOR.fullmatch(factor)
             if parsed is None or parsed["name"] not in _NAMED:

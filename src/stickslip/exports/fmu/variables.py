@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias, final
 
 from stickslip.drives import Drive, Profile, Sum
-from stickslip.experiments import unit_on
-from stickslip.exports.fmu.inputs import Input
+from stickslip.experiments import unit_of_input, unit_on
+from stickslip.exports.fmu.inputs import TOLD, Input
 from stickslip.exports.fmu.units import per_second
 from stickslip.formulation import Model
 from stickslip.friction import FrictionLaw, Laws
@@ -114,7 +114,7 @@ def variables_of(
                 index=1 + 3 * model.drives.index(drive),
                 start=start,
                 unit=_drive_unit(mechanism, drive),
-                description=f"Drive {drive}, held over each communication step",
+                description=f"{_called(drive)}, held over each communication step",
             )
         )
     units: dict[str, str] = column_units(
@@ -317,8 +317,17 @@ def _parts(drive: Drive) -> Iterator[Drive]:
         yield drive
 
 
+def _called(drive: str) -> str:
+    """Return what a drive is, in words."""
+    name = drive.removeprefix(TOLD)
+    return f"Contact input {name}" if name != drive else f"Drive {drive}"
+
+
 def _drive_unit(mechanism: Mechanism, name: str) -> str:
-    """Return the unit of a drive that is a force, a torque or a load; empty for others."""
+    """Return the unit of a contact input, of a force, torque or load; empty for other drives."""
+    if name.startswith(TOLD):
+        turning = set(mechanism.units) == {"rad"}
+        return unit_of_input(name.removeprefix(TOLD), turning=turning)
     q = dict.fromkeys(mechanism.coordinates, 0.0)
     still = dict.fromkeys(mechanism.drives(), 0.0)
     pushed = {**still, name: 1.0}

@@ -156,6 +156,8 @@ class Factor(Part, ABC):
 
     role: ClassVar[str] = "factor"
     argument: ClassVar[str] = "input"
+    positive: ClassVar[bool] = False
+    """Whether it is above 0 for all values of the input."""
 
     @abstractmethod
     def factor(self, p: Values, s: Slip) -> Scalar:

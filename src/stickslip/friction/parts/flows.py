@@ -122,13 +122,13 @@ class Polynomial(Flow):
         )
 
     @property
+    @override
     def vanishes(self) -> Mapping[str, float | str]:  # type: ignore[override]  # of as many
-        """Values of its parameters for which it is not there."""
         return dict.fromkeys(self._names, 0.0)
 
     @property
+    @override
     def becomes(self) -> tuple[Becomes, ...]:  # type: ignore[override]
-        """The simpler part of the first power alone."""
         first, *others = self._names
         values: dict[str, float | str] = {first: "viscous_coefficient"}
         return (Becomes(name="viscous", values={**values, **dict.fromkeys(others, 0.0)}),)

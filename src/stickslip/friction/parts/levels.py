@@ -112,7 +112,6 @@ class Stribeck(Surplus):
 
     name = "stribeck"
     tex = r"(\mu_s - \mu_k) e^{-|v/v_s|^n}"
-    becomes = (Becomes(name="tustin", values={"fading_exponent": 1.0}),)
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
     fading_exponent: FadingExponent = 2.0

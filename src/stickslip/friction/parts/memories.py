@@ -12,10 +12,11 @@ from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
 """Share of the level that is nothing: broken powers are rounded within its root."""
-NOTHING = 1e-9
-"""Share of the level within which the sides of a loop are one."""
 LEAST = 1e-300
 """What keeps quotients finite, and nothing else."""
+
+BENT = 1e-18
+"""Square of the share of the friction level within which a loop is rounded."""
 
 
 @final
@@ -163,10 +164,10 @@ class BoucWen(Memory):
     @override
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         u, beta = p.bristle_stiffness * z[0] / g, p.loop_share
-        # |u|^n, rounded at 0, where n < 1 has no slope, and both sides of the loop meet
-        yields = power(u * u + NOTHING * NOTHING, 0.5 * p.loop_exponent)
-        side = where(u * sign(s.along) + NOTHING > 0.0, 1.0, 2.0 * beta - 1.0)
-        return (s.along * (1.0 - yields * side),)
+        # |u|^n and |u|^n sgn u, rounded so that both have slopes at u = 0
+        size, n = u * u + BENT, p.loop_exponent
+        loads = u * power(size, 0.5 * (n - 1.0)) * sign(s.along)
+        return (s.along * (1.0 - beta * power(size, 0.5 * n) - (1.0 - beta) * loads),)
 
     @override
     def force(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> Scalar:

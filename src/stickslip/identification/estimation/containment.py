@@ -85,7 +85,7 @@ def _reaches(start: FrictionLaw, free_parameters: FreeParameters, one: FittedLaw
         return False
     if type(one.law) is type(start):
         return all(path in free_parameters.paths for path in one.values)
-    how = containment_of(type(start), one.law.name)
+    how = containment_of(type(start), type(one.law))
     values = None if how is None else how.embed(one.law)
     if how is None or values is None or not names.issuperset(how.limits):
         return False
@@ -107,8 +107,8 @@ def starts_from(
     free_parameters : FreeParameters
         What of it, and of the mechanism, is looked for; start values stand for what has no effect.
     fitted : sequence of FittedLaw
-        Simpler laws, of which those count that the richer one contains at first hand, and the same
-        law with fewer unknowns.
+        Simpler laws, of which those count that the richer one contains at first hand or that no
+        other one of them contains, and the same law with fewer unknowns.
     load : float
         Normal force [N].
 
@@ -135,12 +135,22 @@ def starts_from(
     (array([0.]),)
     """
     found = []
-    for one in fitted:
+    for one in _nearest(kind, fitted):
         for point in _embedded(kind, free_parameters, one, fitted, load):
             given = [(item, point.get(item.path, item.start)) for item in free_parameters.items]
             values = np.array([not_whole(item, value) for item, value in given])
             found.append(free_parameters.values(free_parameters.coordinates(values)))
     return tuple(found)
+
+
+def _nearest(kind: type[FrictionLaw], fitted: Sequence[FittedLaw]) -> Iterator[FittedLaw]:
+    """Yield the fits that are not those of laws within other fitted ones alone."""
+    first = {one.law for one in kind.contained}
+    kinds = {type(one.law) for one in fitted} - {kind}
+    for one in fitted:
+        within = any(containment_of(other, type(one.law)) for other in kinds)
+        if one.law.name in first or not within:
+            yield one
 
 
 def not_whole(item: FreeParameter, value: float) -> float:
@@ -178,7 +188,7 @@ def _embedded(
         own = {path: float(getattr(one.law, path.partition(".")[2])) for path in fields}
         yield {**beside, **own}
         return
-    containment = containment_of(kind, one.law.name)
+    containment = containment_of(kind, type(one.law))
     values = None if containment is None else containment.embed(one.law)
     if containment is None or values is None:
         return
@@ -234,7 +244,7 @@ def search_failure(
     ''
     """
     for one in fitted:
-        how = containment_of(kind, one.law.name)
+        how = containment_of(kind, type(one.law))
         exact = type(one.law) is kind or (how is not None and not how.limits)
         if exact and one.rows == rows and cost > (1.0 + WORSE) * one.cost:
             less = 100.0 * (1.0 - (one.cost / cost) ** 0.5)

@@ -19,7 +19,10 @@ from stickslip.identification.estimation.problem import ResidualJacobian
 from stickslip.identification.features.features import towed_load
 from stickslip.identification.rate_state.problem import (
     DRIFT,
+    EVOLVED,
     PATHS,
+    SECOND,
+    STRESS,
     Record,
     Slider,
     record_of,
@@ -57,6 +60,8 @@ WORTH = 0.05
 """A drift is kept if it lowers the root mean square by this share, and its interval leaves 0."""
 DISTANCES = (2e-3, 0.05, 0.3)
 """Critical distances that are tried too, over the way after the first step."""
+SECOND_DISTANCES = (2e-2, 0.3, 0.02)
+"""Those of a second state, with each of them."""
 LARGER = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Evolution effects at which everything else is fitted again, over a, beyond the best."""
 SMALLER = (0.5, 0.0)
@@ -112,8 +117,8 @@ def fit_rate_state(
         Whether friction changes steadily with the way of the load point; ``"auto"`` fits both ways
         and keeps the drift if the data need it.
     lowest_evolution_effect : float
-        Lower bound of b. The laws were made for b of at least 0; below, friction goes on rising
-        after a step.
+        Lower bound of b and b_2. The laws were made for b of at least 0; below, friction goes on
+        rising after a step.
     starts, seed : int
         Number of starts of the search, and seed of those that are drawn.
     profile : bool
@@ -165,13 +170,15 @@ def fit_rate_state(
         for drifts in ((False,) if drift == "none" else (False, True))
     ]
     reference = record.speed if asked.reference is None else asked.reference
-    slider = Slider.of(record, asked.form.evolution, free_parameters[0], reference)
+    slider = Slider.of(
+        record, asked.form, free_parameters[0], reference, regularised=asked.regularised
+    )
     found = search(slider, starts=starts, seed=seed, start_values=_tried(slider), watch=progress)
     if drift != "none" and not found.cancelled:
         slider, found = _drifting(
             slider, found, free_parameters[1], progress, always=drift == "linear"
         )
-    fit = result_of(asked.block, measurement, slider, found)
+    fit = result_of(asked.block, measurement, slider, _in_order(slider, found))
     return with_profile(fit) if profile else fit
 
 
@@ -229,6 +236,8 @@ class _Asked:
     given: Mapping[str, float]
     reference: float | None
     """Speed at which the reference coefficient holds [m/s]; None for the first of the record."""
+    regularised: bool
+    """Whether the law that was given is."""
 
 
 def _asked(
@@ -287,6 +296,7 @@ def _asked(
         held=held,
         given=given,
         reference=own.get(CONVENTION),
+        regularised=isinstance(chosen.law, RateState) and chosen.law.regularised,
     )
 
 
@@ -306,7 +316,7 @@ def _unknowns(asked: _Asked, record: Record, *, drift: bool, lowest: float) -> F
         held[STIFFNESS] /= record.load
     return unknowns_for(
         record,
-        asked.form.evolution,
+        asked.form,
         drift=drift,
         lowest_evolution_effect=lowest,
         held=held,
@@ -331,16 +341,38 @@ def _used(
 
 
 def _tried(slider: Slider) -> Sequence[Array]:
-    """Return starts with other critical distances; the first one has 0.01 of the way."""
-    distance = slider.free_parameters.items[2]
-    if distance.low == distance.high:
-        return ()
+    """Return starts with other critical distances; the first one has 0.01 of the way.
+
+    Those of a law with an effect of stress have none, and are starts of the ageing law.
+    """
+    items, slid = slider.free_parameters.items, slider.record.slid
+    free = [item.low < item.high for item in items]
     tried = []
-    for share in DISTANCES:
+    for share, second in zip(DISTANCES, SECOND_DISTANCES, strict=True):
         start = slider.free_parameters.start
-        start[2] = share * slider.record.slid
-        tried.append(start)
+        if free[2]:
+            start[2] = share * slid
+        if free[7]:
+            start[7] = second * slid
+        if free[STRESS] and all(free[:2]):
+            start[:2] /= 1.0 + start[STRESS]
+            start[1] = max(start[0] + slider.free_parameters.start[1]
+                           - slider.free_parameters.start[0], items[1].low)  # fmt: skip
+            start[STRESS] = items[STRESS].low
+        if free[2] or free[7]:
+            tried.append(start)
     return tried
+
+
+def _in_order(slider: Slider, found: OptimizeResult) -> OptimizeResult:
+    """Return the end of a search with the state of the shorter distance first, if all are free."""
+    first, other = [EVOLVED, EVOLVED + 1], [SECOND, SECOND + 1]
+    items, values = slider.free_parameters.items, found.best.values.copy()
+    free = all(items[i].low < items[i].high for i in (*first, *other))
+    if not free or values[first[1]] <= values[other[1]] or not items[1].low <= values[SECOND]:
+        return found
+    values[[*first, *other]] = values[[*other, *first]]
+    return replace(found, best=slider.linearise(values))
 
 
 def _drifting(
@@ -419,7 +451,13 @@ def _windows(slider: Slider, best: ResidualJacobian) -> tuple[Window, ...]:
         if not len(record.path.steps) or len(record.time) < FEWEST:
             continue
         free_parameters = slider.free_parameters.starting_at(best.values)
-        part = Slider.of(record, slider.evolution, free_parameters, slider.reference_velocity)
+        part = Slider.of(
+            record,
+            slider.form,
+            free_parameters,
+            slider.reference_velocity,
+            regularised=slider.regularised,
+        )
         rate, _, naive = rate_of(part, search(part, starts=3).best)
         found.append(Window(after=record.after, rate=rate, half_width=wider * naive))
     return (*found, Window(after=slider.record.after, rate=whole[0], half_width=whole[1]))

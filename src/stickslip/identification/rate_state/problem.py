@@ -11,10 +11,10 @@ from typing_extensions import override
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement
 from stickslip.formatting import number, quantity
-from stickslip.friction import Evolution, RateState
+from stickslip.friction import RateState, RateStateForm
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import Problem, ResidualJacobian
-from stickslip.identification.rate_state.slider import logarithms
+from stickslip.identification.rate_state.slider import coefficients, logarithms
 from stickslip.identification.series.load_point import Path, path_of
 from stickslip.quantities import Quantity, fields_of
 
@@ -28,8 +28,13 @@ PATHS = (
     "friction.critical_distance",
     "mechanism.stiffness",
     "friction.reference_coefficient",
+    "friction.stress_effect",
+    "friction.second_evolution_effect",
+    "friction.second_critical_distance",
 )
 DRIFT = "drift"
+DIRECT, EVOLVED, STRESS, SECOND = 0, 1, 5, 6
+"""Places in `PATHS` of effects on friction; the distance of a state is next to its effect."""
 MEASURED = ("pull", "friction")
 """What a load point and a load cell measure."""
 MOTION = ("position", "velocity")
@@ -45,7 +50,10 @@ COARSE = 500
 TOLERANCE = 1e-9
 """Six digits below the noise of any record."""
 LEAST = 1e-4
-"""Effects on friction below which difference quotients take no smaller steps."""
+"""Effects on friction below which difference quotients take no smaller steps; the least evolution
+effect that an effect of stress is divided by."""
+MOST_STRESS = 20.0
+"""Largest effect of stress that is looked at; rocks have 2."""
 NUDGE = 1e-4
 """Step of difference quotients, relative; half the digits of the tolerance."""
 
@@ -215,8 +223,8 @@ class Slider(Problem):
 
     record: Record
     """The record, sample by sample."""
-    evolution: Evolution
-    """How the state follows: ``"ageing"``, ``"slip"`` or ``"none"``."""
+    form: RateStateForm
+    """Form of the law."""
     reference_velocity: float
     """Speed at which the reference coefficient holds [m/s]."""
     free_parameters_: FreeParameters
@@ -227,13 +235,17 @@ class Slider(Problem):
     """Mean coefficients of the stretches (n,)."""
     weight: Array
     """Square roots of the numbers of samples over their mean (n,)."""
+    regularised: bool = False
+    """Whether the law has an arcsinh in place of a logarithm."""
 
     @staticmethod
     def of(
         record: Record,
-        evolution: Evolution,
+        form: RateStateForm,
         free_parameters: FreeParameters,
         reference_velocity: float,
+        *,
+        regularised: bool = False,
     ) -> "Slider":
         """Return the problem of a record; sums of squares differ by scatter within stretches.
 
@@ -241,12 +253,14 @@ class Slider(Problem):
         ----------
         record : Record
             The record; means are taken if it is long.
-        evolution : {"ageing", "slip", "none"}
-            How the state follows.
+        form : RateStateForm
+            Form of the law.
         free_parameters : FreeParameters
             What is looked for, from `unknowns_for`.
         reference_velocity : float
             Speed at which the reference coefficient holds [m/s].
+        regularised : bool
+            Whether the law has an arcsinh in place of a logarithm.
 
         Returns
         -------
@@ -259,7 +273,8 @@ class Slider(Problem):
         _, which, count = np.unique(bins, return_inverse=True, return_counts=True)
         return Slider(
             record=record,
-            evolution=evolution,
+            form=form,
+            regularised=regularised,
             reference_velocity=reference_velocity,
             free_parameters_=free_parameters,
             mean_time=np.bincount(which, record.time) / count,
@@ -316,14 +331,18 @@ class Slider(Problem):
 
     def law(self, values: Array) -> RateState:
         """Return the law with values (p,) of the unknowns."""
-        a, b, D_c, _, mu_0 = map(float, values[:5])
+        a, b, D_c, _, mu_0, c, b_2, D_2 = map(float, values[: len(PATHS)])
         return RateState(
             reference_coefficient=mu_0,
             direct_effect=a,
             evolution_effect=b,
-            critical_distance=None if self.evolution == "none" else D_c,
+            critical_distance=None if self.form.evolution == "none" else D_c,
+            second_evolution_effect=b_2,
+            second_critical_distance=D_2 if self.form.second else None,
+            stress_effect=c,
             reference_velocity=self.reference_velocity,
-            evolution=self.evolution,
+            evolution=self.form.evolution,
+            regularised=self.regularised,
         )
 
     def predict(self, values: Array, times: Array) -> Array | None:
@@ -332,8 +351,8 @@ class Slider(Problem):
         Parameters
         ----------
         values : array (p,)
-            Values of the unknowns: a, b, D_c [m], stiffness over load [1/m], mu_0 and, if there is
-            one, the drift [1/m].
+            Values of the unknowns, in the order of `PATHS`, the stiffness over the load [1/m]; then
+            the drift [1/m], if there is one.
         times : array (n,)
             Times [s], increasing, within the record.
 
@@ -347,9 +366,10 @@ class Slider(Problem):
         logs = logarithms(law, float(values[3]), path.time, speeds, times, TOLERANCE)
         if logs is None:
             return None
-        mu = law.reference_coefficient + logs @ values[:2]
-        drift = values[5] if len(values) > 5 else 0.0
-        return np.array(mu + drift * np.interp(times, path.time, path.position))
+        drift = values[len(PATHS)] if len(values) > len(PATHS) else 0.0
+        return np.array(
+            coefficients(law, logs) + drift * np.interp(times, path.time, path.position)
+        )
 
     @override
     def linearise(
@@ -383,18 +403,24 @@ class Slider(Problem):
         """Return the derivatives of the prediction by the unknowns (n, p)."""
         table = np.ones((len(times), len(values)))  # the fifth is that of the level
         items = self.free_parameters.items
-        for i in range(4):
+        for i in range(len(PATHS)):
+            if items[i].path == PATHS[4]:
+                continue
             if items[i].low == items[i].high:
                 table[:, i] = 0.0
                 continue
-            size = max(abs(values[0]), abs(values[1]), LEAST) if i < 2 else values[i]
+            size = values[i]
+            if i in (DIRECT, EVOLVED, SECOND):
+                size = max(abs(values[DIRECT]), abs(values[EVOLVED]), LEAST)
+            elif i == STRESS:
+                size = 1.0 + values[STRESS]
             step = NUDGE * size
             nudged = values.copy()
             nudged[i] += step
             there = self.predict(nudged, times)
             table[:, i] = 0.0 if there is None else (there - base) / step
-        if len(values) > 5:
-            table[:, 5] = np.interp(times, self.record.path.time, self.record.path.position)
+        if len(values) > len(PATHS):
+            table[:, -1] = np.interp(times, self.record.path.time, self.record.path.position)
         return table
 
 
@@ -410,7 +436,7 @@ def _edges(record: Record) -> Array:
 
 def unknowns_for(
     record: Record,
-    evolution: Evolution,
+    form: RateStateForm,
     *,
     drift: bool,
     lowest_evolution_effect: float,
@@ -424,12 +450,12 @@ def unknowns_for(
     ----------
     record : Record
         The record.
-    evolution : {"ageing", "slip", "none"}
-        How the state follows; without, the evolution effect is held at 0.
+    form : RateStateForm
+        Form of the law; effects that it does not have are held at 0.
     drift : bool
         Whether friction changes steadily with the way of the load point.
     lowest_evolution_effect : float
-        Lower bound of b.
+        Lower bound of b and b_2.
     held, given : mapping of str to float
         Values by path that are not looked for, and from which a search begins; the stiffness is
         over the load [1/m].
@@ -442,22 +468,35 @@ def unknowns_for(
         Starts and bounds in the order of `PATHS`, those of held values closed, then the drift.
     """
     declared = fields_of(RateState)
-    slid, state = record.slid, evolution != "none"
+    slid, state = record.slid, form.evolution != "none"
+    stressed = form.evolution == "nagata"
     rate, first = _levels(record)
     mu_0 = first - rate * float(np.log(record.speed / reference_velocity))
-    start_a = max(rate, 0.0) + 0.005
+    start_a = (max(rate, 0.0) + 0.005) * (1.0 + stressed)  # a step shows a / (1 + c) at once
+    start_b = start_a - rate
+    lowest = max(lowest_evolution_effect, LEAST) if stressed else lowest_evolution_effect
     k = given.get(PATHS[3], held.get(PATHS[3], _steepest(record)))
     names = [path.rpartition(".")[2] for path in PATHS]
     numbers = [
         (declared[names[0]], start_a, 1e-6, 1.0, True),
-        (declared[names[1]], start_a - rate, lowest_evolution_effect, 1.0, False),
+        (declared[names[1]], start_b, lowest, 1.0, False),
         (declared[names[2]], 0.01 * slid, 1e-4 * slid, 10.0 * slid, True),
         (Quantity("k", "1/m", above=0), k, 1e-2 * k, 1e2 * k, True),
         (declared[names[4]], mu_0, -np.inf, np.inf, False),
+        (declared[names[5]], 1.0, 0.0, MOST_STRESS, False),
+        (declared[names[6]], 0.0, lowest_evolution_effect, 1.0, False),
+        (declared[names[7]], 0.1 * slid, 1e-4 * slid, 10.0 * slid, True),
     ]
     if not state:
         numbers[0] = (declared[names[0]], rate, -1.0, 1.0, False)
         held = {PATHS[2]: slid, **held, PATHS[1]: 0.0}
+    if form.second:
+        numbers[1] = (declared[names[1]], 0.5 * start_b, lowest, 1.0, False)
+        numbers[6] = (declared[names[6]], 0.5 * start_b, lowest_evolution_effect, 1.0, False)
+    else:
+        held = {**held, PATHS[6]: 0.0, PATHS[7]: slid}
+    if not stressed:
+        held = {**held, PATHS[5]: 0.0}
     items = []
     for path, (symbol, guess, low, high, log) in zip(PATHS, numbers, strict=True):
         start = held.get(path, given.get(path, guess))

@@ -25,7 +25,15 @@ from stickslip.friction import RateState
 from stickslip.identification.estimation.jackknife import BLOCKS, Inference, effective_size, infer
 from stickslip.identification.estimation.levenberg_marquardt import OptimizeResult
 from stickslip.identification.estimation.problem import ResidualJacobian
-from stickslip.identification.rate_state.problem import PATHS, Slider, record_of
+from stickslip.identification.rate_state.problem import (
+    DIRECT,
+    EVOLVED,
+    PATHS,
+    SECOND,
+    STRESS,
+    Slider,
+    record_of,
+)
 from stickslip.identification.rate_state.slider import SliderHistory, simulate_velocity_steps
 from stickslip.identification.results import Estimate, Fit, estimates_for
 from stickslip.mechanisms import TowedBlock
@@ -46,7 +54,6 @@ __all__ = [
 
 Array: TypeAlias = NDArray[np.float64]
 
-RATE = "friction.direct_effect - friction.evolution_effect"
 VELOCITY_STEPS = "rate-state"
 SAME = 0.05
 """a - b is one number for all windows if it differs by less than this share."""
@@ -115,7 +122,7 @@ class RateStateFit(Fit[RateState]):
     drift: float
     """Steady change of the coefficient with the way of the load point [1/m]; 0 without one."""
     rate: Estimate
-    """a - b, which says how friction changes with speed in the long run."""
+    """a - b, less b_2 of a second state: how friction changes with speed in the long run."""
     rmse: float
     """Root mean square of measured less fitted coefficient, over all samples used."""
     correlation: float
@@ -166,6 +173,11 @@ class RateStateFit(Fit[RateState]):
         return self.best.rms
 
     @property
+    def rate_symbols(self) -> tuple[str, ...]:
+        """Symbols of what the rate is the difference of: a and b, and b_2 of a second state."""
+        return tuple(self.rate.quantity.symbol.split(" - "))
+
+    @property
     def over_scatter(self) -> float:
         """Residuals over what the scatter of neighbouring samples would leave; 0 without any."""
         scatter = float(np.std(np.diff(self.measured)) / math.sqrt(2.0))
@@ -196,7 +208,11 @@ class RateStateFit(Fit[RateState]):
         """
         record = record_of(measurement, self.problem.record.load)
         other = Slider.of(
-            record, self.law.evolution, self.problem.free_parameters, self.law.reference_velocity
+            record,
+            self.problem.form,
+            self.problem.free_parameters,
+            self.law.reference_velocity,
+            regularised=self.law.regularised,
         )
         return other.linearise(self.best.values, slopes=False).rms
 
@@ -255,7 +271,7 @@ class RateStateFit(Fit[RateState]):
 
 
 def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
-    """Return which unknowns stand at no bound (p,); without b there is no D_c either.
+    """Return which unknowns stand at no bound (p,); a state without effect has no distance either.
 
     Parameters
     ----------
@@ -272,17 +288,19 @@ def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
     low, high = slider.free_parameters.limits()
     at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
-    if abs(values[1]) < UNSPENT * abs(values[0]):
-        free[1:3] = False
+    for effect in (EVOLVED, SECOND):
+        if abs(values[effect]) < UNSPENT * abs(values[DIRECT]):
+            free[[effect, effect + 1]] = False
     return np.asarray(free)
 
 
 def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
-    """Return the symbols of what ended at a bound of the search; b = 0 is a limit of the law."""
+    """Return the symbols of what ended at a bound of the search; 0 is a limit of effects."""
     low, high = fit.problem.free_parameters.limits()
     at = fit.problem.free_parameters.coordinates(fit.best.values)
     met = (low < high) & ((at <= low) | (at >= high))
-    met[1] = met[1] and at[1] >= high[1]
+    for effect in (EVOLVED, STRESS, SECOND):
+        met[effect] = met[effect] and at[effect] >= high[effect]
     items = zip(fit.problem.free_parameters.items, met, strict=True)
     return tuple(item.quantity.symbol for item, one in items if one)
 
@@ -310,7 +328,7 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
 def rate_of(
     slider: Slider, best: ResidualJacobian, inference: Inference | None = None
 ) -> tuple[float, float, float]:
-    """Return a - b, half the width of its 95 % interval, and its error of independent residuals.
+    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals.
 
     Parameters
     ----------
@@ -324,18 +342,19 @@ def rate_of(
     Returns
     -------
     tuple of float
-        a - b; half the width, infinite where none can be said; and the standard error of
-        independent residuals. The last two are 0 if both are held.
+        a - b, less b_2 of a second state; half the width, infinite where none can be said; and the
+        standard error of independent residuals. The last two are 0 if all are held.
     """
-    a, b = map(float, best.values[:2])
+    rate = slider.law(best.values).rate
     row = np.zeros(len(best.values))
-    row[:2] = np.where(free_of(slider, best.values)[:2], (1.0, -1.0), 0.0)
+    row[[DIRECT, EVOLVED, SECOND]] = 1.0, -1.0, -1.0
+    row[~free_of(slider, best.values)] = 0.0
     found = inference_of(slider, best) if inference is None else inference
     if not row.any():
-        return a - b, 0.0, 0.0
+        return rate, 0.0, 0.0
     kept = row != 0.0
     naive = float(row[kept] @ found.naive[np.ix_(kept, kept)] @ row[kept])
-    return a - b, found.half_width(row), math.sqrt(max(naive, 0.0))
+    return rate, found.half_width(row), math.sqrt(max(naive, 0.0))
 
 
 def result_of(
@@ -383,7 +402,7 @@ def result_of(
         measurement=measurement,
         estimates=tuple(e for e in everyone if e.reason != HELD),
         cancelled=optimum.cancelled,
-        drift=float(values[5]) if len(values) > 5 else 0.0,
+        drift=float(values[len(PATHS)]) if len(values) > len(PATHS) else 0.0,
         rate=_rate(slider, optimum.best, inference, profile),
         rmse=float(np.sqrt(np.mean((record.coefficient - fitted) ** 2))),
         correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
@@ -442,7 +461,8 @@ def _estimates(
             high, reason = math.inf, "larger a and b of the same difference fit as well"
         if i < 2 and profile.ends and not math.isfinite(low):
             low = values[i]
-        low, high = max(low, item.low), min(high, item.high) if i > 1 else high
+        low = max(low, item.low)
+        high = high if i in (DIRECT, EVOLVED, SECOND) else min(high, item.high)
         found.append(
             Estimate(
                 path=item.path,
@@ -454,10 +474,12 @@ def _estimates(
                 reason=reason,
             )
         )
-    b, D_c = found[1:3]
-    if HELD not in (b.reason, D_c.reason) and b.low <= 0.0 <= b.high:
-        why = "b may be 0, and then D_c has no effect"
-        found[2] = replace(D_c, low=-math.inf, high=math.inf, reason=why)
+    for i in (EVOLVED, SECOND):
+        b, D = found[i : i + 2]
+        if HELD not in (b.reason, D.reason) and b.low <= 0.0 <= b.high:
+            symbols = b.quantity.symbol, D.quantity.symbol
+            why = "{} may be 0, and then {} has no effect".format(*symbols)
+            found[i + 1] = replace(D, low=-math.inf, high=math.inf, reason=why)
     return found
 
 
@@ -469,14 +491,14 @@ def _width(inference: Inference, index: int) -> float:
 def _rate(
     slider: Slider, best: ResidualJacobian, inference: Inference, profile: Profile
 ) -> Estimate:
-    """Return the estimate of a - b."""
+    """Return the estimate of a - b, less b_2 of a second state."""
     rate, width, _ = rate_of(slider, best, inference)
-    others = np.array([end.values[0] - end.values[1] for end in profile.ends])
+    others = np.array([slider.law(end.values).rate for end in profile.ends])
     low, high = _hull(rate, width, others)
     known = slider.free_parameters.items[0].low == slider.free_parameters.items[0].high
     return Estimate(
-        path=RATE,
-        quantity=Quantity("a - b"),
+        path=" - ".join(PATHS[i] for i in (DIRECT, EVOLVED, SECOND)[: 2 + slider.form.second]),
+        quantity=Quantity("a - b - b_2" if slider.form.second else "a - b"),
         value=rate,
         low=low,
         high=high,
@@ -494,32 +516,35 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
 
 
 def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
-    path, law = fit.problem.record.path, fit.law
+    path, law, rate = fit.problem.record.path, fit.law, " − ".join(fit.rate_symbols)
     said = [f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}."]
     if fit.rate.reason != HELD:
-        said.append(_about_rate(fit.rate))
+        said.append(_about_rate(fit.rate, rate))
     fitted = {e.path: e for e in fit.estimates}
     if PATHS[0] in fitted and PATHS[1] in fitted:
         correlation = fixed(fit.correlation, 2)
-        if fit.separable and law.critical_distance is not None:
+        if fit.separable and law.states:
+            distances = joined([quantity(distance, "m") for _, distance in law.states])
             said.append(
                 f"a and b are told apart (correlation {correlation}): friction changes at once, and"
-                f" settles over {quantity(law.critical_distance, 'm')}."
+                f" settles over {distances}."
             )
         else:
             said.append(
-                f"a and b are not separable on this record (correlation {correlation}): only a − b"
+                f"a and b are not separable on this record (correlation {correlation}): only {rate}"
                 " is known."
             )
-    distance = fitted.get(PATHS[2])
-    if distance is not None and distance.reason:
-        said.append(f"D_c is not bounded: {distance.reason}.")
+    said += [
+        f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}."
+        for path in (PATHS[EVOLVED + 1], *PATHS[STRESS:])
+        if path in fitted and fitted[path].reason
+    ]
     if fit.drift:
         said.append(
             f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
-            " law; a − b and a drift trade against each other."
+            f" law; {rate} and a drift trade against each other."
         )
-    said += _about_windows(fit.windows)
+    said += _about_windows(fit.windows, rate)
     if found.agreeing == 1 and len(found.costs) > 1:
         said.append(f"Only one of {len(found.costs)} starts came to the least cost.")
     if found.cancelled:
@@ -527,8 +552,8 @@ def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _about_rate(rate: Estimate) -> str:
-    sign = "either sign of a − b is possible"
+def _about_rate(rate: Estimate, symbols: str) -> str:
+    sign = f"either sign of {symbols} is possible"
     if rate.low > 0.0:
         sign = "friction grows with speed, and steady sliding is stable"
     elif rate.high < 0.0:
@@ -536,7 +561,7 @@ def _about_rate(rate: Estimate) -> str:
     return f"{rate}, {rate.interval}: {sign}."
 
 
-def _about_windows(windows: Sequence[Window]) -> list[str]:
+def _about_windows(windows: Sequence[Window], rate: str) -> list[str]:
     if not windows:
         return []
     last = windows[-1]
@@ -551,8 +576,8 @@ def _about_windows(windows: Sequence[Window]) -> list[str]:
         f"{estimated(w.rate, w.half_width)} with {quantity(w.after, 'm')}" for w in windows
     )
     return [
-        f"a − b depends on the length of record used after the last step: {told}. The law does not"
-        " describe the whole record; the interval holds for the part used."
+        f"{rate} depends on the length of record used after the last step: {told}. The law does"
+        " not describe the whole record; the interval holds for the part used."
     ]
 
 
@@ -563,8 +588,9 @@ def _remarks(fit: RateStateFit) -> tuple[str, ...]:
     swing = math.sqrt(block.mass / block.stiffness)
     # without a state, friction follows the load point over the way a/k
     way = abs(law.direct_effect) / fit.stiffness
-    if law.critical_distance is not None and law.evolution_effect > UNSPENT * law.direct_effect:
-        way = law.critical_distance
+    spent = [distance for b, distance in law.states if b > UNSPENT * law.direct_effect]
+    if spent:
+        way = min(spent)
     if not way > 0.0:
         return ()
     told = (

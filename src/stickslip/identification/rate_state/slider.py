@@ -1,9 +1,10 @@
 """A spring slider without inertia with rate-and-state friction, as rock and gouge are tested."""
 
+import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,16 +19,17 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["SliderHistory", "logarithms", "simulate_velocity_steps"]
+__all__ = ["SliderHistory", "coefficients", "logarithms", "rates_of", "simulate_velocity_steps"]
 
 Array: TypeAlias = NDArray[np.float64]
+Rates: TypeAlias = Callable[[Array, float, float], tuple[float, ...]]
 STEEPEST = 300.0
 """Logarithms of speeds beyond this are held there: the run has failed long before."""
 STEPS = 20_000
 """Steps between two asked times after which a run counts as failed."""
 
-UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s"}
-"""Columns of a history, and their units."""
+UNITS = {"time": "s", "coefficient": "1", "velocity": "m/s", "state": "s", "second_state": "s"}
+"""Columns of a history, and their units; the last only where there is a second state."""
 STIFFNESS = Quantity("k", "1/m", above=0)
 
 
@@ -58,13 +60,15 @@ class SliderHistory(Tabular):
     """Slip speed (n,) [m/s]."""
     state: Array
     """State theta (n,) [s], the age of the contacts; NaN without evolution."""
+    second_state: Array | None = None
+    """State theta_2 (n,) [s]; None without one."""
 
     @override
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the columns as a pandas DataFrame with the time in front."""
         import pandas as pd
 
-        return pd.DataFrame({name: getattr(self, name) for name in UNITS})
+        return pd.DataFrame({name: getattr(self, name) for name in self._column_units()})
 
     @override
     def _over(self) -> str:
@@ -72,7 +76,7 @@ class SliderHistory(Tabular):
 
     @override
     def _column_units(self) -> Mapping[str, str]:
-        return UNITS
+        return {name: unit for name, unit in UNITS.items() if getattr(self, name) is not None}
 
     @override
     def __repr__(self) -> str:
@@ -93,9 +97,11 @@ def simulate_velocity_steps(
     """Pull a slider without inertia through a spring whose far end moves as given.
 
     The slider starts in steady sliding at the speed of the first piece of the pull. Each piece is
-    integrated on its own by LSODA in the logarithms of speed and state; without evolution there is
-    a closed form. Friction that falls with speed and has no state takes the speed of the load point
-    at once, as on an infinitely stiff spring: on any other it would run away.
+    integrated on its own by LSODA: in the logarithms of speed and state, or of the regularised form
+    in the coefficient and the logarithm of the state, as only that form comes to rest and follows a
+    pull backwards. Without evolution there is a closed form of the other. Friction that falls with
+    speed and has no state takes the speed of the load point at once, as on an infinitely stiff
+    spring: on any other it would run away.
 
     Parameters
     ----------
@@ -106,7 +112,7 @@ def simulate_velocity_steps(
     time : array (k,)
         Times [s] between which the far end moves steadily, increasing.
     pull : array (k,)
-        Its positions [m] there, nowhere decreasing.
+        Its positions [m] there, nowhere decreasing unless the law is regularised.
     at : array (n,), optional
         Times asked for, increasing, within `time`; `time` itself if not given.
     tolerance : float
@@ -143,7 +149,7 @@ def simulate_velocity_steps(
     (array([0.6     , 0.6     , 0.611513]), np.float64(0.611513))
     """
     stiffness = STIFFNESS.check("simulate_velocity_steps", "stiffness", stiffness)
-    knots, speeds = _speeds(time, pull)
+    knots, speeds = _speeds(time, pull, backwards=law.regularised)
     times = knots if at is None else np.atleast_1d(np.asarray(at, dtype=float))
     inside = np.all(np.diff(times) >= 0.0) and knots[0] <= times[0] and times[-1] <= knots[-1]
     if times.ndim != 1 or not inside:
@@ -165,18 +171,38 @@ def simulate_velocity_steps(
             f"the slider runs away: its stiffness (k) is {k} 1/m, and steady sliding needs more"
             f" than the critical one, {critical} 1/m."
         )
-    w, s = logs.T
-    a, b = law.direct_effect, law.evolution_effect
-    D_c = np.nan if law.critical_distance is None else law.critical_distance
+    ages = [
+        (2.0 if law.evolution == "prz" else 1.0) * D / law.reference_velocity * np.exp(s)
+        for (_, D), s in zip(law.states, logs.T[1:], strict=False)
+    ]
     return SliderHistory(
         time=times,
-        coefficient=law.reference_coefficient + a * w + b * s,
-        velocity=law.reference_velocity * np.exp(w),
-        state=D_c / law.reference_velocity * np.exp(s),
+        coefficient=coefficients(law, logs),
+        velocity=velocities(law, logs),
+        state=ages[0] if ages else np.full(len(times), np.nan),
+        second_state=ages[1] if len(ages) > 1 else None,
     )
 
 
-def _speeds(time: ArrayLike, pull: ArrayLike) -> tuple[Array, Array]:
+def coefficients(law: RateState, logs: Array) -> Array:
+    """Return the coefficients of friction (n,) of what `logarithms` returns (n, 1 + states)."""
+    if law.regularised:
+        return logs[:, 0].copy()
+    effects = [law.direct_effect, *(b for b, _ in law.states)]
+    return np.asarray(law.reference_coefficient + logs[:, : len(effects)] @ np.array(effects))
+
+
+def velocities(law: RateState, logs: Array) -> Array:
+    """Return the slip speeds (n,) [m/s] of what `logarithms` returns (n, 1 + states)."""
+    if not law.regularised:
+        return np.asarray(law.reference_velocity * np.exp(logs[:, 0]))
+    mu, level = logs[:, 0], law.reference_coefficient + logs[:, 1:] @ [b for b, _ in law.states]
+    a = law.direct_effect
+    speed = law.reference_velocity * np.exp((np.abs(mu) - level) / a)
+    return np.asarray(-np.sign(mu) * speed * np.expm1(-2.0 * np.abs(mu) / a))
+
+
+def _speeds(time: ArrayLike, pull: ArrayLike, *, backwards: bool) -> tuple[Array, Array]:
     """Return times (k,) and the speeds between them (k - 1,), checked."""
     t, x = (np.asarray(values, dtype=float) for values in (time, pull))
     if t.ndim != 1 or t.shape != x.shape or t.size < 2 or not np.all(np.isfinite([t, x])):
@@ -187,10 +213,16 @@ def _speeds(time: ArrayLike, pull: ArrayLike) -> tuple[Array, Array]:
     if not np.all(np.diff(t) > 0.0):
         raise InputError("simulate_velocity_steps: time [s] must increase strictly.")
     speeds = np.diff(x) / np.diff(t)
-    if speeds[0] <= 0.0 or np.any(speeds < 0.0):
+    if backwards and speeds[0] == 0.0:
+        raise InputError(
+            "simulate_velocity_steps: the pull must move at first, as the slider starts in steady"
+            " sliding, and rests for the first piece."
+        )
+    if not backwards and (speeds[0] <= 0.0 or np.any(speeds < 0.0)):
         raise InputError(
             "simulate_velocity_steps: the pull must move forwards at first and never back, got"
-            f" speeds from {speeds.min():g} to {speeds.max():g} m/s."
+            f" speeds from {speeds.min():g} to {speeds.max():g} m/s. A law with regularised=True"
+            " follows it backwards."
         )
     return t, speeds
 
@@ -205,6 +237,8 @@ def logarithms(
 ) -> Array | None:
     """Return w = ln(V/V_0) and s = ln(V_0 theta/D_c) of a slider that a spring pulls.
 
+    Of the regularised form, the coefficient stands for w.
+
     Parameters
     ----------
     law : RateState
@@ -214,7 +248,7 @@ def logarithms(
     knots : array (k,)
         Times [s] between which the far end moves steadily, increasing.
     speeds : array (k - 1,)
-        Its speeds there [m/s], the first above 0.
+        Its speeds there [m/s], the first above 0; of the regularised form, of either sign.
     times : array (n,)
         Times asked for [s], increasing, within the knots.
     tolerance : float
@@ -222,20 +256,20 @@ def logarithms(
 
     Returns
     -------
-    array (n, 2) or None
-        Both logarithms at each time; None if the slider runs away.
+    array (n, 1 + states) or None
+        The logarithms at each time; None if the slider runs away.
     """
-    if law.evolution == "none":
-        w = _without_state(law, stiffness, knots, speeds, times)
-        return np.column_stack([w, np.zeros(len(times))])
+    if law.evolution == "none" and not law.regularised:
+        return _without_state(law, stiffness, knots, speeds, times)[:, None]
     from scipy.integrate import ODEintWarning, odeint
 
-    V_0 = law.reference_velocity
-    first = float(np.log(speeds[0] / V_0))
-    state: Array = np.array([first, -first])
-    logs = np.empty((len(times), 2))
+    V_0, V = law.reference_velocity, float(speeds[0])
+    first = float(np.log(abs(V) / V_0))
+    lead = float(law.steady(V)) if law.regularised else first
+    state: Array = np.array([lead, *(-first for _ in law.states)])
+    logs = np.empty((len(times), len(state)))
     logs[times <= knots[0]] = state
-    rates = _rates_of(law, stiffness)
+    rates = rates_of(law, stiffness)
     moving = False
     for start, end, speed in zip(knots[:-1], knots[1:], speeds, strict=True):
         here = (times > start) & (times <= end)
@@ -286,21 +320,87 @@ def _without_state(
     return np.asarray(logs - np.log(law.reference_velocity))
 
 
-def _rates_of(law: RateState, stiffness: float) -> Any:
-    """Return the time derivatives of w and s as a function of state, time and pulling speed."""
-    from math import exp
+def rates_of(law: RateState, stiffness: float) -> Rates:
+    """Return the time derivatives of w and s as a function of state, time and pulling speed.
 
-    a, b = law.direct_effect, law.evolution_effect
-    D_c, V_0, k = law.critical_distance, law.reference_velocity, stiffness
-    assert D_c is not None  # logarithms has a closed form of what has no state
-    ageing = law.evolution == "ageing"
+    Of the regularised form, that of the coefficient stands for that of w.
 
-    def rates(y: Array, _: float, V_load: float) -> tuple[float, float]:
+    Parameters
+    ----------
+    law : RateState
+        Friction of the slider.
+    stiffness : float
+        Stiffness of spring and machine over the load [1/m].
+
+    Returns
+    -------
+    callable
+        ``rates(state, time, speed)``; nothing depends on time.
+    """
+    from math import copysign, exp, log, log1p  # found faster than by the module
+
+    a, mu_0, V_0, k = (
+        law.direct_effect,
+        law.reference_coefficient,
+        law.reference_velocity,
+        stiffness,
+    )
+    effects, distances = [b for b, _ in law.states], [D for _, D in law.states]
+    renewal = RENEWALS.get(law.evolution, _ageing)
+    stress = law.stress_effect / law.evolved if law.stress_effect else 0.0
+
+    def of_one(y: Array, _: float, V_load: float) -> tuple[float, float]:
         w, s = y.tolist()  # called a million times in a fit
         w = min(w, STEEPEST)
         V = V_0 * exp(w)
-        renewal = exp(min(-s, STEEPEST)) * V_0 - V if ageing else -V * (w + s)
-        s_dot = renewal / D_c
-        return (k * (V_load - V) - b * s_dot) / a, s_dot
+        pulled = k * (V_load - V)
+        s_dot = renewal(V_0, V, w, s) / D_c - stress * pulled
+        return (pulled - b * s_dot) / a, s_dot
 
-    return rates
+    def of_two(y: Array, _: float, V_load: float) -> tuple[float, float, float]:
+        w, s, s_2 = y.tolist()
+        w = min(w, STEEPEST)
+        V = V_0 * exp(w)
+        pulled = k * (V_load - V)
+        s_dot = renewal(V_0, V, w, s) / D_c - stress * pulled
+        s_2_dot = renewal(V_0, V, w, s_2) / D_2 - stress * pulled
+        return (pulled - b * s_dot - b_2 * s_2_dot) / a, s_dot, s_2_dot
+
+    def regularised(y: Array, _: float, V_load: float) -> tuple[float, ...]:
+        mu, *ages = y.tolist()
+        level = mu_0 + sum(b * s for b, s in zip(effects, ages, strict=True))
+        rest = -2.0 * abs(mu) / a
+        if rest == 0.0:
+            w, V = -STEEPEST, 0.0
+        else:  # of V / V_0 = 2 sinh(mu / a) exp(-level / a)
+            short = log1p(-exp(rest)) if rest < -1e-8 else log(-rest)
+            w = max(min((abs(mu) - level) / a + short, STEEPEST), -STEEPEST)
+            V = V_0 * exp(w)
+        pulled = k * (V_load - copysign(V, mu))
+        loaded = stress * copysign(pulled, mu * pulled) if stress else 0.0
+        s_dots = (renewal(V_0, V, w, s) / D - loaded for s, D in zip(ages, distances, strict=True))
+        return pulled, *s_dots
+
+    if law.regularised:
+        return regularised
+    if len(law.states) > 1:
+        (b, b_2), (D_c, D_2) = effects, distances
+        return of_two
+    (b,), (D_c,) = effects, distances
+    return of_one
+
+
+def _ageing(V_0: float, V: float, _: float, s: float) -> float:
+    return V_0 * math.exp(min(-s, STEEPEST)) - V
+
+
+def _slip(_: float, V: float, w: float, s: float) -> float:
+    return -V * (w + s)
+
+
+def _prz(V_0: float, V: float, w: float, s: float) -> float:
+    return 0.5 * (V_0 * math.exp(min(-s, STEEPEST)) - V * math.exp(min(w + s, STEEPEST)))
+
+
+RENEWALS: Final = {"ageing": _ageing, "slip": _slip, "prz": _prz, "nagata": _ageing}
+"""The rate of the logarithm of a state times its critical distance, without effect of stress."""

@@ -39,6 +39,7 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.records.level_units import told
 from stickslip.identification.residuals.holds import HoldFinding
+from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.results import Fit, estimates_for
 from stickslip.identification.series.applied_force import inside
 from stickslip.identification.travels.model import uncertainties_of
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
 __all__ = ["Prediction", "ProblemBuilder", "RecordFit", "Score", "check_horizon"]
+
+AT_NOISE = 1.15
+"""Residuals over the noise of the sensor up to which they count as this noise alone."""
 
 Array = NDArray[np.float64]
 AnyLaw_co = TypeVar("AnyLaw_co", bound=FrictionLaw | Laws, default=FrictionLaw, covariant=True)
@@ -284,6 +288,12 @@ class RecordFit(Fit[AnyLaw_co]):
     def friction_was_measured(self) -> bool:
         """Whether friction itself was measured and fitted, with no force that acts beside it."""
         return self.route == "force-map"
+
+    @property
+    def at_noise(self) -> bool:
+        """Whether the residuals are no more than the noise of the sensor leaves."""
+        floor = noise_floor(self.mechanism, self.measurement, self.problem.quantity)
+        return self.rms <= AT_NOISE * floor
 
     @property
     def offset(self) -> float:

@@ -55,7 +55,6 @@ from stickslip.identification.records.route_choice import (
     to_compare,
 )
 from stickslip.identification.residuals.tests import model_errors
-from stickslip.identification.residuals.trends import noise_floor
 from stickslip.identification.series.applied_force import driven, drives_itself, inside
 from stickslip.identification.series.measured_load import as_loaded
 from stickslip.identification.settings import Hold, RecordSettings
@@ -90,8 +89,6 @@ WIDENINGS = 3
 """How often at most."""
 WORTH = 0.02
 """Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
-AT_NOISE = 1.15
-"""Residuals over the noise of the sensor up to which they count as this noise alone."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -476,7 +473,7 @@ def _tested(fit: RecordFit, hold: Hold) -> RecordFit:
     """
     if drives_itself(fit.mechanism, fit.measurement):  # no force that was recorded
         return fit
-    if fit.rms <= AT_NOISE * noise_floor(fit.mechanism, fit.measurement, fit.problem.quantity):
+    if fit.at_noise:
         return fit
     errors = model_errors(
         fit.mechanism,

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip.characterize import PreslidingLoop, presliding_length, presliding_loop
+from stickslip.characterization import PreslidingLoop, presliding_length, presliding_loop
 from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.friction import FrictionLaw, Stribeck

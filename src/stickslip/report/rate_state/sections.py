@@ -18,6 +18,7 @@ from stickslip.formatting import (
     significant,
     with_unit,
 )
+from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import Estimate, RateStateFit
 from stickslip.plots import (
     ERROR_SIZES,
@@ -57,6 +58,8 @@ __all__ = ["rate_state_sections"]
 PLAIN: Final = Scale(1.0, "")
 MILLI: Final = Scale(1e3, "10⁻³")
 """Errors of coefficients in figures."""
+SHOWN: Final = ("reference_coefficient", "direct_effect", "evolution_effect")
+"""Parameters that the code of a law names even where they are 0."""
 BEFORE, AFTER = 0.5, 8.0
 """Way of the load point about a step that the close view shows, in that over which it settles."""
 
@@ -109,12 +112,7 @@ def _law_lines(fit: RateStateFit) -> tuple[LawLine, ...]:
     lines = []
     for name, symbol in fields_of(type(fit.law)).items():
         value = getattr(fit.law, name)
-        used = fit.law.evolution != "none" or symbol.symbol not in ("b", "D_c")
-        if (
-            value is None
-            or not used
-            or (fit.law.formula == r"\mu = \mu_0" and symbol.symbol == "a")
-        ):
+        if name != "reference_velocity" and name not in RATE_STATE_FORMS[fit.law.name].fit_order:
             continue
         estimate = found.get(f"friction.{name}")
         text = estimate.plus_minus if estimate else _held_text(name, quantity(value, symbol.unit))
@@ -142,8 +140,9 @@ def _facts(verdict: RateStateVerdict, fit: RateStateFit) -> tuple[Fact, ...]:
     ]
     if fit.rate.interval != "known":
         shown, half = fit.rate.parts
+        symbols = " − ".join(f"${symbol}$" for symbol in fit.rate_symbols)
         what = (
-            "$a$ − $b$: lasting change of the coefficient where the speed rises by a factor of e,"
+            f"{symbols}: lasting change of the coefficient where the speed rises by a factor of e,"
             " 95 % interval"
         )
         facts.append(Fact(value=shown, aside=half, what=what))
@@ -283,8 +282,8 @@ def scores_section(verdict: RateStateVerdict) -> Section:
         columns=columns,
         rows=tuple(_row(verdict, c, axis=axis is not None, second=second) for c in rows),
         caption="A law is named only if it is established over every simpler one that it contains:"
-        " by an F test of the residuals (effective sample size) and by held-out errors. Of the"
-        " ageing and the slip law neither contains the other.",
+        " by an F test of the residuals (effective sample size) and by held-out errors. Of two"
+        " laws of evolution neither contains the other, but Nagata's contains the ageing law.",
     )
     how = (
         "Each law is fitted to the whole record, and once more without each velocity step, which"
@@ -361,8 +360,9 @@ def _notes(fit: RateStateFit) -> tuple[str, ...]:
 def _parameter(estimate: Estimate) -> Row:
     value, doubt = estimate.parts
     unit = "" if estimate.quantity.unit == "1" else estimate.quantity.unit
-    derived = estimate.quantity.symbol == "a - b"
-    name = "Rate dependence $a$ − $b$" if derived else label_of(estimate)
+    symbols = estimate.quantity.symbol.split(" - ")
+    told = " − ".join(f"${symbol}$" for symbol in symbols)
+    name = f"Rate dependence {told}" if len(symbols) > 1 else label_of(estimate)
     cells: tuple[Cell, ...] = (
         Name(text=name, aside="" if estimate.bounded else estimate.reason),
         Number(value=value, doubt=doubt, unit=unit) if estimate.bounded else estimate.plus_minus,
@@ -496,8 +496,8 @@ def reproduce_section(verdict: RateStateVerdict, origin: Origin) -> Section:
     fit = _fit(verdict)
     values = [
         f"    {name}={getattr(fit.law, name)!r},"
-        for name in (*fields_of(type(fit.law)), "evolution")
-        if getattr(fit.law, name) is not None
+        for name in (*fields_of(type(fit.law)), "evolution", "regularised")
+        if getattr(fit.law, name) is not None and (name in SHOWN or getattr(fit.law, name))
     ]
     text = "\n".join(
         ["from stickslip.friction import RateState", "", "law = RateState(", *values, ")"]

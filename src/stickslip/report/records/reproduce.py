@@ -109,8 +109,8 @@ def python_lines(verdict: RecordVerdict, rig: str = "") -> str:
         The lines, with prompts.
     """
     names = [one.name for one in verdict.candidates]
-    usual = {*names} == {one.name for one in specifications(None)}
-    return _lines(verdict, "None" if usual else _laws(names), _asked(verdict), rig)
+    laws = "None" if verdict.usual else _laws(names)
+    return _lines(verdict, laws, _asked(verdict), rig)
 
 
 def _lines(verdict: RecordVerdict | JointVerdict, laws: str, asked: Sequence[str], rig: str) -> str:

@@ -1,6 +1,6 @@
 """Why a body moves back: the elastic deflection of its contact, or the mechanism."""
 
-from stickslip.characterize import presliding_length
+from stickslip.characterization import presliding_length
 from stickslip.friction import Coulomb, FrictionLaw
 from stickslip.identification import trials_of
 from stickslip.selection import Criteria, TravelVerdict, criteria_of

@@ -376,7 +376,7 @@ def _presliding(
     chosen: Predictor, noise: float, terms: _Terms, reach: tuple[float, float]
 ) -> Sequence[_Plan]:
     """Push to and fro below break-away: how far it gives way."""
-    level = float(chosen.law.towards(1).break_away(chosen.load))
+    level = float(chosen.told_law.towards(1).break_away(chosen.load))
     if level <= 0.0:
         return ()
     offset = -own_force(chosen.mechanism, 0.0)

@@ -9,11 +9,11 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.characterize import presliding_length
+from stickslip.characterization import presliding_length
 from stickslip.drives import Drive
 from stickslip.errors import InputError, SimulationError
 from stickslip.formatting import quantity
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, bound
 from stickslip.identification import with_drive
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import vary
@@ -52,12 +52,19 @@ class Predictor:
     """As fitted with this law."""
     load: float
     """Normal force [N]."""
+    inputs: Mapping[str, float] = field(default_factory=dict)
+    """Contact inputs of the law, by name."""
     estimates: Mapping[str, float] = field(default_factory=dict)
     """Fitted values by path."""
     errors: Array = field(default_factory=lambda: np.zeros(0))
     """Their standard errors (p,); infinite for what the record does not tell."""
     correlation: Array = field(default_factory=lambda: np.eye(0))
     """Their correlation (p, p)."""
+
+    @property
+    def told_law(self) -> FrictionLaw:
+        """The law at these inputs."""
+        return bound(self.law, self.inputs)
 
     def moved(self, path: str, value: float) -> "Predictor":
         """Return the candidate with another value of what was fitted.
@@ -143,7 +150,7 @@ class Steady:
 
     def __call__(self, candidate: Predictor) -> float:
         """Return the force [N]."""
-        law = candidate.law
+        law = candidate.told_law
         if math.isfinite(self.distance) and law.states:
             needed = SETTLED * presliding_length(law, candidate.load)
             if needed > self.distance:
@@ -151,7 +158,7 @@ class Steady:
                     f"bristles settle within {quantity(needed, 'm')}, but the stroke is"
                     f" {quantity(self.distance, 'm')}."
                 )
-        force = _after_long_sliding(candidate.law, self.velocity, candidate.load)
+        force = _after_long_sliding(law, self.velocity, candidate.load)
         if self.driven:
             force -= own_force(candidate.mechanism, self.velocity)
         return math.copysign(1.0, self.velocity) * force
@@ -195,7 +202,7 @@ def sprung(mechanism: Mechanism) -> bool:
 
 def _run(candidate: Predictor, drive: Drive | None, t_end: float, y0: Mapping[str, float]) -> Any:
     driven = with_drive(candidate.mechanism, drive)
-    return simulate(driven, replace(candidate.law), t_end=t_end, y0=y0, throw=False)
+    return simulate(driven, candidate.law, t_end=t_end, y0=y0, throw=False)
 
 
 @dataclass(frozen=True, kw_only=True)

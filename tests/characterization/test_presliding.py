@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from stickslip import Dahl, LuGre
-from stickslip.characterize import presliding_length, presliding_loop
-from stickslip.characterize.presliding import POINTS
+from stickslip.characterization import presliding_length, presliding_loop
+from stickslip.characterization.presliding import POINTS
 from stickslip.errors import InputError
 
 MU, SIGMA_0, LOAD = 0.25, 1000.0, 9.81

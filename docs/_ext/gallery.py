@@ -1,0 +1,308 @@
+"""The gallery of laws: a page each, with figures of the battery, written before pages are read."""
+
+import hashlib
+import inspect
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.statemachine import StringList
+from generated import BIBLIOGRAPHY, symbol, table
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from stickslip.characterization import Characterization, characterize
+from stickslip.characterization.battery import law_with_values
+from stickslip.friction import LAWS, FrictionLaw
+from stickslip.plots import draw_characteristic
+from stickslip.plots.core.svg import standalone_svg
+from stickslip.quantities import fields_of
+
+HERE = Path(__file__).parent
+FOLDER = HERE.parent / "gallery"
+KEPT = HERE.parent / "_build" / "gallery"
+PACKAGE = HERE.parents[1] / "src" / "stickslip"
+DECIDING = ("characterization", "formulation", "friction", "kernels", "plots/laws", "solver")
+"""Folders of the package whose files decide what a page shows."""
+FIGURE, THUMBNAIL = (620, 270), (200, 130)
+"""Sizes [CSS px]."""
+COLUMNS = 4
+"""Thumbnails beside each other."""
+INPUTS = {"temperature": (20.0, 60.0), "position": (0.0, 0.05)}
+"""Values of inputs that pages show; others are 0 and as large as the load."""
+
+SYMPTOMS = (
+    (
+        "It hunts: under integral action it swings about its target",
+        "a static level above that of sliding",
+        ("coulomb-viscous-static", "stribeck", "lugre"),
+        "limit-cycle",
+    ),
+    (
+        "It sticks and slips, or squeals, on a slow or soft drive",
+        "friction that falls with speed, or a static level",
+        ("stribeck", "tustin", "hess-soom", "lugre"),
+        "map",
+    ),
+    (
+        "It overshoots or springs back after a reversal; small moves are elastic",
+        "a contact that deflects before it slides",
+        ("dahl", "dahl-stribeck", "lugre", "maxwell-slip", "gms"),
+        "presliding",
+    ),
+    (
+        "It errs after small swings on top of a motion",
+        "a memory of all turns, not of the last one",
+        ("maxwell-slip", "gms"),
+        "presliding",
+    ),
+    (
+        "It creeps: in a simulation a parked load moves",
+        "a law that is smooth at rest; take one that holds",
+        ("coulomb-viscous", "stribeck", "maxwell-slip"),
+        "creep",
+    ),
+    (
+        "It drifts: in a simulation vibration moves a load below break-away",
+        "bristles that yield at any force; take a contact with an elastic range",
+        ("elasto-plastic", "maxwell-slip", "gms"),
+        "drift",
+    ),
+    (
+        "It starts the more easily the faster the force grows",
+        "bristles beside a static level",
+        ("lugre", "elasto-plastic"),
+        "break-away",
+    ),
+    (
+        "It drifts when warm: a fit of the morning is wrong at noon",
+        "friction that depends on the temperature",
+        ("warm-viscous", "joint-load-temperature"),
+        "steady",
+    ),
+    (
+        "It takes more force one way than the other",
+        "levels for each direction",
+        ("direction-dependent", "directional-stribeck", "directional-dahl"),
+        "steady",
+    ),
+    (
+        "Its friction grows with the torque that the gear transmits",
+        "levels that depend on the transmitted torque",
+        ("bam-m3", "bam-m4", "bam-m6", "lugre-gear"),
+        "steady",
+    ),
+    (
+        "A simulation with fixed steps is slow or unstable",
+        "stiff bristles, or a steep start at rest",
+        ("coulomb-viscous", "stribeck", "tanh"),
+        "cost",
+    ),
+)
+"""What is seen, what is behind it, laws that show it or cure it, and the test that tells."""
+
+
+def code_digest() -> str:
+    """Return a hash of the code that decides what pages show."""
+    found = hashlib.sha256(Path(__file__).read_bytes())
+    for folder in DECIDING:
+        for path in sorted((PACKAGE / folder).rglob("*.py")):
+            found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def written(name: str) -> dict[str, str]:
+    """Return the files of a law by their names: its page and figures."""
+    kind = LAWS[name]
+    law = law_with_values(kind, 1.0)
+    inputs = {one: INPUTS.get(one, (0.0, 1.0)) for one in law.inputs}
+    tests = ["steady"] if inputs else ["steady", "drift", "creep"]
+    if law.states and not inputs:
+        tests[1:1] = ["presliding"]
+    found = characterize(law, tests=tests, inputs=inputs)
+    files = {f"{name}.md": "\n".join(page(name, kind, law, found))}
+    for test, results in found.by_test.items():
+        if not drawn(test, results):
+            continue
+        draw = draw_characteristic(results)
+        title = f"{kind.title}: {next(iter(results.values())).title}"
+        files[f"{name}-{test}.svg"] = standalone_svg(draw, size=FIGURE, title=title)
+    files[f"{name}-thumbnail.svg"] = standalone_svg(
+        bare(found), size=THUMBNAIL, title=f"{kind.title}: steady sliding"
+    )
+    return files
+
+
+def drawn(test: str, results: Mapping[str, Any]) -> bool:
+    """Whether a test has something to see: what stays in its place has not."""
+    return test not in ("drift", "creep") or any(not one.stays for one in results.values())
+
+
+def bare(found: Characterization) -> Any:
+    """Return a drawing of the presliding loop, or of the steady curve, without words."""
+    first = found.presliding if found.presliding is not None else found.steady
+
+    def draw(figure: Any, narrow: bool) -> None:
+        draw_characteristic({found.title: first})(figure, narrow)
+        (axes,) = figure.axes
+        axes.set(xlabel="", ylabel="", xticks=[], yticks=[])
+        axes.minorticks_off()
+
+    return draw
+
+
+def page(
+    name: str, kind: type[FrictionLaw], law: FrictionLaw, found: Characterization
+) -> Iterator[str]:
+    """Lines of the page of a law."""
+    prose = inspect.cleandoc(vars(kind).get("__doc__") or "").partition("\n\nExamples\n-")[0]
+    yield from (f"# {kind.title}", "", prose, "", "$$", kind.formula, "$$", "")
+    when, not_when = uses(law, found)
+    yield from ("## When, and when not", "")
+    yield from table(("take it for", "not for"), [("<br>".join(when), "<br>".join(not_when))])
+    defects, passivity = getattr(kind, "defects", ""), getattr(kind, "passivity", None)
+    if defects:
+        yield from (f"**Known defects.** {defects}", "")
+    if passivity is not None:
+        yield from (f"**Passive** {passivity.condition}.", "")
+    yield from ("## What it does", "")
+    for test, results in found.by_test.items():
+        for title, result in results.items():
+            beside = f" ({title.partition(', ')[2]})" if len(results) > 1 else ""
+            yield from (f"**{result.title}**{beside}. {result.sentence}", "")
+        caption = next(iter(results.values())).conditions
+        if drawn(test, results):
+            yield f"![{result.title} of {kind.title}]({name}-{test}.svg)"
+        yield from ("", caption, "")
+    for test, why in found.failed.items():
+        yield from (f"**{test.capitalize()}**: no result. {why}", "")
+    rows = (
+        (f"`{field}`", symbol(quantity.symbol), quantity.unit, f"{getattr(law, field)}")
+        for field, quantity in fields_of(kind).items()
+        if getattr(law, field) is not None
+    )
+    yield from ("The figures are of these values:", "")
+    yield from table(("parameter", "symbol", "unit", "value"), rows)
+    yield from code(name, kind, law)
+    keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in kind.sources)
+    if keys:
+        yield from (f"Sources: {{cite}}`{keys}`.", "")
+
+
+def uses(law: FrictionLaw, found: Characterization) -> tuple[list[str], list[str]]:
+    """Return what a law is for and what not, as its tests tell."""
+    when, not_when = [], []
+    sticks = max(found.steady.break_away) > 0.0 if found.steady is not None else True
+    if law.states:
+        when.append("positioning, reversals and swings below break-away")
+    elif sticks:
+        when.append("motion that sticks and slips, where the contact's deflection does not matter")
+        not_when.append("spring-back at reversals: below break-away it is rigid")
+    else:
+        when.append("fast motion in fixed steps")
+        not_when.append("rest: a body under it never sticks")
+    if law.directional:
+        when.append("screws, cable drives and preloaded guides, which differ between directions")
+    if law.inputs:
+        when.append(f"records and mechanisms that tell the {' and '.join(law.inputs)}")
+        not_when.append(f"records in which the {' and '.join(law.inputs)} does not vary")
+    if found.presliding is not None and found.presliding.memory == "local":
+        not_when.append("small swings on top of a motion: its memory is local")
+    if found.drift is not None and sticks and not found.drift.stays:
+        not_when.append("loads held under vibration: it drifts")
+    return [f"{one}." for one in when], [f"{one}." for one in not_when] or ["—"]
+
+
+def code(name: str, kind: type[FrictionLaw], law: FrictionLaw) -> Iterator[str]:
+    """Lines with the law in Python, in a rig file and on the command line."""
+    given = {
+        one: value for one in fields_of(kind) if isinstance(value := getattr(law, one), float | int)
+    }
+    values = "\n".join(f"    {one}={value!r}," for one, value in given.items())
+    needed = "".join(f" --input {one}=0,1" for one in law.inputs)
+    yield from ("## Code", "", "```python", f"from stickslip import {kind.__name__}", "")
+    yield from (f"law = {kind.__name__}(", values, ")", "```", "")
+    yield from ("```toml", f"[friction.{name}]")
+    yield from (f"{one} = {value!r}" for one, value in given.items())
+    yield from ("```", "", "```sh", f"stickslip characterize {name}{needed}", "```", "")
+    yield f"Composition: `{kind.composition}`. All parameters: {{ref}}`law-{name}`."
+    yield ""
+
+
+def kept(name: str, code: str) -> dict[str, str]:
+    """Return the files of a law, made anew only where the law or the code has changed."""
+    kind = LAWS[name]
+    text = repr((name, str(kind.composition), kind.__doc__, law_with_values(kind, 1.0), code))
+    path = KEPT / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
+    if path.exists():
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    files = written(name)
+    KEPT.mkdir(parents=True, exist_ok=True)
+    for old in KEPT.glob(f"{name}-{'?' * 24}.json"):
+        old.unlink()
+    path.write_text(json.dumps(files), encoding="utf-8")
+    return files
+
+
+def write_pages(_app: Sphinx) -> None:
+    """Write the pages of all laws; files that are as before are left alone."""
+    digest = code_digest()
+    names = list(LAWS)
+    with ProcessPoolExecutor(max_workers=min(os.cpu_count() or 1, 2)) as pool:
+        made = list(pool.map(kept, names, [digest] * len(names), chunksize=4))
+    files = {name: text for one in made for name, text in one.items()}
+    for path in FOLDER.iterdir():
+        if path.name != "index.md" and path.name not in files:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    for file, text in files.items():
+        path = FOLDER / file
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def guide() -> Iterator[str]:
+    """The decision guide: from the symptom to laws and to a test."""
+    rows = []
+    for seen, behind, names, test in SYMPTOMS:
+        known = ", ".join(f"[{LAWS[name].title}]({name}.md)" for name in names if name in LAWS)
+        rows.append((seen, behind, known or "—", f"`stickslip characterize LAW --tests {test}`"))
+    yield from table(("what is seen", "what is behind it", "laws", "test that shows it"), rows)
+
+
+def thumbnails() -> Iterator[str]:
+    """A table of small figures, each a link to the page of its law."""
+    cells = [
+        f"[![{law.title}]({name}-thumbnail.svg)]({name}.md)<br>[{law.title}]({name}.md)"
+        for name, law in LAWS.items()
+    ]
+    cells += [""] * (-len(cells) % COLUMNS)
+    rows = [tuple(cells[i : i + COLUMNS]) for i in range(0, len(cells), COLUMNS)]
+    yield from table(("",) * COLUMNS, rows)
+
+
+CONTENT = {"guide": guide, "thumbnails": thumbnails}
+
+
+class Gallery(SphinxDirective):
+    """``{gallery} guide``: the decision guide, or the thumbnails."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        lines = "\n".join(CONTENT[self.arguments[0]]()).splitlines()
+        parent = nodes.section()
+        parent.document = self.state.document
+        content = StringList(lines, source=self.get_source_info()[0])
+        self.state.nested_parse(content, self.content_offset, parent, match_titles=True)
+        return parent.children
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.connect("builder-inited", write_pages)
+    app.add_directive("gallery", Gallery)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,277 @@
+"""Whether friction can return more work than it takes, and the motion in which it does."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, final
+
+import numpy as np
+from typing_extensions import override
+
+from stickslip.characterization.base import Characteristic
+from stickslip.characterization.bench import Array, Bench
+from stickslip.characterization.presliding import presliding_length
+from stickslip.errors import InputError
+from stickslip.formatting import quantity
+from stickslip.friction import FrictionLaw
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Passivity", "cycle_energy", "passivity"]
+
+TRIED, KEPT, ROUNDS = 120, 8, 4
+"""Motions that the search begins with, those it goes on from, and how often it does."""
+AROUND, SPREAD = 6, 0.5
+"""Motions around each, and how far their speeds and ways scatter in the first round [ln 1]."""
+PIECES = 3
+"""Pieces of constant velocity of a motion."""
+SPEEDS = (1e-2, 1e2)
+"""Speeds of a motion over the one at which friction changes."""
+WAYS = (0.05, 4.0)
+"""Ways at one velocity over the presliding length."""
+CYCLES = 6
+"""Cycles until a motion repeats itself."""
+SEARCHED = 3
+"""The same in the search."""
+STEPS = 32
+"""Steps of Runge-Kutta for each presliding length."""
+FEWEST = 64
+"""Steps of each piece at least."""
+SMALL = 1e-6
+"""Energy of a cycle over break-away times presliding length that counts as none."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Passivity(Characteristic):
+    """The least energy that a search found a cycle of motion to take."""
+
+    test: ClassVar[str] = "passivity"
+    title: ClassVar[str] = "Passivity"
+
+    worst: float
+    """Energy that friction takes in the worst cycle [J]; negative if it returns some."""
+    velocity: Array
+    """Velocities of that cycle (n,) [m/s]."""
+    duration: Array
+    """How long each lasts (n,) [s]."""
+    cycles: int
+    """Number of motions tried; 0 where none is needed."""
+    scale: float
+    """Break-away times presliding length [J]."""
+
+    @property
+    def passive(self) -> bool:
+        """Whether no motion was found that gains energy from friction."""
+        return self.worst >= -SMALL * self.scale
+
+    @property
+    @override
+    def sentence(self) -> str:
+        if not self.passive:
+            motion = ", ".join(
+                f"{quantity(v, 'm/s')} for {quantity(t, 's')}"
+                for v, t in zip(self.velocity, self.duration, strict=True)
+            )
+            return (
+                f"It is not passive: friction returns {quantity(-self.worst, 'J')} in each cycle of"
+                f" {motion}; a proof of stability that takes friction as passive does not hold."
+            )
+        if not self.cycles:
+            return "It is passive: friction acts against the velocity at every speed."
+        return (
+            f"No cycle of {self.cycles} that were tried gains energy from friction; this is no"
+            " proof that none does."
+        )
+
+    @override
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the worst motion as a pandas DataFrame, a row a piece."""
+        import pandas as pd
+
+        return pd.DataFrame({"velocity": self.velocity, "duration": self.duration})
+
+    @override
+    def _column_units(self) -> Mapping[str, str]:
+        return {"velocity": "m/s", "duration": "s"}
+
+
+def cycle_energy(
+    law: FrictionLaw,
+    velocity: Sequence[float] | Array,
+    duration: Sequence[float] | Array,
+    *,
+    load: float = 1.0,
+    cycles: int = CYCLES,
+) -> Array:
+    """Return the energy that friction takes in a cycle of motion at piecewise constant velocity.
+
+    The states are followed by the equations of the law at these velocities, which no body of finite
+    mass can take on; the energy is that of the last cycle.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law; its states begin at 0.
+    velocity : sequence of float or array (n,) or (n, m)
+        Velocity of each piece, of one motion or of several [m/s].
+    duration : sequence of float or array (n,) or (n, m)
+        How long each piece lasts [s].
+    load : float
+        Normal force [N].
+    cycles : int
+        How often the motion is repeated.
+
+    Returns
+    -------
+    array (m,)
+        Energy [J]; negative if friction returns more than it takes.
+
+    Raises
+    ------
+    InputError
+        If velocities and durations do not belong together.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> float(cycle_energy(Coulomb(kinetic_coefficient=0.5), [0.1, -0.1], [1.0, 1.0])[0])
+    0.1
+    """
+    v, t = (np.atleast_2d(np.asarray(one, dtype=np.float64).T).T for one in (velocity, duration))
+    if v.shape != t.shape or not (t > 0.0).all():
+        raise InputError(
+            f"a cycle needs as many durations above 0 s as velocities, got {v.shape[0]} velocities"
+            f" and {t.shape[0]} durations."
+        )
+    if not law.states:
+        force = np.array([law.steady(one, load) for one in v]) + np.zeros_like(v)
+        return np.asarray((force * v * t).sum(axis=0))
+    length = presliding_length(law, load)
+    z = tuple(np.zeros(v.shape[1]) for _ in law.states)
+    for _ in range(cycles):
+        energy = np.zeros(v.shape[1])
+        for speed, lasts in zip(v, t, strict=True):
+            way = float(np.abs(speed * lasts).max()) / length
+            count = max(FEWEST, int(np.ceil(STEPS * way)))
+            z, work = _moved(law, load, speed, lasts / count, count, z)
+            energy = energy + work
+    return energy
+
+
+def _moved(
+    law: FrictionLaw, load: float, v: Array, h: Array, count: int, z: tuple[Array, ...]
+) -> tuple[tuple[Array, ...], Array]:
+    """Return the states after some steps at constant velocities, and the work of friction."""
+
+    def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
+        return tuple(np.asarray(one) + np.zeros_like(v) for one in law.rates(v, load, at))
+
+    def after(step: Array, by: tuple[Array, ...]) -> tuple[Array, ...]:
+        return tuple(one + step * rate for one, rate in zip(z, by, strict=True))
+
+    work = np.zeros_like(v)
+    before, k1 = np.asarray(law.force(v, load, z)) * v, rates(z)
+    for _ in range(count):
+        k2 = rates(after(0.5 * h, k1))
+        k3 = rates(after(0.5 * h, k2))
+        k4 = rates(after(h, k3))
+        start, first = z, k1
+        z = tuple(
+            one + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+            for one, a, b, c, d in zip(z, k1, k2, k3, k4, strict=True)
+        )
+        k1 = rates(z)
+        half = tuple(  # of the cubic through both ends
+            0.5 * (a + b) + h / 8.0 * (c - d)
+            for a, b, c, d in zip(start, z, first, k1, strict=True)
+        )
+        middle = np.asarray(law.force(v, load, half)) * v
+        now = np.asarray(law.force(v, load, z)) * v
+        work = work + h / 6.0 * (before + 4.0 * middle + now)
+        before = now
+    return z, work
+
+
+def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
+    """Search for a cycle of motion in which friction returns more work than it takes.
+
+    Parameters
+    ----------
+    bench : Bench
+        The law and its sizes.
+    tried : int
+        Random motions that the search begins with.
+    seed : int
+        Of the random motions.
+
+    Returns
+    -------
+    Passivity
+        The worst motion found.
+
+    Examples
+    --------
+    >>> from stickslip import Coulomb
+    >>> print(passivity(Bench(law=Coulomb(kinetic_coefficient=0.5))).sentence)
+    It is passive: friction acts against the velocity at every speed.
+    """
+    law, load = bench.curve, bench.load
+    conditions = f"Normal force {quantity(load, 'N')}; velocities that jump and stay constant"
+    scale = bench.levels[1] * bench.reach
+    if not law.states:
+        speeds = bench.speed * np.geomspace(1e-4, 1e4, 401)
+        speeds = np.concatenate([-speeds, speeds])
+        power = (np.asarray(law.steady(speeds, load)) + np.zeros_like(speeds)) * speeds
+        worst = speeds[[int(np.argmin(power))]] if power.min() < 0.0 else speeds[:0]
+        duration = bench.reach / np.abs(worst)
+        return Passivity(
+            worst=float(sum(power.min() * duration)),
+            velocity=worst,
+            duration=duration,
+            cycles=0,
+            scale=scale,
+            conditions=(
+                f"Normal force {quantity(load, 'N')}; steady curve up to"
+                f" {quantity(speeds[-1], 'm/s')}."
+            ),
+        )
+
+    def searched(speed: Array, way: Array) -> Array:
+        return cycle_energy(law, speed, way / np.abs(speed), load=load, cycles=SEARCHED)
+
+    random = np.random.default_rng(seed)
+    way, speed = (
+        size * np.exp(random.uniform(np.log(low), np.log(high), size=(PIECES, tried)))
+        for size, (low, high) in ((bench.reach, WAYS), (bench.speed, SPEEDS))
+    )
+    speed[:, tried // 2 :] *= random.choice([-1.0, 1.0], size=(PIECES, tried - tried // 2))
+    # slow, then too fast for the states to follow
+    speed[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0])
+    way[:, 0] = bench.reach * np.array([1.7, 1.2, 0.1])
+    energy = searched(speed, way)
+    count = tried
+    for n in range(ROUNDS):
+        best = np.argsort(energy)[:KEPT]
+        speed, way, energy = speed[:, best], way[:, best], energy[best]
+        spread = SPREAD / (n + 1)
+        near = [
+            np.repeat(one, AROUND, axis=1)
+            * np.exp(random.normal(scale=spread, size=(PIECES, KEPT * AROUND)))
+            for one in (speed, way)
+        ]
+        fastest = SPEEDS[1] * bench.speed
+        near = [np.clip(near[0], -fastest, fastest), np.minimum(near[1], WAYS[1] * bench.reach)]
+        count += KEPT * AROUND
+        energy = np.append(energy, searched(*near))
+        speed, way = (np.append(a, b, axis=1) for a, b in zip((speed, way), near, strict=True))
+    i = int(np.argmin(energy))
+    lasts = (way / np.abs(speed))[:, i]
+    return Passivity(
+        worst=float(cycle_energy(law, speed[:, i], lasts, load=load)[0]),
+        velocity=speed[:, i],
+        duration=lasts,
+        cycles=count,
+        scale=scale,
+        conditions=f"{conditions}; energy of the last of {CYCLES} cycles.",
+    )

@@ -1,0 +1,247 @@
+"""Fits of laws with contact inputs: told by the mechanism, a column, or a condition of a trial."""
+
+import numpy as np
+import pytest
+
+from stickslip import Axis, Measurement, Pendulum, RecordSettings, fit, select, simulate
+from stickslip.drives import Sampled, Sine, Sum
+from stickslip.errors import InputError
+from stickslip.friction import bound, law
+from stickslip.identification.contact_inputs import as_informed, inputs_along, typical_inputs
+from stickslip.mechanisms import given_inputs
+
+WARM = law("level + viscous * exponential[temperature]")
+GEAR = law("level + stribeck + weight[transmitted] + viscous")
+TRUE_WARM = WARM(kinetic_coefficient=0.5, viscous_coefficient=0.9, viscous_temperature_decay=0.03)
+TRUE_GEAR = GEAR(
+    kinetic_coefficient=0.04,
+    static_coefficient=0.07,
+    stribeck_velocity=0.15,
+    transmitted_coefficient=0.12,
+    viscous_coefficient=0.06,
+)
+INERTIA, TORQUE = 0.02, 0.8
+LENGTH = INERTIA * 9.81 / TORQUE
+SERVO = Pendulum(mass=INERTIA / LENGTH**2, length=LENGTH, gravity=9.81)
+TABLE = Axis(inertia=1.0)
+
+T = np.arange(0.0, 40.0, 0.02)
+V = 0.6 * np.cos(1.3 * T) + 0.3 * np.cos(2.9 * T)
+X = 0.6 / 1.3 * np.sin(1.3 * T) + 0.3 / 2.9 * np.sin(2.9 * T)
+WARMING = 20.0 + 0.5 * T
+
+
+def noise(size, seed=1):
+    return np.random.default_rng(seed).normal(0.0, size, len(T))
+
+
+def friction(temperature, seed=1):
+    """Return what a sensor of friction shows under a load of 2 N."""
+    true = bound(TRUE_WARM, {"temperature": temperature})
+    return true.force(V, np.full_like(V, 2.0)) + noise(0.01, seed)
+
+
+def holds(found, name, value):
+    """Whether the interval of an estimate has the true value, and is no wider than 20 % of it."""
+    one = found.estimate(name)
+    return one.low <= value <= one.high and one.high - one.low < 0.2 * abs(value)
+
+
+def test_a_temperature_column_beside_measured_friction_is_a_covariate_of_the_law():
+    record = Measurement(
+        time=T, position=X, friction=friction(WARMING), load=2.0, inputs={"temperature": WARMING}
+    )
+    found = fit(TABLE, WARM, record)
+    assert holds(found, "viscous_temperature_decay", 0.03)
+    assert holds(found, "viscous_coefficient", 0.9)
+    assert "is the median, 30 °C" in found.remarks[0]
+    assert found.mechanism.contact_temperature == pytest.approx(30.0, abs=0.1)
+
+
+def test_a_table_of_friction_may_have_a_column_of_an_input():
+    rows = slice(None, None, 5)
+    table = Measurement(
+        velocity=V[rows], friction=friction(WARMING)[rows], load=2.0,
+        inputs={"temperature": WARMING[rows]},
+    )  # fmt: skip
+    assert holds(fit(TABLE, WARM, table), "viscous_temperature_decay", 0.03)
+
+
+def test_conditions_of_trials_are_inputs():
+    trials = tuple(
+        Measurement(
+            name=f"at {one}", velocity=V[::5], friction=friction(one, seed)[::5], load=2.0,
+            conditions={"temperature [K]": one + 273.15},
+        )
+        for seed, one in enumerate((15.0, 30.0, 50.0))
+    )  # fmt: skip
+    assert holds(fit(TABLE, WARM, Measurement(trials=trials)), "viscous_temperature_decay", 0.03)
+
+
+def test_a_constant_input_is_said_and_its_parameter_gets_no_interval():
+    record = Measurement(
+        time=T, position=X, friction=friction(30.0), load=2.0, inputs={"temperature": 30.0}
+    )
+    found = fit(TABLE, WARM, record)
+    assert "The temperature is constant in this record: its effect cannot be told." in (
+        found.sentences
+    )
+    for name in ("viscous_temperature_decay", "viscous_coefficient"):
+        assert not found.estimate(name).bounded
+    assert found.estimate("kinetic_coefficient").bounded
+
+
+def test_bristles_are_integrated_along_their_inputs():
+    kind = law("dahl(level * exponential[temperature])")
+    decay = next(name for name in kind.__dataclass_fields__ if name.endswith("_decay"))
+    true = kind(kinetic_coefficient=0.5, bristle_stiffness=50.0, **{decay: 0.03})
+    z, forces, parts = 0.0, [], 40
+    for k, t in enumerate(T):
+        here = bound(true, {"temperature": WARMING[k]})
+        forces.append(here.force(V[k], 2.0, (z,)))
+        for part in range(parts):  # explicit midpoints, 0.5 ms apart: presliding takes 10 mm
+            at = t + 0.02 * (part + 0.5) / parts
+            v = 0.6 * np.cos(1.3 * at) + 0.3 * np.cos(2.9 * at)
+            told = bound(true, {"temperature": 20.0 + 0.5 * at})
+            h = 0.02 / parts
+            middle = z + 0.5 * h * told.rates(v, 2.0, (z,))[0]
+            z += h * told.rates(v, 2.0, (middle,))[0]
+    record = Measurement(
+        time=T, position=X, friction=np.array(forces) + noise(0.005), load=2.0,
+        inputs={"temperature": WARMING},
+    )  # fmt: skip
+    found = fit(TABLE, kind, record)
+    assert holds(found, decay, 0.03)
+    assert holds(found, "bristle_stiffness", 50.0)
+
+
+def test_a_missing_input_is_one_error_with_law_input_and_columns():
+    record = Measurement(time=T, position=X, friction=friction(30.0), load=2.0)
+    words = (
+        r"level \+ viscous \* exponential\[temperature\] depends on the contact input"
+        r" 'temperature'.*columns of the record: position, friction, load.*--columns temperature="
+    )
+    with pytest.raises(InputError, match=words):
+        fit(TABLE, WARM, record)
+    with pytest.raises(InputError, match=words):
+        select(TABLE, ["coulomb", WARM], record)
+
+
+def test_an_input_that_only_some_trials_have_is_missing():
+    first = Measurement(
+        name="one", velocity=V, friction=friction(30.0), load=2.0, inputs={"temperature": 30.0}
+    )
+    second = Measurement(name="two", velocity=V, friction=friction(30.0), load=2.0)
+    with pytest.raises(InputError, match="only 1 of 2 trials have it"):
+        fit(TABLE, WARM, Measurement(trials=(first, second)))
+
+
+def test_a_second_record_needs_the_inputs_too():
+    told = Measurement(
+        time=T, position=X, friction=friction(WARMING), load=2.0, inputs={"temperature": WARMING}
+    )
+    bare = Measurement(time=T, position=X, friction=friction(WARMING, 7), load=2.0)
+    with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
+        select(TABLE, ["coulomb", WARM], told, validate=bare)
+
+
+def test_a_torque_that_follows_from_a_force_which_nobody_measured_is_missing():
+    record = Measurement(time=T, position=X, friction=friction(30.0), turning=True)
+    with pytest.raises(InputError, match="tells it by a force or motion that was not measured"):
+        fit(SERVO, GEAR, record)
+
+
+@pytest.fixture(scope="module")
+def servo():
+    """Return a record of a servo that lifts a pendulum, under a torque that is held 2 ms each."""
+    t = np.arange(0.0, 12.0, 0.002)
+    push = Sum(parts=(Sine(amplitude=1.1, frequency=0.25), Sine(amplitude=0.45, frequency=0.9)))
+    torque = np.array([push.value(one) for one in t])
+    rig = Pendulum(
+        mass=SERVO.mass, length=LENGTH, gravity=9.81, drive=Sampled(times=t, values=torque)
+    )
+    seen = simulate(rig, TRUE_GEAR, t_end=float(t[-1])).at(t)["theta"]
+    angle = seen + np.random.default_rng(3).normal(0.0, 1e-5, len(t))
+    return Measurement(time=t, position=angle, force=torque, turning=True)
+
+
+def test_the_transmitted_torque_of_a_servo_is_found_by_inverse_dynamics(servo):
+    found = fit(SERVO, GEAR, servo, route="inverse-dynamics")
+    assert holds(found, "transmitted_coefficient", 0.12)
+
+
+@pytest.mark.slow
+def test_the_transmitted_torque_of_a_servo_is_found_by_simulation(servo):
+    found = fit(SERVO, GEAR, servo, route="shooting")
+    for name in ("transmitted_coefficient", "kinetic_coefficient", "viscous_coefficient"):
+        assert holds(found, name, getattr(TRUE_GEAR, name))
+
+
+def test_a_law_with_the_transmitted_torque_is_selected_against_those_without(servo):
+    names = ["coulomb-viscous", "level + weight[transmitted] + viscous"]
+    verdict = select(SERVO, names, servo, route="inverse-dynamics")
+    assert verdict.best is not None
+    assert verdict.best.name == names[1]
+
+
+def test_what_to_measure_next_is_as_uncertain_as_the_law(servo):
+    from stickslip.selection.design.predictors import Steady, error_of
+    from stickslip.selection.next_measurements import predictor_of
+
+    kind = law("level + weight[transmitted] + viscous")
+    found = fit(SERVO, kind, servo, route="inverse-dynamics")
+    reading, candidate = Steady(velocity=1.0, driven=False), predictor_of(found)
+    doubt = error_of(reading, candidate, reading(candidate))
+    level = found.estimate("kinetic_coefficient")
+    assert doubt > 0.1 * (level.high - level.low) / 4.0
+
+
+@pytest.fixture(scope="module")
+def warming():
+    """Return a record of an axis that warms up, and its rig."""
+    t = np.arange(0.0, 30.0, 0.004)
+    force = 12.0 * np.sin(2.2 * t) + 6.0 * np.sin(5.7 * t + 0.4)
+    temperature = 22.0 + 18.0 * (1.0 - np.exp(-t / 12.0))
+    true = WARM(kinetic_coefficient=2.5, viscous_coefficient=14.0, viscous_temperature_decay=0.025)
+    axis = Axis(inertia=5.0, stiffness=30.0, drive=Sampled(times=t, values=force))
+    told = given_inputs(axis, {"temperature": Sampled(times=t, values=temperature, hold="first")})
+    x = simulate(told, true, t_end=float(t[-1])).at(t)["x"]
+    return Measurement(
+        time=t, position=x + np.random.default_rng(2).normal(0.0, 2e-6, len(t)), force=force,
+        inputs={"temperature": temperature},
+    )  # fmt: skip
+
+
+def test_a_recorded_temperature_drives_simulated_segments(warming):
+    axis = Axis(inertia=5.0, stiffness=30.0)
+    found = fit(axis, WARM, warming, route="shooting", settings=RecordSettings(hold="zero"))
+    assert holds(found, "viscous_temperature_decay", 0.025)
+    assert holds(found, "viscous_coefficient", 14.0)
+    assert not found.model_errors
+
+
+def test_the_hold_of_a_force_is_told_beside_friction_that_warms(warming):
+    found = fit(Axis(inertia=5.0, stiffness=30.0), WARM, warming, route="inverse-dynamics")
+    assert found.hold is not None
+    assert found.hold.hold == "zero"
+    assert holds(found, "viscous_temperature_decay", 0.025)
+
+
+def test_inputs_are_those_of_the_mechanism_then_of_the_record_then_given_ones():
+    time = np.array([0.0, 1.0])
+    record = Measurement(
+        time=time, position=[0.0, 0.1], inputs={"temperature": [20.0, 30.0], "motor": 9.0}
+    )
+    axis = given_inputs(Axis(inertia=1.0), {"temperature": 5.0, "pressure": 7.0})
+    found = inputs_along(axis, record, time, position=time, velocity=time, force=2.0)
+    assert found["motor"].tolist() == [2.0, 2.0]
+    assert found["temperature"].tolist() == [20.0, 30.0]
+    assert found["pressure"].tolist() == [7.0, 7.0]
+
+
+def test_curves_are_drawn_at_the_median_size_of_forces(servo):
+    typical = typical_inputs(TRUE_GEAR, SERVO, servo)
+    external = -TORQUE * np.sin(np.asarray(servo.position))
+    wanted = np.median(np.abs(np.asarray(servo.force) - external))
+    assert typical["transmitted"] == pytest.approx(wanted, rel=1e-9)
+    assert as_informed(TRUE_GEAR, SERVO, servo) == (SERVO, ())
