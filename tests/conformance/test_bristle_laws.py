@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tests.support import BRISTLE, DECADES
 
+from stickslip.maths import Latches
 from stickslip.quantities import fields_of, unchecked
 from stickslip.testing.friction import least_energy
 
@@ -54,9 +55,15 @@ def moved(kind, *, plain=False, parts=12):
 
 
 def slid(law, v, z, length, steps):
-    """Return states after slip at a constant velocity, by the midpoint rule."""
-    h = length / np.abs(v) / steps
+    """Return states after slip at a constant velocity, by a formula or the midpoint rule."""
+    h, latches = length / np.abs(v) / steps, Latches(off=True)
     for _ in range(steps):
+        with latches:
+            known = law.moved(v, 1.0, z, h)
+        latches.turn()
+        if known is not None:
+            z = known
+            continue
         half = law.rates(v, 1.0, z)
         middle = tuple(a + 0.5 * h * b for a, b in zip(z, half, strict=True))
         z = tuple(a + h * b for a, b in zip(z, law.rates(v, 1.0, middle), strict=True))
@@ -79,20 +86,32 @@ def velocities():
     return 10.0 ** dice.uniform(-5, 1, MANY) * dice.choice([-1.0, 1.0], MANY)
 
 
+def within_latches(law, v, z):
+    """Return the rates of states, with latched switches as they are at first."""
+    with Latches():
+        return law.rates(v, LOAD, z)
+
+
 @each_law
 def test_states_and_force_are_odd_with_the_directions_exchanged(kind):
     law, z = moved(kind, plain=True)
     other, v = exchanged(law), velocities()
     back = tuple(-one for one in z)
     np.testing.assert_array_equal(other.force(-v, LOAD, back), -law.force(v, LOAD, z))
-    np.testing.assert_array_equal(other.rates(-v, LOAD, back), -np.array(law.rates(v, LOAD, z)))
+    mirrored, rates = within_latches(other, -v, back), within_latches(law, v, z)
+    np.testing.assert_array_equal(mirrored, -np.array(rates))
 
 
 @each_law
 def test_long_sliding_gives_the_steady_force(kind):
     law, v = drawn(kind, plain=True), velocities()
     # the approach is exponential over at most the reach: exp(-25) is left
-    z = slid(law, v, (np.zeros(MANY),) * len(law.states), 25.0 * reach(law), 2000)
+    length = 25.0 * reach(law)
+    if kind.name == "bliman-sorine":  # over that of its second spring
+        length = length * (1.0 + law.surplus_share) / law.distance_ratio
+    if kind.name == "gms":  # in a time: the slower the attraction, the later
+        length = length + 25.0 * np.abs(v) * law.static_coefficient / law.attraction
+    z = slid(law, v, (np.zeros(MANY),) * len(law.states), length, 2000)
     steady = law.steady(v, LOAD)
     size = np.abs(steady) + np.abs(law.force(v, LOAD, (0.0,) * len(law.states)))
     assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= 1e-8 * size)
@@ -111,7 +130,7 @@ def test_steady_friction_opposes_motion_within_break_away_and_viscous_part(kind)
 @each_law
 def test_states_stay_at_rest_and_within_what_break_away_holds(kind):
     law, z = moved(kind, plain=kind.directional)
-    assert all(np.all(rate == 0) for rate in law.rates(0.0, LOAD, z))
+    assert all(np.all(rate == 0) for rate in within_latches(law, 0.0, z))
     most = np.maximum(*(law.towards(side).break_away(LOAD) for side in (1, -1)))
     # steps of a twentieth of the reach may pass the end of yielding by as much
     assert np.all(np.abs(law.force(0.0, LOAD, z)) <= most * 1.06)
@@ -138,5 +157,7 @@ def test_cycles_give_energy_back_only_where_the_entry_does_not_say_that_they_can
         assert found.energy < -100.0 * found.error, found
     viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
     calm = dataclasses.replace(law, **viscous)
+    if kind.name == "gms":  # elements grow stronger at speeds at which nothing viscous acts
+        calm = dataclasses.replace(law, static_coefficient=law.kinetic_coefficient)
     assert kind.passivity.holds(calm, 1.0)
     assert least_energy(calm, 1.0).energy >= -found.error

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, bound
+from stickslip.maths import Latches
 from stickslip.mechanisms import Axis, given_inputs
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
@@ -119,14 +120,14 @@ def least_energy(
     lengths = reach * 10.0 ** dice.uniform(-1.0, 0.6, size)
     # one that loads slowly and lets go quickly, which constant damping of bristles does not stand
     v[:, 0], lengths[:, 0] = middle * np.array([0.1, 100.0, 0.1]), reach * np.array([1.7, 1.3, 0.1])
-    z = np.zeros((len(law.states), cycles))
+    z, latches = np.zeros((len(law.states), cycles)), Latches(off=True)
     for repetition in range(REPETITIONS):
         before, energy = z.copy(), np.zeros(cycles)
         steps = 90 if repetition == REPETITIONS - 1 else 45
         for held, length in zip(v, lengths, strict=True):
             h = length / steps
             for _ in range(steps):
-                z, gained = _advanced(law, load, held, z, h)
+                z, gained = _advanced(law, load, held, z, h, latches)
                 energy += gained
     level = float(law.break_away(load))
     settled = np.abs(z - before).max(axis=0) <= 1e-3 * reach
@@ -141,9 +142,25 @@ REPETITIONS = 4
 
 
 def _advanced(
-    law: FrictionLaw, load: float, v: "NDArray[np.float64]", z: "NDArray[np.float64]", h: Any
+    law: FrictionLaw,
+    load: float,
+    v: "NDArray[np.float64]",
+    z: "NDArray[np.float64]",
+    h: Any,
+    latches: Latches,
 ) -> tuple["NDArray[np.float64]", "NDArray[np.float64]"]:
-    """Return states after a step of a length, by the rule of Runge and Kutta, and the energy."""
+    """Return states after a step of a length, and the energy.
+
+    They are those of the law's own formula, or by the rule of Runge and Kutta.
+    """
+    with latches:
+        middle = law.moved(v, load, tuple(z), 0.5 * h / np.abs(v))
+    with latches:
+        end = law.moved(v, load, tuple(z), h / np.abs(v))
+    if end is not None and middle is not None:
+        latches.turn()
+        forces = [law.force(v, load, tuple(at)) * np.sign(v) for at in (z, middle, end)]
+        return np.array(end), (forces[0] + 4.0 * forces[1] + forces[2]) * h / 6.0
 
     def slopes(at: "NDArray[np.float64]") -> tuple["NDArray[np.float64]", "NDArray[np.float64]"]:
         rates = np.array(np.broadcast_arrays(*law.rates(v, load, tuple(at)), v)[:-1])
@@ -264,11 +281,16 @@ def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float
     """Yield what bristles hold, or keep, at rest that they should not."""
     stiffness = float(law.force(0.0, load, (1.0,) * len(law.states)))
     z = (sense * level / stiffness,) * len(law.states)
-    if any(rate != 0.0 for rate in law.rates(0.0, load, z)):
-        yield "the bristle deflections change at rest"
-    # of several, some hold more than their share, but none twice as much
+    with Latches():
+        if any(rate != 0.0 for rate in law.rates(0.0, load, z)):
+            yield "the bristle deflections change at rest"
+    # of several, some hold more than their share, but not twice as much together
     beyond = tuple((1.01 if len(z) == 1 else 2.0) * one for one in z)
-    if any(sense * rate > 0.0 for rate in law.rates(sense * 1e-3, load, beyond)):
+    with Latches():
+        rates = law.rates(sense * 1e-3, load, beyond)
+    further = tuple(one + 1e-3 * rate for one, rate in zip(beyond, rates, strict=True))
+    grown = sense * (law.force(0.0, load, further) - law.force(0.0, load, beyond))
+    if (sense * rates[0] if len(z) == 1 else grown) > 0.0:
         yield f"bristles at the break-away level of {number(level)} N deflect further"
 
 

@@ -11,7 +11,7 @@ from stickslip.friction.coefficients import (
     StaticCoefficient,
     StribeckVelocity,
 )
-from stickslip.friction.parts.base import Becomes, Extra, Level, Slip, SmoothLevel, Values
+from stickslip.friction.parts.base import Extra, Level, Slip, SmoothLevel, Values
 from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
 
