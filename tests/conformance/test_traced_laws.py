@@ -9,8 +9,8 @@ from tests.support import Generated, example_of
 
 from stickslip import Axis
 from stickslip.friction import LAWS, bound
-from stickslip.mechanisms import given_inputs
 from stickslip.maths import Latches
+from stickslip.mechanisms import given_inputs
 from stickslip.quantities import fields_of
 from stickslip.testing.friction import ORDINARY
 
