@@ -1,0 +1,64 @@
+# Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
+from dataclasses import dataclass
+from typing import final
+
+from collections.abc import Mapping as _Mapping
+from stickslip.characterization.base import Characteristic as Characteristic
+from stickslip.characterization.battery import Characterization as Characterization
+from stickslip.characterization.battery import Given as Given
+from stickslip.characterization.battery import TESTS as TESTS
+from stickslip.characterization.battery import characterize as characterize
+from stickslip.characterization.battery import law_with_values as law_with_values
+from stickslip.characterization.bench import Bench as _Bench
+from stickslip.characterization.break_away import BreakAway as BreakAway
+from stickslip.characterization.cost import Cost as Cost
+from stickslip.characterization.drift import Creep as Creep
+from stickslip.characterization.drift import Drift as Drift
+from stickslip.characterization.hunting import Hunting as Hunting
+from stickslip.characterization.hysteresis import Presliding as Presliding
+from stickslip.characterization.lag import Lag as Lag
+from stickslip.characterization.passivity import Passivity as Passivity
+from stickslip.characterization.passivity import cycle_energy as cycle_energy
+from stickslip.characterization.presliding import PreslidingLoop as PreslidingLoop
+from stickslip.characterization.presliding import presliding_length as presliding_length
+from stickslip.characterization.presliding import presliding_loop as presliding_loop
+from stickslip.characterization.steady import SteadyCurve as SteadyCurve
+from stickslip.characterization.stick_slip import StickSlipMap as StickSlipMap
+from stickslip.friction import FrictionLaw as _FrictionLaw
+from stickslip.quantities import Given as _Given
+
+@final
+@dataclass(frozen=True, kw_only=True, init=False)
+class Bench(_Bench):  # type: ignore[misc]  # final but for this
+    def __init__(
+        self,
+        *,
+        law: _FrictionLaw,
+        load: _Given = ...,
+        mass: _Given = ...,
+        stiffness: _Given = ...,
+        inputs: _Mapping[str, float] = ...,
+        first: 'Bench | None' = ...,
+    ) -> None: ...
+
+__all__ = [
+    "Bench",
+    "BreakAway",
+    "Characteristic",
+    "Characterization",
+    "Cost",
+    "Creep",
+    "Drift",
+    "Hunting",
+    "Lag",
+    "Passivity",
+    "Presliding",
+    "PreslidingLoop",
+    "SteadyCurve",
+    "StickSlipMap",
+    "TESTS",
+    "characterize",
+    "cycle_energy",
+    "presliding_length",
+    "presliding_loop",
+]
