@@ -13,6 +13,7 @@ from stickslip.characterization.presliding import presliding_length
 from stickslip.errors import InputError
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
+from stickslip.maths import Latches
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -148,21 +149,45 @@ def cycle_energy(
         force = np.array([law.steady(one, load) for one in v]) + np.zeros_like(v)
         return np.asarray((force * v * t).sum(axis=0))
     length = presliding_length(law, load)
-    z = tuple(np.zeros(v.shape[1]) for _ in law.states)
+    z, latches = tuple(np.zeros(v.shape[1]) for _ in law.states), Latches(off=True)
     for _ in range(cycles):
         energy = np.zeros(v.shape[1])
         for speed, lasts in zip(v, t, strict=True):
             way = float(np.abs(speed * lasts).max()) / length
             count = max(FEWEST, int(np.ceil(STEPS * way)))
-            z, work = _moved(law, load, speed, lasts / count, count, z)
+            z, work = _moved(law, load, speed, lasts / count, count, z, latches)
             energy = energy + work
     return energy
 
 
 def _moved(
-    law: FrictionLaw, load: float, v: Array, h: Array, count: int, z: tuple[Array, ...]
+    law: FrictionLaw,
+    load: float,
+    v: Array,
+    h: Array,
+    count: int,
+    z: tuple[Array, ...],
+    latches: Latches,
 ) -> tuple[tuple[Array, ...], Array]:
     """Return the states after some steps at constant velocities, and the work of friction."""
+    work = np.zeros_like(v)
+    for _ in range(count):
+        with latches:
+            middle = law.moved(v, load, z, 0.5 * h)
+        with latches:
+            end = law.moved(v, load, z, h)
+        if middle is None or end is None:
+            return _integrated(law, load, v, h, count, z)
+        latches.turn()
+        forces = [np.asarray(law.force(v, load, at)) for at in (z, middle, end)]
+        work, z = work + h / 6.0 * v * (forces[0] + 4.0 * forces[1] + forces[2]), end
+    return z, work
+
+
+def _integrated(
+    law: FrictionLaw, load: float, v: Array, h: Array, count: int, z: tuple[Array, ...]
+) -> tuple[tuple[Array, ...], Array]:
+    """Return the same of a law that has no formula for constant velocity."""
 
     def rates(at: tuple[Array, ...]) -> tuple[Array, ...]:
         return tuple(np.asarray(one) + np.zeros_like(v) for one in law.rates(v, load, at))
