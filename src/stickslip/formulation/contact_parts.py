@@ -391,6 +391,8 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     Raises
     ------
+    InputError
+        If it has a latched switch that outlasts slip.
     TracingError
         If friction is not affine in the load.
     """
