@@ -66,7 +66,7 @@ DECADES: Mapping[str, tuple[float, float]] = {
     "s/m": (-2.0, 0.5),
     "N s/m": (-2.0, 0.5),
     "N s^2/m^2": (-2.0, 0.5),
-    "1/s": (1.0, 3.0),
+    "1/s": (0.0, 2.0),
 }
 """Powers of ten between which a parameter of a law is drawn, by unit: what rigs have."""
 
@@ -173,7 +173,7 @@ def example_of(kind: type[FrictionLaw]) -> Any:
     values: dict[str, float] = {}
     typical = {
         "1": 0.25, "m/s": 0.01, "1/m": 1e3, "s/m": 0.5, "N s/m": 0.4, "N s^2/m^2": 0.2,
-        "1/s": 20.0, "1/N": 0.1, "1/N^2": 0.05, "1/K": 0.01, "1/Pa": 1e-6,
+        "1/N": 0.1, "1/N^2": 0.05, "1/K": 0.01, "1/Pa": 1e-6, "1/s": 10.0,
     }  # fmt: skip
     for name, quantity in fields_of(kind).items():
         if quantity.structural:

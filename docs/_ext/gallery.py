@@ -169,7 +169,9 @@ def page(
     if defects:
         yield from (f"**Known defects.** {defects}", "")
     if passivity is not None:
-        yield from (f"**Passive** {passivity.condition}.", "")
+        condition = passivity.condition
+        known = condition if " " not in condition else f"where `{condition}`"
+        yield from (f"**Passive:** {known}.", "")
     yield from ("## What it does", "")
     for test, results in found.by_test.items():
         for title, result in results.items():

@@ -13,13 +13,13 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip.cli.app import app as command_line
 from stickslip.experiments import rig_schema
-from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw
+from stickslip.friction import LAWS, PRINTED_EQUATIONS, FrictionLaw, said_of
 from stickslip.quantities import fields_of
 from stickslip.routes import routes
 
 BIBLIOGRAPHY = {"paper": "pendulumcart"}
 """Keys of sources that are called otherwise in references.bib."""
-GREEK = ("alpha", "mu", "phi", "sigma")
+GREEK = ("alpha", "beta", "mu", "phi", "rho", "sigma")
 RIG_LISTS = {
     "RunTable": "[run]",
     "TrialTable": "[[trial]]",
@@ -48,21 +48,21 @@ def law_table() -> Iterator[str]:
         (
             f"[{law.title}](#law-{name})",
             f"`{name}`",
-            "bristles" if law.states else "set-valued",
-            ", ".join(symbol(quantity.symbol) for quantity in fields_of(law).values()),
+            f"`{law.composition}`",
+            law.passivity.condition if law.passivity else "not known",
         )
         for name, law in LAWS.items()
     )
-    yield from table(("law", "name", "kind", "parameters"), rows)
+    yield from table(("law", "name", "composition", "passive"), rows)
 
 
 def requested_laws() -> Iterator[str]:
-    """What is tried on travels only on request."""
-    *names, last = (f"`{name}`" for name, law in LAWS.items() if law.on_request)
+    """What is tried on travels unasked, and how the others are asked for."""
+    *names, last = (f"`{name}`" for name, law in LAWS.items() if not law.on_request)
     yield (
-        f"The laws {', '.join(names)} and {last} are tried on travels only on request: by their own"
-        " table in a rig file, by a parameter that only they have, or by name in a call. A few"
-        " travels cannot distinguish them from simpler laws."
+        f"The laws {', '.join(names)} and {last} are tried on travels unasked, the others only on"
+        " request: by their own table in a rig file, by a parameter that only they have, or by name"
+        " in a call. A few travels cannot distinguish them from simpler laws."
     )
 
 
@@ -73,7 +73,7 @@ def laws() -> Iterator[str]:
 
 
 def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
-    prose = inspect.cleandoc(vars(law).get("__doc__") or "").partition("\n\nExamples\n-")[0]
+    prose = inspect.cleandoc(vars(law).get("__doc__") or "").partition("\n\nNotes\n-")[0]
     yield from (f"(law-{name})=", f"## {law.title}", "")
     yield from (prose, "", "$$", law.formula, "$$", "")
     rows = (
@@ -87,8 +87,13 @@ def one_law(name: str, law: type[FrictionLaw]) -> Iterator[str]:
         for field, quantity in fields_of(law).items()
     )
     yield from table(("parameter", "symbol", "unit", "range", "default"), rows)
+    for heading, text in said_of(law):
+        yield f"- {heading}: " + (
+            f"`{text}`" if heading == "Composition" else text.rstrip(".") + "."
+        )
+    yield ""
     keys = ",".join(BIBLIOGRAPHY.get(key, key) for key in law.sources)
-    yield f"Composition: `{law.composition}`. In Python: {{py:obj}}`stickslip.{law.__name__}`."
+    yield f"In Python: {{py:obj}}`stickslip.{law.__name__}`."
     yield f"Sources: {{cite}}`{keys}`."
     yield ""
 

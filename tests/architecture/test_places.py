@@ -1,4 +1,4 @@
-"""How many places a contribution touches: a law, a mechanism and a plot 3, a route 4.
+"""How many places a contribution touches: a law 2 or 3, a mechanism and a plot 3, a route 4.
 
 Toys are put into a copy of the package by the edits that CONTRIBUTING.md lists. The last place of
 each is its test, which stands here for all: the toy is used as a user would use it. A route that
@@ -100,6 +100,36 @@ assert verdict.best.name == "toy-law", verdict
     assert "class ToyLaw" not in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
     assert "ToyLaw as ToyLaw" in (tree / "src/stickslip/__init__.pyi").read_text(encoding="utf-8")
     assert places == 3
+
+
+ENTRY = """
+
+@composed("level + lorentz + power")
+class ToyEntry:
+    \"\"\"A surplus that fades with the square of the speed, beside a power of it.\"\"\"
+
+    name = "toy-entry"
+    title = "Toy entry"
+    sources = ("coulomb1785",)
+    on_request = True
+"""
+
+
+def test_a_composed_law_touches_one_place_beside_its_test(tree: Tree) -> None:
+    path = tree / "src/stickslip/friction/named.py"
+    path.write_text(path.read_text(encoding="utf-8") + ENTRY, encoding="utf-8")
+    run(tree, "tools/stubs.py")
+    use = """
+from stickslip import ToyEntry
+from stickslip.friction import LAWS, law
+assert LAWS["toy-entry"] is ToyEntry is law("level + power + lorentz")
+toy = ToyEntry(kinetic_coefficient=1.0, static_coefficient=1.5, stribeck_velocity=0.1,
+               viscous_coefficient=2.0, viscous_exponent=0.5)
+assert toy.force(0.25, load=0.0) == 1.0
+"""
+    assert "toy-entry" in run(tree, "-c", use + MODELS)
+    stub = (tree / "src/stickslip/friction/__init__.pyi").read_text(encoding="utf-8")
+    assert "class ToyEntry(" in stub
 
 
 def test_a_mechanism_touches_three_places(tree: Tree) -> None:

@@ -131,3 +131,36 @@ def test_ordinary_values_stand_only_where_the_file_has_none(simulated):
     )
     assert code == 2
     assert "Give all of them" in err
+
+
+WARM = """
+[mechanism]
+type = "axis"
+inertia = 2.0
+drive = {{ type = "sine", amplitude = 8.0, frequency = 1.0 }}
+{data}
+[friction.warm-viscous]
+kinetic_coefficient = 2.0
+viscous_coefficient = 10.0
+viscous_temperature_decay = 0.03
+[run]
+t_end = 1.0
+"""
+
+
+def test_a_law_gets_its_temperature_from_the_rig_or_from_the_only_record(simulated, tmp_path):
+    rows = "".join(f"{0.1 * i},{0.01 * i},{20 + i}\n" for i in range(11))
+    (tmp_path / "run.csv").write_text("time [s],position [m],temperature [degC]\n" + rows)
+    code, _, end, err = simulated(WARM.format(data='[data]\nfile = "run.csv"\n'))
+    assert code == 0
+    assert "The temperature of the run is that of run." in err
+    ramp = (
+        '[contact]\ntemperature = { type = "piecewise-linear", times = [0, 1], values = [20, 30] }'
+    )
+    assert simulated(WARM.format(data=ramp))[2] == pytest.approx(end, rel=1e-12)
+    code, *_, err = simulated(WARM.format(data=""))
+    assert code == 2
+    assert "depends on the contact input 'temperature', which Axis does not tell" in err
+    code, *_, err = simulated(WARM.format(data=""), "--set", "contact.temprature=20")
+    assert code == 2
+    assert "Did you mean 'temperature'" in err

@@ -7,15 +7,25 @@ import numpy as np
 import pytest
 from tests.support import BRISTLE, DECADES
 
-from stickslip.maths import Latches
+from stickslip.characterization.bench import Bench
+from stickslip.characterization.passivity import cycle_energy
 from stickslip.quantities import fields_of, unchecked
-from stickslip.testing.friction import least_energy
 
+MEETS_ITS_CONDITION = ("lugre", "directional-lugre", "elasto-plastic")
+"""Laws whose condition of passivity is needed at their typical values, and not only enough."""
 MANY = 48
 LOAD = 7.0
 ROUNDING = 1e-12
 """Roundings of the largest part; the parts are up to 1e3 times their sum."""
-each_law = pytest.mark.parametrize("kind", BRISTLE, ids=lambda kind: kind.name)
+STEPPED = ("gms",)
+"""Laws with latched switches, which are turned from step to step: see tests/friction/memories."""
+SUDDEN = ("maxwell-slip", "haessig-friedland")
+"""Laws that yield at once where a spring has its level: steps pass it by their length."""
+DISTANT = {"bliman-sorine": 40.0}
+"""Lengths over which laws forget, where they are longer than the reach."""
+each_law = pytest.mark.parametrize(
+    "kind", [one for one in BRISTLE if one.name not in STEPPED], ids=lambda kind: kind.name
+)
 
 
 def drawn(kind, *, plain=False):
@@ -55,15 +65,9 @@ def moved(kind, *, plain=False, parts=12):
 
 
 def slid(law, v, z, length, steps):
-    """Return states after slip at a constant velocity, by a formula or the midpoint rule."""
-    h, latches = length / np.abs(v) / steps, Latches(off=True)
+    """Return states after slip at a constant velocity, by the midpoint rule."""
+    h = length / np.abs(v) / steps
     for _ in range(steps):
-        with latches:
-            known = law.moved(v, 1.0, z, h)
-        latches.turn()
-        if known is not None:
-            z = known
-            continue
         half = law.rates(v, 1.0, z)
         middle = tuple(a + 0.5 * h * b for a, b in zip(z, half, strict=True))
         z = tuple(a + h * b for a, b in zip(z, law.rates(v, 1.0, middle), strict=True))
@@ -86,35 +90,28 @@ def velocities():
     return 10.0 ** dice.uniform(-5, 1, MANY) * dice.choice([-1.0, 1.0], MANY)
 
 
-def within_latches(law, v, z):
-    """Return the rates of states, with latched switches as they are at first."""
-    with Latches():
-        return law.rates(v, LOAD, z)
-
-
 @each_law
 def test_states_and_force_are_odd_with_the_directions_exchanged(kind):
     law, z = moved(kind, plain=True)
     other, v = exchanged(law), velocities()
     back = tuple(-one for one in z)
     np.testing.assert_array_equal(other.force(-v, LOAD, back), -law.force(v, LOAD, z))
-    mirrored, rates = within_latches(other, -v, back), within_latches(law, v, z)
-    np.testing.assert_array_equal(mirrored, -np.array(rates))
+    np.testing.assert_array_equal(other.rates(-v, LOAD, back), -np.array(law.rates(v, LOAD, z)))
 
 
 @each_law
 def test_long_sliding_gives_the_steady_force(kind):
     law, v = drawn(kind, plain=True), velocities()
     # the approach is exponential over at most the reach: exp(-25) is left
-    length = 25.0 * reach(law)
-    if kind.name == "bliman-sorine":  # over that of its second spring
-        length = length * (1.0 + law.surplus_share) / law.distance_ratio
-    if kind.name == "gms":  # in a time: the slower the attraction, the later
-        length = length + 25.0 * np.abs(v) * law.static_coefficient / law.attraction
+    length = 25.0 * reach(law) * DISTANT.get(kind.name, 1.0)
     z = slid(law, v, (np.zeros(MANY),) * len(law.states), length, 2000)
+    # the midpoint rule stops just before a spring that yields at once: one plain step passes it
+    h = length / 2000 / np.abs(v)
+    z = tuple(a + h * b for a, b in zip(z, law.rates(v, LOAD, z), strict=True))
     steady = law.steady(v, LOAD)
     size = np.abs(steady) + np.abs(law.force(v, LOAD, (0.0,) * len(law.states)))
-    assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= 1e-8 * size)
+    allowed = 2.0 * 25.0 / 2000 if kind.name in SUDDEN else 1e-8
+    assert np.all(np.abs(law.force(v, LOAD, z) - steady) <= allowed * size)
 
 
 @each_law
@@ -130,7 +127,7 @@ def test_steady_friction_opposes_motion_within_break_away_and_viscous_part(kind)
 @each_law
 def test_states_stay_at_rest_and_within_what_break_away_holds(kind):
     law, z = moved(kind, plain=kind.directional)
-    assert all(np.all(rate == 0) for rate in within_latches(law, 0.0, z))
+    assert all(np.all(rate == 0) for rate in law.rates(0.0, LOAD, z))
     most = np.maximum(*(law.towards(side).break_away(LOAD) for side in (1, -1)))
     # steps of a twentieth of the reach may pass the end of yielding by as much
     assert np.all(np.abs(law.force(0.0, LOAD, z)) <= most * 1.06)
@@ -146,19 +143,25 @@ def test_friction_is_affine_in_the_load_and_without_load_only_flow_is_left(kind)
     np.testing.assert_array_equal(free, law.force(v, 0.0, tuple(0.0 * one for one in z)))
 
 
+def cycles(law):
+    """Return energies of cycles that are drawn [J], of one that loads slowly and lets go fast."""
+    bench, dice = Bench(law=law), np.random.default_rng(11)
+    v = bench.speed * 10.0 ** dice.uniform(-2, 2, (3, 40)) * dice.choice([1.0, 1.0, -1.0], (3, 40))
+    way = bench.reach * 10.0 ** dice.uniform(-1.0, 0.3, (3, 40))
+    v[:, 0], way[:, 0] = bench.speed * np.array([0.1, 100.0, 100.0]), bench.reach * 1.2
+    return cycle_energy(law, v, way / np.abs(v), cycles=3) / (bench.levels[1] * bench.reach)
+
+
 @each_law
-def test_cycles_give_energy_back_only_where_the_entry_does_not_say_that_they_cannot(kind):
+def test_cycles_return_energy_only_where_the_entry_does_not_exclude_it(kind):
     law = kind(**kind.typical.values)
-    found = least_energy(law, 1.0)
-    assert kind.passivity is not None
+    if kind.passivity is None:
+        return
     if kind.passivity.holds(law, 1.0):
-        assert found.energy >= -found.error, found
-    # the condition of lugre-fading is enough but not needed; gms needs longer creep than is drawn
-    elif kind.name not in ("lugre-fading", "gms"):
-        assert found.energy < -100.0 * found.error, found
-    viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
-    calm = dataclasses.replace(law, **viscous)
-    if kind.name == "gms":  # elements grow stronger at speeds at which nothing viscous acts
-        calm = dataclasses.replace(law, static_coefficient=law.kinetic_coefficient)
-    assert kind.passivity.holds(calm, 1.0)
-    assert least_energy(calm, 1.0).energy >= -found.error
+        assert cycles(law).min() >= -1e-6  # of break-away times presliding length
+    elif kind.name in MEETS_ITS_CONDITION:
+        assert cycles(law).min() < -0.01
+        viscous = {name: 200.0 for name in fields_of(kind) if name.endswith("viscous_coefficient")}
+        calm = dataclasses.replace(law, **viscous)
+        assert kind.passivity.holds(calm, 1.0)
+        assert cycles(calm).min() >= -1e-6

@@ -32,7 +32,7 @@ LIFTING = Pendulum(
 
 
 def test_a_law_without_its_input_says_law_input_and_cure():
-    with pytest.raises(InputError, match=r"level \+ viscous \* .*temperature.*bound\(law"):
+    with pytest.raises(InputError, match=r"warm-viscous .*temperature.*bound\(law"):
         WARM.force(0.1, 1.0)
     with pytest.raises(InputError, match="depends on transmitted"):
         GEAR.break_away(1.0)

@@ -1,5 +1,7 @@
 """Fits of laws with contact inputs: told by the mechanism, a column, or a condition of a trial."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,7 +120,7 @@ def test_bristles_are_integrated_along_their_inputs():
 def test_a_missing_input_is_one_error_with_law_input_and_columns():
     record = Measurement(time=T, position=X, friction=friction(30.0), load=2.0)
     words = (
-        r"level \+ viscous \* exponential\[temperature\] depends on the contact input"
+        rf"{WARM.name} depends on the contact input"
         r" 'temperature'.*columns of the record: position, friction, load.*--columns temperature="
     )
     with pytest.raises(InputError, match=words):
@@ -181,7 +183,7 @@ def test_a_law_with_the_transmitted_torque_is_selected_against_those_without(ser
     names = ["coulomb-viscous", "level + weight[transmitted] + viscous"]
     verdict = select(SERVO, names, servo, route="inverse-dynamics")
     assert verdict.best is not None
-    assert verdict.best.name == names[1]
+    assert verdict.best.law.inputs == ("transmitted",)
 
 
 def test_what_to_measure_next_is_as_uncertain_as_the_law(servo):
@@ -245,3 +247,32 @@ def test_curves_are_drawn_at_the_median_size_of_forces(servo):
     wanted = np.median(np.abs(np.asarray(servo.force) - external))
     assert typical["transmitted"] == pytest.approx(wanted, rel=1e-9)
     assert as_informed(TRUE_GEAR, SERVO, servo) == (SERVO, ())
+
+
+def test_joints_share_the_temperature_of_their_record():
+    from stickslip import TwoLinkArm
+    from stickslip.formulation import JointTorques
+
+    arm = TwoLinkArm(
+        upper_mass=0.6, upper_length=0.2, upper_centre=0.1, upper_inertia=0.012,
+        lower_mass=0.5, lower_centre=0.2, lower_inertia=0.03, gravity=0.0,
+    )  # fmt: skip
+    t = np.linspace(0.0, 20.0, 4001)
+    places = np.column_stack([np.sin(5.0 * t), 0.8 * np.sin(7.3 * t)])
+    rates = np.column_stack([5.0 * np.cos(5.0 * t), 0.8 * 7.3 * np.cos(7.3 * t)])
+    forces, _ = JointTorques.of(arm, []).along(arm, t, places, rates, places * [-25.0, -(7.3**2)])
+    temperature = 20.0 + 1.5 * t
+    true = WARM(kinetic_coefficient=0.3, viscous_coefficient=0.2, viscous_temperature_decay=0.03)
+    forces[:, 0] += bound(true, {"temperature": temperature}).force(rates[:, 0], 1.0)
+    forces += np.random.default_rng(0).normal(0.0, 0.005, forces.shape)
+    record = Measurement(
+        time=t, position={"shoulder": places[:, 0], "elbow": places[:, 1]},
+        force={"shoulder": forces[:, 0], "elbow": forces[:, 1]}, turning=True,
+        inputs={"temperature": temperature},
+    )  # fmt: skip
+    laws = {"shoulder": WARM, "elbow": "coulomb"}
+    found = fit(arm, laws, record)
+    (decay,) = [one for one in found.estimates if one.path.endswith("_decay")]
+    assert decay.low <= 0.03 <= decay.high < 0.031
+    with pytest.raises(InputError, match="depends on the contact input 'temperature'"):
+        fit(arm, laws, replace(record, inputs={}))

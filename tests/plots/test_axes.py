@@ -206,6 +206,8 @@ def test_a_plot_of_something_else_names_what_can_be_plotted():
         plots.plot_verdict: "verdict must be a Verdict, got",
         plots.plot_ensemble: "runs must be an Ensemble",
         plots.plot_sweep: "result must be a VelocityMap, Bifurcation or Basins",
+        plots.plot_characteristic: "result must be a Characteristic",
+        plots.plot_characterization: "result must be a Characterization",
         plots.plot_law: "law must be a FrictionLaw",
         plots.plot_presliding: "loop must be a PreslidingLoop or FrictionLaw",
         plots.plot_separation: "verdict must be a TravelVerdict, got",

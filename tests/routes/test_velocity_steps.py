@@ -241,7 +241,7 @@ def test_options_without_effect_are_refused(run, arguments, use):
 def test_laws_of_slip_speed_are_refused_and_so_are_those_of_steps_elsewhere(run):
     code, _, err = run("select", "steps.toml", "--laws", "coulomb")
     assert code == 2
-    assert "Known: constant-coefficient, logarithmic, rate-and-state, rate-and-state-slip" in err
+    assert "Known: constant-coefficient, logarithmic, rate-and-state, rate-and-state-nagata" in err
     for command in (("fit", "--law"), ("select", "--laws"), ("simulate", "--law")):
         code, _, err = run(
             command[0], "demo", command[1], "rate-and-state"

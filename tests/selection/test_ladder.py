@@ -98,7 +98,9 @@ def test_where_simple_friction_suffices_no_richer_law_is_fitted(seed):
     found = select(AXIS, None, plain(seed=seed), settings=QUICK)
     assert found.best.name == "coulomb-viscous"
     assert names(found) <= {*FIRST, "dahl"}
-    left = len(usual_specifications()) - len(found.candidates)
+    # of a table, one law with memory says why none serves
+    suited = [one for one in usual_specifications() if one.name == "dahl" or not one.law.states]
+    left = len(suited) - len(found.candidates)
     (said,) = (one for one in found.missing if "not tried" in one)
     assert said == (
         f"{left} richer candidates not tried: no law with one part more is shown to hold over"
@@ -106,7 +108,7 @@ def test_where_simple_friction_suffices_no_richer_law_is_fitted(seed):
     )
     told = found.to_dict()["not_tried"]
     assert (len(told["laws"]), told["why"]) == (left, said)
-    assert "lugre" in told["laws"]
+    assert "stribeck-power" in told["laws"]
 
 
 def test_noise_that_was_stated_leaves_no_room_for_more():
@@ -121,7 +123,7 @@ def test_noise_that_was_stated_leaves_no_room_for_more():
 
 def test_laws_that_were_named_are_all_fitted():
     found = select(AXIS, ["coulomb", "stribeck", "level + stribeck + power"], plain())
-    assert names(found) == {"coulomb", "stribeck", law("level + stribeck + power").name}
+    assert names(found) == {"coulomb", "stribeck", "level + stribeck + power"}
     assert found.why_untried == ""
     assert not found.usual
 
@@ -143,7 +145,7 @@ def test_a_search_that_is_stopped_climbs_no_further():
         return "stribeck" not in told
 
     found = select(AXIS, None, tilted(), settings=QUICK, progress=stop)
-    assert TWO_SIDED not in names(found)
+    assert law(TWO_SIDED).name not in names(found)
     assert {name for name in told if not name.startswith("held-out")} <= FIRST
     assert "not tried: the search was stopped." in found.why_untried
 

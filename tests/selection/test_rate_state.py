@@ -135,6 +135,73 @@ def test_one_step_names_the_law_or_says_that_it_cannot_tell(name, seed):
     assert any("More steps" in line for line in verdict.words.measure_next)
 
 
+OTHERS = {
+    "rate-and-state-prz": {"evolution": "prz"},
+    "rate-and-state-nagata": {
+        "evolution": "nagata", "direct_effect": 0.03, "evolution_effect": 0.034,
+        "stress_effect": 2.0,
+    },
+    "rate-and-two-states-slip": {
+        "evolution": "slip", "second_evolution_effect": 0.006, "second_critical_distance": 6e-5,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "rival"),
+    [
+        pytest.param("rate-and-state-prz", "rate-and-state-slip", marks=pytest.mark.slow),
+        ("rate-and-state-nagata", "rate-and-state"),
+        pytest.param("rate-and-two-states-slip", "rate-and-state-slip", marks=pytest.mark.slow),
+    ],
+)
+def test_three_steps_name_forms_that_are_tried_by_name(name, rival):
+    record = pulled(law(**OTHERS[name]))
+    verdict = select_rate_state(MACHINE, [rival, name], record, settings=SETTINGS)
+    named(verdict, name)
+    assert verdict.ranked
+
+
+@pytest.mark.parametrize(
+    ("truth", "richer"),
+    [
+        ({"evolution": "slip"}, "rate-and-two-states-slip"),
+        pytest.param({}, "rate-and-state-nagata", marks=pytest.mark.slow),
+    ],
+)
+def test_a_second_length_and_an_effect_of_stress_are_not_invented(truth, richer):
+    simple = law(**truth).name
+    record = pulled(law(**truth), seed=1)
+    verdict = select_rate_state(MACHINE, [simple, richer], record, settings=SETTINGS)
+    assert verdict.best.name == simple
+    (other,) = verdict.candidates[1:]
+    assert other.simpler == (simple,)
+    assert "not established" in other.outcome
+
+
+def test_two_states_are_not_chosen_on_the_rock(data_dir):
+    record = load_measurement(
+        data_dir / "rock_velocity_step" / "sepiolite.parquet",
+        columns={"time": "t_s", "pull": "disp_um", "friction": "mu"},
+        gain={"pull": 1e-6},
+    )
+    machine = TowedBlock(mass=1e-3, stiffness=1e3, speed=2e-7, load=1.0)
+    laws = ["logarithmic", "rate-and-two-states-slip"]
+    verdict = select_rate_state(
+        machine, laws, record, vary=["friction.*", "mechanism.stiffness"], settings=SETTINGS
+    )
+    assert verdict.best.name == "logarithmic"
+
+
+def test_a_candidate_that_reduces_to_another_is_not_held_against_a_third():
+    # the ageing law is not tried: a Nagata law without an effect of stress may stand for it
+    record = pulled(law())
+    laws = ["constant-coefficient", "rate-and-state-nagata"]
+    verdict = select_rate_state(MACHINE, laws, record, settings=SETTINGS)
+    assert verdict.best.name == "rate-and-state-nagata"
+    assert verdict.best.reduces_to == ()
+
+
 def test_held_out_steps_are_predicted_without_them(verdicts):
     fit = verdicts(*EVOLVING).best.fit
     unseen = held_out(fit)

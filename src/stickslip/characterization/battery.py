@@ -262,7 +262,7 @@ def law_with_values(given: Given, load: float) -> FrictionLaw:
     Examples
     --------
     >>> law_with_values("coulomb", 1.0)
-    Coulomb(kinetic_coefficient=0.25, static_coefficient=None)
+    Coulomb(kinetic_coefficient=0.25, static_coefficient=0.35)
     """
     if isinstance(given, FrictionLaw):
         return given

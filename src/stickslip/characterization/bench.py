@@ -14,7 +14,7 @@ from stickslip.characterization.presliding import presliding_length
 from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
 from stickslip.friction import FrictionLaw, bound
-from stickslip.maths import Scalar
+from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import (
     Axis,
     Contact,
@@ -133,6 +133,14 @@ class Bench(Parametrised):
     def length(self) -> float:
         """Presliding length [m]; 0 where nothing deflects."""
         return presliding_length(self.curve, self.load) if self.law.states else 0.0
+
+    @functools.cached_property
+    def latched(self) -> bool:
+        """Whether what the equations say depends on switches that a state does not tell."""
+        flags = Latches()
+        with flags:
+            self.curve.rates(self.speed, self.load, tuple(0.0 for _ in self.law.states))
+        return bool(flags)
 
     def on(self, mechanism: M) -> M:
         """Return a mechanism that tells the law the values of its inputs."""

@@ -49,23 +49,26 @@ class Cost(Characteristic):
 
     @property
     def largest_rate(self) -> float:
-        """Largest rate at any speed [1/s]."""
-        return float(self.rate.max())
+        """Largest rate at any speed [1/s]; NaN if none is known."""
+        return float(self.rate.max()) if len(self.rate) else np.nan
 
     @property
     @override
     def sentence(self) -> str:
         fast = self.largest_rate
+        run = (
+            f"{number(self.steps)} steps and {self.events} events for {quantity(LONG, 's')} to and"
+            " fro"
+        )
+        if np.isnan(fast):
+            return f"{run}."
         step = EXPLICIT / fast if fast > 0.0 else np.inf
         if fast < EASY:
             need = "fixed steps of a millisecond follow it between its events"
         else:
             need = f"explicit fixed steps must be shorter than {quantity(step, 's')}"
         rate = f"the fastest rate is {number(fast)} per second" if fast else "no rate is fast"
-        return (
-            f"{number(self.steps)} steps and {self.events} events for"
-            f" {quantity(LONG, 's')} to and fro; {rate}, so that {need}."
-        )
+        return f"{run}; {rate}, so that {need}."
 
     @override
     def to_dataframe(self) -> "pd.DataFrame":
@@ -98,6 +101,9 @@ def cost(bench: Bench) -> Cost:
     )
     run = simulate(bench.on(axis), bench.law, t_end=LONG, y0=bench.deflected())
     speeds = bench.speed * np.geomspace(10.0**-DECADES, 10.0**DECADES, SPEEDS)
+    between = f"from {quantity(speeds[0], 'm/s')} to {quantity(speeds[-1], 'm/s')}"
+    if bench.latched:
+        speeds = speeds[:0]
     rates = [float(np.abs(np.linalg.eigvals(slopes_at(bench, float(v)))).max()) for v in speeds]
     return Cost(
         steps=run.certificate.steps,
@@ -106,7 +112,7 @@ def cost(bench: Bench) -> Cost:
         rate=np.array(rates),
         conditions=(
             f"{quantity(bench.mass, 'kg')} under a force of {quantity(force, 'N')} at"
-            f" {quantity(FREQUENCY, 'Hz')}; rates about steady sliding from"
-            f" {quantity(speeds[0], 'm/s')} to {quantity(speeds[-1], 'm/s')}."
+            f" {quantity(FREQUENCY, 'Hz')}; rates about steady sliding"
+            f" {between if len(speeds) else 'are not known with latched switches'}."
         ),
     )

@@ -169,7 +169,7 @@ class Creep(Characteristic):
     @property
     def stays(self) -> bool:
         """Whether the body stays in its place."""
-        return abs(self.speed * self.t[-1]) <= STILL * self.length
+        return bool(abs(self.speed * self.t[-1]) <= STILL * self.length)
 
     @property
     @override

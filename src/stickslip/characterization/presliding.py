@@ -81,11 +81,11 @@ def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     0.00025
     """
     rest = tuple(0.0 for _ in law.states)
-    with Latches(off=True):
+    with Latches(off=True):  # where nothing has slipped yet
         rates = law.rates(SLOW, load, rest)
-    moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
-    # The laws are affine in their deflection at a given speed, so any step gives the slope.
-    stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
+        moved = tuple(float(rate) / SLOW for rate in rates)  # deflection per displacement
+        # The laws are affine in their deflection at a given speed, so any step gives the slope.
+        stiffness = float(law.force(0.0, load, moved)) - float(law.force(0.0, load, rest))
     return float(law.break_away(load)) / stiffness
 
 
@@ -134,30 +134,17 @@ def presliding_loop(
         path.append(np.linspace(start, end, POINTS + 1)[1:])
     x = np.concatenate(path)
     substeps = int(np.ceil(np.abs(np.diff(x)).max() / (SHARE_OF_LENGTH * presliding_length(law))))
-    z, latches = np.zeros(len(law.states)), Latches(off=True)
+    z = np.zeros(len(law.states))
     friction = np.zeros(len(x))
     for i, step in enumerate(np.diff(x)):
         v = SLOW * float(np.sign(step))
-        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1), latches)
+        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1))
         friction[i + 1] = law.force(v, load, tuple(map(float, z)))
     return PreslidingLoop(displacement=x, friction=friction)
 
 
-def _moved(
-    law: FrictionLaw,
-    v: float,
-    z: Array,
-    load: float,
-    time: float,
-    substeps: int,
-    latches: Latches,
-) -> Array:
+def _moved(law: FrictionLaw, v: float, z: Array, load: float, time: float, substeps: int) -> Array:
     """Return the bristles after some time at a constant slip velocity."""
-    with latches:
-        known = law.moved(v, load, tuple(map(float, z)), time)
-    latches.turn()
-    if known is not None:
-        return np.array(known, dtype=np.float64)
 
     def rate(state: Array) -> Array:
         return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)

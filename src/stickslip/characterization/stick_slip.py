@@ -69,7 +69,7 @@ class StickSlipMap(Characteristic):
     all do."""
     linear: Array
     """Highest speed at which steady sliding is unstable, by linearisation (m,) [m/s]; 0 where none
-    is, infinity where it is at the highest speed of the map."""
+    is, infinity where it is at the highest speed of the map, NaN of laws with latched switches."""
     closed_form: Array
     """The boundary in closed form (m,) [m/s], where there is one: of laws with a static level above
     a sliding level that is the same at all speeds; else NaN."""
@@ -83,7 +83,7 @@ class StickSlipMap(Characteristic):
         at = quantity(self.stiffness[place], "N/m")
         limit = self.boundary[place]
         if not self.sticks.any():
-            stable = ": steady sliding is stable" if not self.linear.any() else ""
+            stable = ": steady sliding is stable" if (self.linear == 0.0).all() else ""
             return f"It nowhere sticks and slips in this range{stable}."
         if self.sticks.all():
             return (
@@ -184,7 +184,7 @@ def stick_slip_map(
         amplitude=amplitude,
         sticks=sticks,
         boundary=boundary,
-        linear=np.array([_linear_limit(bench, one, v) for one in k]),
+        linear=np.array([np.nan if bench.latched else _linear_limit(bench, one, v) for one in k]),
         closed_form=_closed_form(bench, k),
         uncertified=bad,
         conditions=(

@@ -59,6 +59,11 @@ def run(
         Whether a file that exists is replaced.
     as_json : bool
         Whether one JSON document is printed on stdout instead of text.
+
+    Raises
+    ------
+    InputError
+        If the page is no HTML file.
     """
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):

@@ -19,10 +19,12 @@ from stickslip.friction import (
     FrictionLaw,
     PrintedForm,
     RightEquation,
+    Typical,
     is_composition,
     law_type,
     laws,
     listed,
+    said_of,
 )
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity, fields_of
@@ -127,6 +129,9 @@ def _one(name: str, *, as_json: bool) -> None:
         told = CONTACT_INPUTS[asked]
         text = f"Contact input {asked} [{told.unit}]: {told.meaning}"
         console.print(text, markup=False, soft_wrap=True)
+    for heading, text in said_of(law):
+        console.print(f"{heading}: {text}", markup=False)
+    console.print()
     for key in law.sources:
         console.print(plain(SOURCES[key]), markup=False)
 
@@ -202,7 +207,17 @@ def _law(law: type[FrictionLaw]) -> dict[str, Any]:
             for name in law.inputs
         },
         "sources": [SOURCES[key] for key in law.sources],
+        "composition": None if law.composition is None else str(law.composition),
+        "typical": None if law.typical is None else _typical(law.typical),
+        "passive": None if law.passivity is None else law.passivity.condition,
+        "defects": law.defects,
+        "compared": law.compared,
     }
+
+
+def _typical(found: Typical) -> dict[str, Any]:
+    source = SOURCES[found.source] if found.source else None
+    return {"values": dict(found.values), "source": source}
 
 
 def cite(names: Sequence[str], *, as_json: bool) -> None:

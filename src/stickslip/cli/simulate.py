@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 
 from stickslip.cli.console import (
@@ -39,9 +40,9 @@ from stickslip.cli.progress import Drawing
 from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
-from stickslip.friction import PRINTED_FORMS
-from stickslip.identification import RecordSettings, inside
-from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip
+from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.identification import RecordSettings, inside, with_inputs
+from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names
 from stickslip.quantities import fields_of, named
 from stickslip.routes import fit
 from stickslip.selection import criteria_of
@@ -248,6 +249,7 @@ def _has_criteria(ran: Ran) -> bool:
 def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     """Make the run, the ensemble if one was asked for, and what was measured beside it."""
     _refuse_impossible(rig, chosen, settings)
+    rig = _told(rig, chosen.law)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     start = rig.start(chosen.law)
     wanted = settings.report is None and settings.ensemble is None
@@ -274,6 +276,20 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
         validation=_validated(rig, chosen, settings),
         refit=_refitted(rig, chosen) if settings.refit else None,
     )
+
+
+def _told(rig: Rig, law: FrictionLaw) -> Rig:
+    """Return a rig that tells a law what only its first record has of contact inputs."""
+    lacking = set(law.inputs).difference(input_names(rig.mechanism))
+    if not lacking or rig.measurement is None:
+        return rig
+    record = rig.measurement.records()[0]
+    if not lacking <= set(record.contact_inputs()):
+        return rig
+    times = np.zeros(1) if record.time is None else np.asarray(record.time)
+    for name in sorted(lacking):
+        note(f"The {name} of the run is that of {record.name or 'the first record'}.")
+    return replace(rig, mechanism=with_inputs(rig.mechanism, record, times))
 
 
 def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Settings) -> Ran:

@@ -355,7 +355,7 @@ class _Files:
 
     def _beside(self, frame: "Frame") -> dict[str, Array]:
         """Return the columns (n,) that are contact inputs, as they stand there."""
-        found = {}
+        found: dict[str, Array] = {}
         for name in BESIDE:
             with self._optional(name):
                 found |= {name: frame.raw(name)} if name in frame.names else {}
@@ -363,7 +363,7 @@ class _Files:
 
     def _inputs(self, frame: "Frame", raw: Mapping[str, Array], turning: bool) -> dict[str, Array]:
         """Return contact inputs in their units."""
-        found = {}
+        found: dict[str, Array] = {}
         for name in BESIDE:
             with self._optional(name):
                 target = unit_of_input(name, turning=turning)

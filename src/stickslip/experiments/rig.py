@@ -486,8 +486,8 @@ def state_units(mechanism: Mechanism) -> dict[str, str]:
     Examples
     --------
     >>> from stickslip import SpringBlock
-    >>> state_units(SpringBlock(mass=1.0))
-    {'z': 'm', 'x': 'm', 'v': 'm/s'}
+    >>> [state_units(SpringBlock(mass=1.0))[name] for name in ("z", "x", "v")]
+    ['m', 'm', 'm/s']
     """
     units = {state: "m" for law in listed().values() for state in law.states}
     contacts = mechanism.contacts()

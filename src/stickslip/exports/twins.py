@@ -305,11 +305,12 @@ class Drake(Program):
     @override
     def taken(self, subject: Subject) -> Taken:
         found = simplified(subject)
-        smooth = composed("root(level) + viscous")(
-            kinetic_coefficient=found.joint.level / found.load,
-            smoothing_velocity=self.stiction_tolerance,
-            viscous_coefficient=found.joint.damping,
-        )
+        values = {
+            "kinetic_coefficient": found.joint.level / found.load,
+            "smoothing_velocity": self.stiction_tolerance,
+            "viscous_coefficient": found.joint.damping,
+        }
+        smooth = composed("root(level) + viscous")(**values)
         return Taken(law=smooth, solver=None, level=found.joint.level, lost=_kept(found))
 
     @override
@@ -355,12 +356,13 @@ class Simscape(Program):
     @override
     def taken(self, subject: Subject) -> Taken:
         found, rest = _level_and_damping(subject)
-        smooth = composed("simscape + viscous")(
-            kinetic_coefficient=found.joint.level / found.load,
-            static_coefficient=rest / found.load,
-            breakaway_velocity=self.breakaway_velocity,
-            viscous_coefficient=found.joint.damping,
-        )
+        values = {
+            "kinetic_coefficient": found.joint.level / found.load,
+            "static_coefficient": rest / found.load,
+            "breakaway_velocity": self.breakaway_velocity,
+            "viscous_coefficient": found.joint.damping,
+        }
+        smooth = composed("simscape + viscous")(**values)
         lost = tuple(line for line in _kept(found) if not line.startswith("Static friction"))
         return Taken(law=smooth, solver=None, level=rest, lost=lost)
 
@@ -536,6 +538,7 @@ class Twin(metaclass=Described):
             "sentences": list(self.sentences),
         }
 
+    @override
     def __repr__(self) -> str:
         unit = turned("m", self.subject.rotary)
         return f"<Twin: {self.program.title}, largest error {quantity(self.peak_error, unit)}>"

@@ -64,6 +64,7 @@ HOMES = {
     "FrictionLaw": "base",
     "LAWS": "registry",
     "Laws": "by_contact",
+    "Passivity": "base",
     "PRINTED_EQUATIONS": "published",
     "PRINTED_FORMS": "published",
     "PrintedForm": "published",
@@ -73,6 +74,7 @@ HOMES = {
     "RightEquation": "published",
     "SOURCES": "sources",
     "SetValuedLaw": "base",
+    "Typical": "base",
     "bound": "base",
     "contained_laws": "registry",
     "containment_of": "containment",
@@ -97,6 +99,7 @@ INSIDE = {
     "Rung": "ladder",
     "rungs": "ladder",
     "listed": "registry",
+    "said_of": "classes",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

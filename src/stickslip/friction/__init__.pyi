@@ -7,8 +7,10 @@ from stickslip.friction.base import BristleLaw as _BristleLaw
 from stickslip.friction.base import Containment as Containment
 from stickslip.friction.base import FrictionLaw as FrictionLaw
 from stickslip.friction.base import FrictionLaw as _FrictionLaw
+from stickslip.friction.base import Passivity as Passivity
 from stickslip.friction.base import SetValuedLaw as SetValuedLaw
 from stickslip.friction.base import SetValuedLaw as _SetValuedLaw
+from stickslip.friction.base import Typical as Typical
 from stickslip.friction.base import anywhere as anywhere
 from stickslip.friction.base import bound as bound
 from stickslip.friction.base import force_parameters as force_parameters
@@ -18,6 +20,7 @@ from stickslip.friction.by_contact import Laws as Laws
 from stickslip.friction.by_contact import assigned as assigned
 from stickslip.friction.by_contact import bristle_names as bristle_names
 from stickslip.friction.by_contact import given_to as given_to
+from stickslip.friction.classes import said_of as said_of
 from stickslip.friction.containment import containment_of as containment_of
 from stickslip.friction.ladder import Rung as Rung
 from stickslip.friction.ladder import rungs as rungs
@@ -1187,6 +1190,7 @@ __all__ = [
     "MaxwellSlip",
     "PRINTED_EQUATIONS",
     "PRINTED_FORMS",
+    "Passivity",
     "PoppStelter",
     "PowerViscous",
     "PrintedForm",
@@ -1206,6 +1210,7 @@ __all__ = [
     "TanhStribeck",
     "Threlfall",
     "Tustin",
+    "Typical",
     "Viscous",
     "WarmViscous",
     "bound",

@@ -102,7 +102,7 @@ class Passivity:
     """Whether a law returns no more energy than it has been given."""
 
     condition: str
-    """``always``, or for which values it is known, with the symbols of the law."""
+    """``always``, or ``if`` and for which values it is known, with the symbols of the law."""
     holds: Callable[[Any, float], bool]
     """Whether it is known of a law with values, at a load [N]."""
 

@@ -4,7 +4,7 @@ import abc
 import dataclasses
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, cast, final
 
@@ -15,9 +15,10 @@ from stickslip.friction.equations import equations_of, one_way
 from stickslip.friction.formulas import formula_of
 from stickslip.friction.notation import Term, canonical, read
 from stickslip.friction.parts.base import Memory, Parameter
+from stickslip.friction.sources import SOURCES
 from stickslip.friction.text import for_floats
 
-__all__ = ["CATALOGUE", "HOME", "Entry", "class_of", "composed"]
+__all__ = ["CATALOGUE", "HOME", "Entry", "class_of", "composed", "said_of"]
 
 HOME = "stickslip.friction.registry"
 """Module in which pickle looks for classes without a name."""
@@ -62,9 +63,48 @@ class Entry:
         """The class of the law."""
         said = {k: v for k, v in vars(self.statement).items() if k not in MACHINERY}
         space = {**said, "__module__": PUBLIC}
-        return _made(
-            Composition(read(self.composition), self.names), self.statement.__name__, space
+        c = Composition(read(self.composition), self.names)
+        made = _made(c, self.statement.__name__, space)
+        made.__doc__ = self._documented(made.formula)
+        return made
+
+    def _documented(self, formula: str) -> str:
+        """Return the docstring of the class: what the entry says is known, and its sources."""
+        prose, heading, examples = inspect.cleandoc(self.statement.__doc__ or "").partition(
+            "\n\nExamples\n--"
         )
+        notes = "\n\n".join([f".. math:: {formula}", *(f"{k}: {v}" for k, v in said_of(self))])
+        sources = "\n\n".join(SOURCES[key] for key in self.sources)
+        return (
+            f"{prose}\n\nNotes\n-----\n{notes}\n\nReferences\n----------\n{sources}"
+            f"{heading}{examples}"
+        )
+
+
+def said_of(law: Any) -> Iterator[tuple[str, str]]:
+    """Yield what an entry, or a class, says of its law beside formula and sources.
+
+    Parameters
+    ----------
+    law : Entry or type of FrictionLaw
+        The law.
+
+    Yields
+    ------
+    (str, str)
+        Heading and text.
+    """
+    if law.composition is not None:
+        yield "Composition", str(law.composition)
+    if law.typical is not None:
+        key = law.typical.source
+        yield ("Published values" if key else "Example values"), str(law.typical)
+    if law.passivity is not None:
+        yield "Passive", law.passivity.condition
+    if law.defects:
+        yield "Known defects", law.defects
+    if not law.compared:
+        yield "Note", "formula not compared with its source"
 
 
 MACHINERY = ("__dict__", "__weakref__", "__abstractmethods__", "_abc_impl")

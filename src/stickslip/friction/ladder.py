@@ -27,7 +27,9 @@ class Rung:
     """
 
     both_ways: bool = False
+    """Whether the directions differ."""
     stribeck: bool = False
+    """Whether a static surplus fades with the speed."""
     flow: str = "viscous"
     """``"viscous"``, ``"power"`` or ``"drag"``, which stands beside the viscous part."""
     memory: str = ""
@@ -52,27 +54,22 @@ class Rung:
         name = {"": "Coulomb", "dahl": "Dahl", "lugre": "LuGre"}[self.memory]
         if self.stribeck and self.memory != "lugre":
             name = f"{name} + Stribeck" if self.memory else "Stribeck"
-        if name == "Coulomb" and self.flow != "power":
-            name += " + viscous"
-        more = {"viscous": "", "power": " + power of speed", "drag": " + drag"}[self.flow]
-        return f"{'Direction-dependent ' * self.both_ways}{name}{more}"
+        # what stands beside is named where the law with a power has this name
+        if " + " in name or name == "Coulomb":
+            name += " + viscous" * (self.flow != "power")
+        more = {"power": " + power of speed", "drag": " + drag"}.get(self.flow, "")
+        return f"{name}{more}{' by direction' * self.both_ways}"
 
     @property
     def specification(self) -> CandidateSpec:
         """The candidate: that of a name, or else that of the composition."""
         if self.exponent:
             return specification(f"{self.memory or 'stribeck'}-exponent")
+        if self in SPECIAL:
+            return specification(SPECIAL[self])
         own = law(self.composition)
-        if self.memory:
-            # bristles have names with a power of the speed, which is fitted or stays 1
-            named = law(replace(self, flow="power").composition)
-            if not self.both_ways and not (self.memory == "dahl" and self.stribeck):
-                suffix = "-power" if self.flow == "power" else ""
-                return specification(f"{self.memory}{suffix}")
-            if named.name in laws() and {*named.fit_order} == {*own.fit_order}:
-                return specification(named.name)
-        known = own.name in laws()
-        return CandidateSpec(name=own.name, title=own.title if known else self.title, law=own)
+        title = own.title if own.name in laws() else self.title
+        return CandidateSpec(name=own.name, title=title, law=own)
 
     def above(self) -> Iterator["Rung"]:
         """Yield what has one part more."""
@@ -94,6 +91,15 @@ class Rung:
             yield replace(self, memory="lugre", stribeck=True)
 
 
+SPECIAL = {
+    Rung(memory="dahl"): "dahl",
+    Rung(memory="dahl", flow="power"): "dahl-power",
+    Rung(memory="lugre", stribeck=True): "lugre",
+    Rung(memory="lugre", stribeck=True, flow="power"): "lugre-power",
+}
+"""Candidates of which exponents are held that their laws have."""
+
+
 @functools.cache
 def rungs() -> Mapping[str, Rung]:
     """Return all rungs by the name of their candidate, from the lowest upwards.
@@ -103,7 +109,8 @@ def rungs() -> Mapping[str, Rung]:
     >>> list(rungs())[:4]
     ['coulomb-viscous', 'direction-dependent', 'stribeck', 'power-viscous']
     """
-    found, level = {}, [Rung()]
+    found: dict[str, Rung] = {}
+    level = [Rung()]
     while level:
         found |= {rung.specification.name: rung for rung in level}
         above = dict.fromkeys(one for rung in level for one in rung.above())

@@ -14,7 +14,7 @@ from stickslip.quantities import Quantity
 ALWAYS = Passivity(condition="always", holds=lambda _law, _load: True)
 """Friction opposes slip at any speed, or yields as bristles that only take energy up."""
 BRISTLE_DAMPING = Passivity(
-    condition="sigma_2 >= sigma_1 N (mu_s / mu_k - 1)",
+    condition="if sigma_2 >= sigma_1 N (mu_s / mu_k - 1)",
     holds=lambda law, load: _is_viscous_enough(law, load, ""),
 )
 """What constant damping of bristles asks of the viscous part; of both directions if they differ."""
@@ -857,7 +857,7 @@ class LuGreFading:
     )
     typical = Typical(values={**FADING, **DAMPED, "damping_velocity": 1e-3})
     passivity = Passivity(
-        condition="sigma_1 v_d <= 4 sqrt(2 e) mu_k",
+        condition="if sigma_1 v_d <= 4 sqrt(2 e) mu_k",
         holds=lambda law, _load: (
             law.bristle_damping * law.damping_velocity
             <= 4.0 * math.sqrt(2.0 * math.e) * law.kinetic_coefficient
@@ -913,7 +913,7 @@ class DirectionalLuGre:
         }
     )
     passivity = Passivity(
-        condition="sigma_2 >= sigma_1 N (mu_s / mu_k - 1) in each direction",
+        condition="if sigma_2 >= sigma_1 N (mu_s / mu_k - 1) in each direction",
         holds=lambda law, load: all(_is_viscous_enough(law, load, side) for side in SIDES),
     )
     defects = DRIFTS
@@ -1345,7 +1345,7 @@ class GMS:
     )
     typical = Typical(values={**FADING, **STIFF, "attraction": 10.0})
     passivity = Passivity(
-        condition="mu_s = mu_k",
+        condition="if mu_s = mu_k",
         holds=lambda law, _: bool(law.static_coefficient == law.kinetic_coefficient),
     )
     defects = (

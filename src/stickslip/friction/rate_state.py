@@ -337,4 +337,4 @@ class RateState(Parametrised):
         x = (mu_0 + self.rate * moving) / a
         large = x + np.log1p(np.sqrt(1.0 + 4.0 * np.exp(-2.0 * np.maximum(x, 0.0)))) - math.log(2.0)
         small = np.arcsinh(0.5 * np.exp(np.minimum(x, 0.0)))
-        return np.sign(V) * a * np.where(x > 0.0, large, small)
+        return np.asarray(np.sign(V) * a * np.where(x > 0.0, large, small))

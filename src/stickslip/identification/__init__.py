@@ -78,8 +78,8 @@ INSIDE = {
     "by_features": "features.features",
     "called": "validation",
     "check_given": "validation",
-    "check_inputs": "contact_inputs",
     "check_horizon": "records.fit",
+    "check_inputs": "contact_inputs",
     "check_rest": "travels.fit",
     "choice_of": "records.fitting",
     "choose_route": "records.route_choice",
@@ -105,9 +105,9 @@ INSIDE = {
     "inputs_text": "contact_inputs",
     "inside": "series.applied_force",
     "interleaved": "records.refits",
-    "known_inputs": "contact_inputs",
     "joint_record": "records.joint_views",
     "joint_view": "records.joint_views",
+    "known_inputs": "contact_inputs",
     "largest_allowed": "profile_likelihood",
     "late_sensors": "records.late_sensors",
     "law_quantities": "validation",
@@ -137,6 +137,7 @@ INSIDE = {
     "trials_of": "travels.model",
     "uncertainties_of": "travels.model",
     "with_drive": "shooting.segments",
+    "with_inputs": "contact_inputs",
     "with_profile": "rate_state.fit",
 }
 """Names that other subpackages use, and that are not part of the public interface."""

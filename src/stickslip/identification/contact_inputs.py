@@ -14,7 +14,7 @@ from stickslip.drives import Drive, Sampled
 from stickslip.errors import InputError
 from stickslip.experiments import Measurement, unit_of_input
 from stickslip.formatting import joined, quantity, span
-from stickslip.friction import FrictionLaw
+from stickslip.friction import FrictionLaw, Laws
 from stickslip.mechanisms import (
     Mechanism,
     given_inputs,
@@ -248,15 +248,22 @@ def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mech
     return given_inputs(mechanism, inputs)
 
 
+def _asked(law: FrictionLaw | Laws) -> Sequence[str]:
+    """Return the contact inputs of a law, or of those of several contacts."""
+    if isinstance(law, FrictionLaw):
+        return law.inputs
+    return tuple(dict.fromkeys(name for _, one in law.members for name in one.inputs))
+
+
 def as_informed(
-    law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
+    law: FrictionLaw | Laws, mechanism: Mechanism, measurement: Measurement
 ) -> tuple[Mechanism, tuple[str, ...]]:
     """Return a mechanism with what was measured of a law's inputs, and what is to be said of it.
 
     Parameters
     ----------
-    law : FrictionLaw
-        The law, whose inputs are meant.
+    law : FrictionLaw or Laws
+        The law, or the law of each contact, whose inputs are meant.
     mechanism : Mechanism
         What was measured.
     measurement : Measurement
@@ -277,7 +284,7 @@ def as_informed(
     own = set(input_names(mechanism)).difference(given_names(mechanism))
     found: dict[str, float] = {}
     said = []
-    for name in law.inputs:
+    for name in _asked(law):
         parts = [one.contact_inputs().get(name) for one in measurement.records()]
         if name in own or any(part is None for part in parts):
             continue
@@ -293,13 +300,13 @@ def as_informed(
     return given_inputs(mechanism, found), tuple(said)
 
 
-def unvaried(law: FrictionLaw, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
+def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
     """Return sentences on inputs of a law that never change.
 
     Parameters
     ----------
-    law : FrictionLaw
-        The law.
+    law : FrictionLaw or Laws
+        The law, or the law of each contact.
     inputs : sequence of mapping of str to array
         Inputs (n,) of each stretch, by name.
 
@@ -316,7 +323,7 @@ def unvaried(law: FrictionLaw, inputs: Sequence[Mapping[str, Array]]) -> tuple[s
     ('The temperature is constant in this record: its effect cannot be told.',)
     """
     found = []
-    for name in law.inputs:
+    for name in _asked(law):
         values = np.concatenate([one[name] for one in inputs if name in one] or [np.zeros(0)])
         if len(values) and np.ptp(values) <= SAME * float(np.max(np.abs(values))):
             found.append(f"The {name} is constant in this record: its effect cannot be told.")

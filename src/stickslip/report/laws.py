@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from stickslip.characterization import Characteristic, Characterization
-from stickslip.formatting import number, quantity
+from stickslip.formatting import joined, number, quantity
 from stickslip.plots import draw_characteristic, inline_svg
 from stickslip.quantities import fields_of
 from stickslip.report.core.blocks import (
@@ -25,6 +25,9 @@ from stickslip.report.core.tables import Column, Name, Row, Table
 from stickslip.report.core.versions import colophon
 
 __all__ = ["characterization_page"]
+
+MANY = 4
+"""Laws from which on the title does not name all."""
 
 
 def characterization_page(
@@ -57,7 +60,7 @@ def characterization_page(
     titles = [one.title for one in found.all]
     tests = [_test(name, results, found) for name, results in found.by_test.items()]
     return Page(
-        title=titles[0] if len(titles) == 1 else f"{titles[0]} and {len(titles) - 1} more",
+        title=joined(titles) if len(titles) < MANY else f"{titles[0]} and {len(titles) - 1} more",
         subject=f"normal force {quantity(found.load, 'N')}",
         kicker="friction laws on the test bench",
         sections=(_overview(found), _laws(found), *tests, _end(found, reproduce, versions)),

@@ -17,6 +17,7 @@ from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
 __all__ = [
+    "LEAST",
     "LEVEL",
     "LIKELY",
     "MATERIAL",
@@ -127,23 +128,34 @@ def established(
     return gain > error or (gain >= -error and material)
 
 
-def significant(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> bool:
+def significant(
+    rich: CrossValidated[Any],
+    simple: CrossValidated[Any],
+    *,
+    level: float = LEVEL,
+    effective: float | None = None,
+) -> bool:
     """Whether an F test on the whole record is for a richer law, which need not be judged yet.
 
     Parameters
     ----------
     rich, simple : CrossValidated
         Two candidates with fits to one record.
+    level : float
+        Confidence of the test.
+    effective : float, optional
+        Effective number of residuals; that of the richer fit if not given.
 
     Returns
     -------
     bool
         True if the richer law is not the simpler one at its values, and its gain no chance.
     """
-    return simple.name not in rich.is_simpler and _chance(rich, simple) < 1.0 - LEVEL
+    size = rich.effective if effective is None else effective
+    return simple.name not in rich.is_simpler and _chance(rich, simple, size) < 1.0 - level
 
 
-def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> float:
+def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any], effective: float) -> float:
     """Return how likely the richer law's gain on the whole record is if the simpler one holds.
 
     The F test of nested regressions. Residuals are counted by the effective number of the richer
@@ -152,7 +164,7 @@ def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any]) -> float:
     from scipy import stats
 
     extra = max(rich.parameters - simple.parameters, 1)
-    freedom = max(rich.effective - rich.parameters, 1.0)
+    freedom = max(effective - rich.parameters, 1.0)
     ratio = min(simple.residual / max(rich.residual, LEAST), 1e100)
     return float(stats.f.sf((ratio**2 - 1.0) * freedom / extra, extra, freedom))
 

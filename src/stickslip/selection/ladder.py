@@ -1,31 +1,34 @@
 """Candidates a part at a time: a richer law is fitted where what it builds on is shown to hold."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
-from typing import Generic, TypeVar, final
+from dataclasses import dataclass, fields, replace
+from typing import final
 
 from stickslip.formatting import count
 from stickslip.friction import Rung, rungs
-from stickslip.selection.candidates import LEFT_OUT, REFERENCE, CandidateSpec, Watch
-from stickslip.selection.choice import effective_aic, significant
-from stickslip.selection.parallel_fit import Fitted, Tried, fitted_side_by_side
+from stickslip.selection.candidates import LEFT_OUT, CandidateSpec, Watch
+from stickslip.selection.choice import LEAST, LEVEL, significant
+from stickslip.selection.parallel_fit import Fitted, fitted_side_by_side
 from stickslip.selection.record_verdict import RecordCandidate
-from stickslip.selection.wording import in_sentence
+from stickslip.selection.wording import friction_of
 
 __all__ = ["Climbed", "climbed"]
 
-C = TypeVar("C", bound=Tried)
+HINTED = 0.5
+"""Confidence below which the gain of a further part is not worth held-out fits."""
+IDLE = "not scored: it leaves hardly less than a law that it contains"
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Climbed(Generic[C]):
+class Climbed:
     """The candidates that were fitted, and why no others were."""
 
     specs: tuple[CandidateSpec, ...]
     """What was fitted."""
-    tried: tuple[C, ...]
+    tried: tuple[RecordCandidate, ...]
     """The candidates in the same order."""
     untried: tuple[str, ...] = ()
     """Names of the candidates that were not fitted."""
@@ -35,14 +38,14 @@ class Climbed(Generic[C]):
 
 def climbed(
     candidates: Sequence[CandidateSpec],
-    fitted: Fitted[C],
+    fitted: Fitted[RecordCandidate],
     watch: Watch | None,
     executor: Executor | None,
     *,
-    seen: Callable[[Sequence[C], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
+    seen: Callable[[Sequence[RecordCandidate], Sequence[CandidateSpec]], Sequence[RecordCandidate]],
     at_noise: Callable[[RecordCandidate], bool],
     usual: bool,
-) -> Climbed[C]:
+) -> Climbed:
     """Fit candidates: those that were given all, the usual ones from the simplest upwards.
 
     Of the usual ones, laws without memory that have at most one part beside a level and a viscous
@@ -75,17 +78,20 @@ def climbed(
     by_name = {one.name: one for one in candidates}
     chosen = [*by_name.values()]
     if usual:
-        known, first = rungs(), [Rung(), *Rung().above()]
-        chosen = [one for one in chosen if one.name not in known or known[one.name] in first]
+        known, lowest = rungs(), [Rung(), *Rung().above()]
+        chosen = [one for one in chosen if known.get(one.name, Rung()) in lowest]
         chosen = [one for one in chosen if not one.law.states]
-    found: dict[str, C] = {}
-    why = ""
+    first, why = {one.name for one in chosen}, ""
+    found: dict[str, RecordCandidate] = {}
     while True:
         tried = fitted_side_by_side(fitted, chosen, watch, executor, found)
         if not usual:
             break
-        more, why = _above(seen(tried, chosen), by_name, at_noise)
+        fits = _Fits.of(seen(tried, chosen))
+        more, why = fits.above(by_name, at_noise)
         if not more:
+            idle = {name for name in found if name not in first and fits.is_idle(name)}
+            tried = [replace(one, dropped=IDLE) if one.name in idle else one for one in tried]
             break
         chosen += more
     left = tuple(name for name in by_name if name not in found)
@@ -93,47 +99,71 @@ def climbed(
     return Climbed(specs=tuple(chosen), tried=tuple(tried), untried=left, why=said)
 
 
-def _above(
-    compared: Sequence[RecordCandidate],
-    by_name: Mapping[str, CandidateSpec],
-    at_noise: Callable[[RecordCandidate], bool],
-) -> tuple[list[CandidateSpec], str]:
-    """Return what is fitted next; nothing, with the reason as a clause, if nothing is to be."""
-    fits = {
-        c.name: c
-        for c in compared
-        if c.fit and not c.fit.search_failure and not c.fit.optimum.hopeless
-    }
-    if any(c.dropped == LEFT_OUT or (c.fit and c.fit.optimum.cancelled) for c in compared):
-        return [], "the search was stopped"
-    shown = [c for c in fits.values() if _shown(c, fits)]
-    if not shown:
-        return [], "no simpler law could be fitted"
-    criteria = effective_aic(shown)
-    best = min(shown, key=lambda c: criteria[c.name])
-    title = in_sentence(best.title)
-    if at_noise(best):
-        return [], f"{title} friction leaves no more than noise"
-    tried = {c.name for c in compared}
-    own = rungs().get(best.name, Rung())
-    wanted = [*Rung().above(), *(one for one in own.above() if _promising(own, one, fits))]
-    names = dict.fromkeys(one.specification.name for one in wanted)
-    more = [by_name[name] for name in names if name in by_name and name not in tried]
-    return more, f"no law with one part more is shown to hold over {title} friction"
+@final
+@dataclass(frozen=True)
+class _Fits:
+    """Candidates with fits to one record, as far as they are fitted."""
 
+    tried: Sequence[RecordCandidate]
+    """All candidates so far."""
+    known: Mapping[str, RecordCandidate]
+    """Those whose search came to its end, by name."""
+    size: float
+    """Effective number of residuals: that of the fit that has the most.
 
-def _shown(c: RecordCandidate, fits: Mapping[str, RecordCandidate]) -> bool:
-    return all(significant(c, fits[name]) for name in c.simpler if name in fits)
+    Of what a law that lacks another part leaves, little counts as independent, so that by its own
+    number hardly a law would be climbed from.
+    """
 
+    @classmethod
+    def of(cls, tried: Sequence[RecordCandidate]) -> "_Fits":
+        """Return the fits of candidates."""
+        known = {
+            c.name: c
+            for c in tried
+            if c.fit and not c.fit.search_failure and not c.fit.optimum.hopeless
+        }
+        return cls(tried, known, max((c.effective for c in known.values()), default=0.0))
 
-def _promising(own: Rung, above: Rung, fits: Mapping[str, RecordCandidate]) -> bool:
-    """Whether a law with memory, whose fits take long, has a part more that gains by itself."""
-    if not above.memory or above.exponent:
-        return True
-    new = {
-        field.name: getattr(above, field.name)
-        for field in fields(Rung)
-        if getattr(above, field.name) != getattr(own, field.name)
-    }
-    alone, plain = fits.get(Rung(**new).specification.name), fits.get(REFERENCE)
-    return alone is None or plain is None or significant(alone, plain)
+    def above(
+        self, by_name: Mapping[str, CandidateSpec], at_noise: Callable[[RecordCandidate], bool]
+    ) -> tuple[list[CandidateSpec], str]:
+        """Return what is fitted next, and if nothing is to be, the reason as a clause."""
+        if any(c.dropped == LEFT_OUT or (c.fit and c.fit.optimum.cancelled) for c in self.tried):
+            return [], "the search was stopped"
+        if not self.known:
+            return [], "no simpler law could be fitted"
+        best = min(filter(self.is_shown, self.known.values()), key=self.criterion)
+        title = friction_of(best.title)
+        if at_noise(best):
+            return [], f"{title} leaves no more than noise"
+        own, tried = rungs().get(best.name, Rung()), {c.name for c in self.tried}
+        wanted = [*Rung().above(), *(one for one in own.above() if self.is_promising(own, one))]
+        names = dict.fromkeys(one.specification.name for one in wanted)
+        more = [by_name[name] for name in names if name in by_name and name not in tried]
+        return more, f"no law with one part more is shown to hold over {title}"
+
+    def criterion(self, c: RecordCandidate) -> float:
+        """Return Akaike's criterion."""
+        return self.size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters
+
+    def is_shown(self, c: RecordCandidate, *, level: float = LEVEL) -> bool:
+        """Whether a law is shown to hold over all that it contains."""
+        simpler = (self.known[name] for name in c.simpler if name in self.known)
+        return all(significant(c, one, level=level, effective=self.size) for one in simpler)
+
+    def is_idle(self, name: str) -> bool:
+        """Whether a law takes no more off than chance does from one that it contains."""
+        return name in self.known and not self.is_shown(self.known[name], level=HINTED)
+
+    def is_promising(self, own: Rung, above: Rung) -> bool:
+        """Whether a law is fitted: one with memory, which takes long, if its part gains alone."""
+        new = {
+            field.name: getattr(above, field.name)
+            for field in fields(Rung)
+            if getattr(above, field.name) != getattr(own, field.name)
+        }
+        if not above.memory or "exponent" in new:
+            return True
+        alone = self.known.get(Rung(**new).specification.name)
+        return alone is None or self.is_shown(alone)

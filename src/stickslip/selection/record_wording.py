@@ -366,7 +366,7 @@ def _lede(
     closer = [
         c
         for c in candidates
-        if c.dropped and c.fit and best.name not in c.is_simpler and not as_good(best, c)
+        if c.dropped and c.validation and best.name not in c.is_simpler and not as_good(best, c)
     ]
     if closer and not best.dropped:
         first = closer[0]

@@ -205,7 +205,7 @@ def _tried(
     executor: Executor | None,
     *,
     usual: bool,
-) -> tuple[Callable[..., RecordCandidate], Climbed[RecordCandidate]]:
+) -> tuple[Callable[..., RecordCandidate], Climbed]:
     """Return what fits a candidate, and those that were: by the better of two open routes."""
 
     def by(name: RecordRouteName, reason: str) -> Callable[..., RecordCandidate]:
@@ -290,9 +290,14 @@ def _laws(
 ) -> tuple[CandidateSpec, ...]:
     """Return the candidates; by default none that the motion cannot tell."""
     chosen = specifications(laws)
-    if laws is None and one_way(measurement):
-        return tuple(one for one in chosen if not one.law.directional)
-    return chosen
+    if laws is not None:
+        return chosen
+    if one_way(measurement):
+        chosen = tuple(one for one in chosen if not one.law.directional)
+    # one law says why none with memory serves
+    return tuple(
+        one for one in chosen if one.name == "dahl" or not unsuited_by(measurement, one.law)
+    )
 
 
 def _without_stated(measurement: Measurement, route: str | None) -> Measurement:
@@ -466,7 +471,7 @@ def with_scores(
     RecordCandidate
         The candidate with its errors on held-out blocks and on the second record.
     """
-    if candidate.fit is None:
+    if candidate.fit is None or candidate.dropped:
         return candidate
     if candidate.fit.optimum.hopeless:
         return replace(candidate, dropped=HOPELESS)

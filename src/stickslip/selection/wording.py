@@ -115,12 +115,15 @@ def friction_of(title: str) -> str:
     --------
     >>> friction_of("Direction-dependent"), friction_of("Dahl with exponent")
     ('direction-dependent friction', 'Dahl friction with exponent')
+    >>> friction_of("Stribeck by direction")
+    'Stribeck friction by direction'
     >>> friction_of("level + stribeck + power")  # a composition keeps its letters
     'the friction of level + stribeck + power'
     """
     if title.islower() and "+" in title:
         return f"the friction of {title}"
-    kind, joint, more = in_sentence(title).partition(" with ")
+    joint = " with " if " with " in title else " by direction"
+    kind, joint, more = in_sentence(title).partition(joint)
     noun = "" if kind.endswith("friction") else " friction"
     return f"{kind}{noun}{joint}{more}"
 

@@ -27,6 +27,8 @@ __all__ = ["FixedStep", "Method"]
 Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]
 """Integrators of a fixed step."""
 
+NUDGE = 1e-9
+"""Deflection over which the rate of a bristle is differentiated [m]; bristles deflect by more."""
 MOST_STEPS = 1e7
 """Steps that a run may take: each keeps its state, and this many take some minutes."""
 
@@ -196,8 +198,8 @@ def _slope(
 ) -> float:
     """Return the rate of a bristle by its deflection [1/s]."""
     moved = [*y]
-    moved[i] += 1.0
-    return diagram.rates(t, moved, held)[i] - diagram.rates(t, y, held)[i]
+    moved[i] += NUDGE
+    return (diagram.rates(t, moved, held)[i] - diagram.rates(t, y, held)[i]) / NUDGE
 
 
 def _diagram(

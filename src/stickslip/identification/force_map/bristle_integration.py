@@ -280,7 +280,9 @@ def _moved(
     """Return states (bristles, ...) after a step of h by the law's own formula, if it has one."""
     with latches:
         found = law.moved(v, n, tuple(z), h)
-    return None if found is None else np.stack([np.broadcast_to(one, z.shape[1:]) for one in found])
+    if found is None:
+        return None
+    return np.stack([np.broadcast_to(one, z.shape[1:]) for one in found])
 
 
 def _rates(law: FrictionLaw, v: Array, n: Array) -> Rates:

@@ -185,7 +185,20 @@ def simulate_velocity_steps(
 
 
 def coefficients(law: RateState, logs: Array) -> Array:
-    """Return the coefficients of friction (n,) of what `logarithms` returns (n, 1 + states)."""
+    """Return coefficients of friction.
+
+    Parameters
+    ----------
+    law : RateState
+        Friction of the slider.
+    logs : array (n, 1 + states)
+        What `logarithms` returns.
+
+    Returns
+    -------
+    array (n,)
+        The coefficients.
+    """
     if law.regularised:
         return logs[:, 0].copy()
     effects = [law.direct_effect, *(b for b, _ in law.states)]
@@ -193,7 +206,20 @@ def coefficients(law: RateState, logs: Array) -> Array:
 
 
 def velocities(law: RateState, logs: Array) -> Array:
-    """Return the slip speeds (n,) [m/s] of what `logarithms` returns (n, 1 + states)."""
+    """Return slip speeds.
+
+    Parameters
+    ----------
+    law : RateState
+        Friction of the slider.
+    logs : array (n, 1 + states)
+        What `logarithms` returns.
+
+    Returns
+    -------
+    array (n,)
+        The speeds [m/s]; negative where the regularised form slips backwards.
+    """
     if not law.regularised:
         return np.asarray(law.reference_velocity * np.exp(logs[:, 0]))
     mu, level = logs[:, 0], law.reference_coefficient + logs[:, 1:] @ [b for b, _ in law.states]

@@ -22,6 +22,7 @@ from stickslip.characterization import (
     SteadyCurve,
     StickSlipMap,
 )
+from stickslip.errors import InputError
 from stickslip.formatting import number, scale_of
 from stickslip.plots.core.arguments import check_type
 from stickslip.plots.core.axes import Panels, PanelTarget, Target, on_axes, on_panels
@@ -91,8 +92,8 @@ def _line(axes: Axes, x: Any, y: Any, look: LineStyle, label: str = "", **more: 
 def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     factor, unit = scale_of([max(one.velocity.max() for one in results.values())], "m/s")
     for title, one in results.items():
-        half = len(one.velocity) // 2
-        for part in (slice(None, half), slice(half, None)):
+        half = len(one.velocity) // 2 if max(one.break_away) > 0.0 else None
+        for part in (slice(None, half), slice(half, None)) if half else (slice(None),):
             name = title if part.start is None else ""
             _line(axes, factor * one.velocity[part], one.force[part], style[title], name)
         if max(one.break_away) > 0.0:
@@ -201,12 +202,13 @@ def _energy_scale(energies: list[float]) -> tuple[float, str]:
 
 
 def _cost(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
-    factor, unit = scale_of([max(float(np.median(one.speed)) for one in results.values())], "m/s")
+    fastest = [float(one.speed.max(initial=0.0)) for one in results.values()]
+    factor, unit = scale_of([0.01 * max(fastest)], "m/s")
     for title, one in results.items():
         seen = one.rate > 0.0
         _line(axes, factor * one.speed[seen], one.rate[seen], style[title], title)
     axes.set(xscale="log", yscale="log")
-    _none_if_empty(axes, "no rate is fast")
+    _none_if_empty(axes, "no rate is fast, or none is known")
     axes.set_xlabel(f"velocity, {unit}")
     axes.set_ylabel("fastest rate, 1/s")
 
@@ -292,6 +294,8 @@ def plot_characterization(result: Characterization, ax: PanelTarget = None) -> P
     """
     check_type("result", result, Characterization)
     by_test = result.by_test
+    if not by_test:
+        raise InputError(f"no test of {result.title} could be made, so there is nothing to plot.")
     rows = -(-len(by_test) // 2)
 
     def draw(figure: Figure, narrow: bool) -> None:

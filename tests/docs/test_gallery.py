@@ -1,0 +1,53 @@
+"""The gallery has a page for each law, and its guide leads to laws and tests that exist."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from stickslip.characterization import TESTS
+from stickslip.friction import LAWS
+
+EXTENSIONS = Path(__file__).parents[2] / "docs" / "_ext"
+
+
+@pytest.fixture(scope="module")
+def gallery():
+    sys.path.insert(0, str(EXTENSIONS))
+    try:
+        import gallery as found
+    finally:
+        sys.path.remove(str(EXTENSIONS))
+    return found
+
+
+def test_the_page_of_a_law_says_what_it_does_and_links_to_its_figures(gallery):
+    files = gallery.written("coulomb")
+    page = files["coulomb.md"]
+    assert page.startswith("# Coulomb\n")
+    assert "It does not drift" in page and "Parameters\n----" not in page  # noqa: PT018
+    for name in files:
+        assert name in page or name in ("coulomb.md", "coulomb-thumbnail.svg")
+    # what stays in its place has no figure
+    assert set(files) == {"coulomb.md", "coulomb-steady.svg", "coulomb-thumbnail.svg"}
+    assert all(text.startswith("<svg") for name, text in files.items() if name.endswith("svg"))
+
+
+def test_a_page_is_kept_until_the_law_or_the_code_changes(gallery, tmp_path, monkeypatch):
+    made = []
+    monkeypatch.setattr(gallery, "KEPT", tmp_path)
+    monkeypatch.setattr(gallery, "written", lambda name: made.append(name) or {"a.md": name})
+    for code in ("1", "1", "2"):
+        assert gallery.kept("coulomb", code) == {"a.md": "coulomb"}
+    assert made == ["coulomb", "coulomb"]
+    assert len([*tmp_path.iterdir()]) == 1
+
+
+def test_the_guide_names_tests_and_laws_that_exist(gallery):
+    assert {test for *_, test in gallery.SYMPTOMS} <= set(TESTS)
+    for _, _, names, _ in gallery.SYMPTOMS:
+        assert any(name in LAWS for name in names)
+    text = "\n".join(gallery.guide())
+    assert "[Stribeck](stribeck.md)" in text
+    assert "(nonsense.md)" not in text
+    assert all(f"{name}.md" in "\n".join(gallery.thumbnails()) for name in LAWS)

@@ -1,0 +1,76 @@
+"""Laws that are one part above another contain it, whether they have names or not."""
+
+import dataclasses
+
+import pytest
+
+from stickslip.friction import FrictionLaw, containment_of, law, laws, usual_specifications
+from stickslip.friction.notation import canonical, read
+from stickslip.identification.travels.start_values import starting_law
+
+KINDS = list(dict.fromkeys(one.law for one in usual_specifications()))
+PAIRS = [(rich, one) for rich in KINDS for one in KINDS if containment_of(rich, one)]
+LARGE = 1e12
+"""Stands for infinity: bristles then give way by less than a picometre."""
+
+
+@pytest.mark.parametrize(("rich", "simple"), PAIRS, ids=[f"{r.name}<{s.name}" for r, s in PAIRS])
+def test_each_law_gives_the_friction_of_all_laws_that_it_contains(rich, simple):
+    how = containment_of(rich, simple)
+    known = dataclasses.replace(starting_law(simple), **how.where)
+    values = how.embed(known)
+    rest = starting_law(rich)
+    others = {name: getattr(rest, name) for name in rich.fit_order}
+    found: FrictionLaw = rich(**{**others, **values, **dict.fromkeys(how.limits, LARGE)})
+    for velocity in (-0.8, -1e-3, 1e-3, 0.3):
+        # products of the same numbers in another order
+        assert found.steady(velocity, 7.0) == pytest.approx(known.steady(velocity, 7.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rich", "simple", "contains"),
+    [
+        ("both_ways(level + stribeck + power)", "both_ways(level + power)", True),
+        ("both_ways(level + stribeck + power)", "level + stribeck + viscous + drag", False),
+        (
+            "dahl(both_ways[levels](level)) + both_ways[levels](viscous)",
+            "dahl(level) + power",
+            True,
+        ),
+        ("dahl(level + stribeck) + viscous", "dahl(level) + power", True),  # whose power is 1
+        ("dahl(level) + viscous", "level + power", False),  # a power is not 1 by itself
+        ("dahl(level) + viscous", "viscous", False),  # a memory needs a level
+        # the directions share the Stribeck velocity
+        (
+            "dahl(both_ways[levels](level + stribeck)) + viscous",
+            "both_ways(level + stribeck)",
+            False,
+        ),
+    ],
+)
+def test_containment_needs_no_names(rich, simple, contains):
+    assert (containment_of(law(rich), law(simple)) is not None) == contains
+
+
+def test_a_whole_exponent_that_makes_a_law_simpler_is_asked_for():
+    how = containment_of(law("dahl(level + stribeck) + viscous"), laws()["dahl"])
+    assert how.where["viscous_exponent"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("both_ways(level) + both_ways(viscous)", "both_ways(viscous + level)", True),
+        ("both_ways[levels](level + viscous)", "both_ways(level + viscous)", True),
+        ("both_ways[levels](level + stribeck)", "both_ways(level + stribeck)", False),
+        ("both_ways(level) + viscous", "both_ways(level + viscous)", False),
+    ],
+)
+def test_both_directions_of_a_sum_are_the_sum_of_both_directions(one, other, same):
+    assert (canonical(read(one)) == canonical(read(other))) == same
+    assert (law(one) is law(other)) <= same
+
+
+def test_titles_of_candidates_differ():
+    titles = [one.title for one in usual_specifications()]
+    assert len({*titles}) == len(titles)
