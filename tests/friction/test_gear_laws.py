@@ -133,4 +133,4 @@ def test_each_of_the_six_contains_those_before_it():
         "bam-m3": ["coulomb-viscous"],
     }
     for name, inner in chain.items():
-        assert [one.law for one in LAWS[name].contained] == inner
+        assert {*inner} <= {one.law for one in LAWS[name].contained}
