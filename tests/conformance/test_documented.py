@@ -20,6 +20,7 @@ ALL = (*FIRST, *PRINTED_FORMS.values())
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 UNITS = {
     "1",
+    "1/s",
     "m",
     "kg",
     "kg m^2",
@@ -36,6 +37,7 @@ UNITS = {
     "1/N^2",
     "1/K",
     "s/m",
+    "1/s",
     "rad",
     "s",
     "Hz",

@@ -3,7 +3,6 @@
 import math
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -163,7 +162,11 @@ def inputs_along(
     >>> inputs_along(SpringBlock(mass=1.0), record, t)["temperature"]
     array([20., 21., 22.])
     """
-    slip, unknown = slip_of(mechanism), partial(defaultdict, lambda: math.nan)
+    slip = slip_of(mechanism)
+
+    def unknown(known: Mapping[str, Any]) -> Mapping[str, Any]:
+        return defaultdict(lambda: math.nan, known)
+
     drives: dict[str, Array | float] = {
         name: np.array([drive.value(float(t)) for t in time])
         for name, drive in mechanism.drives().items()

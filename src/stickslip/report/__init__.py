@@ -45,11 +45,11 @@ HOMES = {
 }
 
 INSIDE = {
-    "characterization_page": "laws",
     "ContactsReport": "runs",
     "Origin": "core.documents",
     "RunReport": "runs",
     "SectionMaker": "core.documents",
+    "characterization_page": "laws",
     "colophon": "core.versions",
     "contacts_page": "runs",
     "documents": "core",
