@@ -209,7 +209,7 @@ def report() -> None:
         "report.svg",
         draw,
         (880, 420),
-        "Verdict, friction map and held-out errors of eleven laws fitted to a record of an axis",
+        "Verdict, friction map and held-out errors of laws fitted to a record of an axis",
     )
 
 

@@ -344,9 +344,10 @@ class Renamed(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        """Read a name that stands in quotes."""
-        if isinstance(node.value, str) and node.value.isidentifier():
-            return self.visit_Name(ast.Name(id=node.value, ctx=ast.Load()))
+        """Read what stands in quotes."""
+        if isinstance(node.value, str):
+            found: ast.expr = self.visit(ast.parse(node.value, mode="eval").body)
+            return found
         return node
 
 

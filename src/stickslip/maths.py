@@ -262,7 +262,18 @@ class Latches:
         return bool(self.flags)
 
     def on(self, margin: Scalar, hold: Scalar) -> Any:
-        """Return whether a switch is on; equations ask for all of theirs in the same order."""
+        """Return whether a switch is on; equations ask for all of theirs in the same order.
+
+        Parameters
+        ----------
+        margin, hold : float or array
+            Those of the switch.
+
+        Returns
+        -------
+        bool or array
+            Whether it is on.
+        """
         self._asked.append((margin, hold))
         if len(self._asked) > len(self.flags):
             self.flags.append(False if self._off else margin > 0.0)

@@ -287,3 +287,41 @@ def test_mass_and_stiffness_are_those_of_the_rig():
 def test_what_cannot_be_used_is_refused(call, error, match):
     with pytest.raises(error, match=match):
         call()
+
+
+WARM = law("level + viscous * exponential[temperature]")(
+    kinetic_coefficient=1.0, viscous_coefficient=10.0, viscous_temperature_decay=0.03
+)
+
+
+def test_each_value_of_an_input_is_a_law_of_its_own():
+    cold, warm = characterize(
+        WARM, inputs={"temperature": (20.0, 60.0)}, tests=["steady", "creep"]
+    ).all
+    assert cold.title.endswith("temperature 20 °C")
+    viscous = [one.steady.force - np.sign(one.steady.velocity) for one in (cold, warm)]
+    np.testing.assert_allclose(viscous[1], viscous[0] * np.exp(-0.03 * 40.0), rtol=1e-9)
+    assert cold.creep.stays
+
+
+def test_runs_see_the_inputs_that_are_given():
+    geared = law("level + weight[transmitted]")(
+        kinetic_coefficient=1.0, transmitted_coefficient=0.1
+    )
+    found = characterize(geared, inputs={"transmitted": (0.0, 5.0)}, tests=["break-away"])
+    assert [one.break_away.force[0] for one in found.all] == pytest.approx([1.0, 1.5], rel=1e-9)
+
+
+def test_an_input_without_a_value_is_one_error_that_names_the_option():
+    with pytest.raises(InputError, match=r"depends on temperature.*--input temperature=VALUE"):
+        characterize(WARM)
+
+
+def test_latched_laws_are_tested_by_runs_and_what_cannot_be_is_said():
+    slipping = law("gms[4](level + stribeck) + viscous")
+    found = characterize(slipping, load=10.0, tests=["presliding", "drift", "cost", "passivity"])
+    assert found.presliding.memory == "non-local"
+    assert found.drift.stays
+    assert np.isnan(found.cost.largest_rate)
+    # searched only as far as shorter steps give the same energies
+    assert (found.passivity is None) == ("passivity" in found.failed)

@@ -216,7 +216,7 @@ def test_a_guided_coordinate_is_where_its_profile_says(method):
         ({"dt": 0.0}, r"FixedStep\.dt \(dt\) must be above 0 s, got 0"),
         ({"dt": -1.0}, r"FixedStep\.dt"),
         ({"dt": math.nan}, r"FixedStep\.dt"),
-        ({"dt": 0.1, "method": "rk5"}, "must be one of euler, heun, rk4, got 'rk5'"),
+        ({"dt": 0.1, "method": "rk5"}, "must be one of euler, semi-implicit, heun, rk4, got 'rk5'"),
     ],
 )
 def test_bad_settings_are_refused_in_words(settings, words):

@@ -38,7 +38,7 @@ class Bench(_Bench):  # type: ignore[misc]  # final but for this
         mass: _Given = ...,
         stiffness: _Given = ...,
         inputs: _Mapping[str, float] = ...,
-        first: 'Bench | None' = ...,
+        scales: tuple[float, float] | None = ...,
     ) -> None: ...
 
 __all__ = [

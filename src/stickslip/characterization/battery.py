@@ -218,7 +218,8 @@ def characterize(
     titles = _distinct([title for title, *_ in tried])
     benches: list[Bench] = []
     for _, one, at, _ in tried:
-        benches.append(Bench.of(one, load, rig, at, benches[0] if benches and match else None))
+        same = (benches[0].force, benches[0].speed) if benches and match else None
+        benches.append(Bench.of(one, load, rig, at, same))
     count, done = len(chosen) * len(tried), itertools.count(1)
     found: list[Characterization] = []
     for title, bench, (_, one, _, note) in zip(titles, benches, tried, strict=True):

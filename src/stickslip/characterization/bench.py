@@ -58,8 +58,9 @@ class Bench(Parametrised):
     """Stiffness of the spring that pulls it, where it is pulled by one."""
     inputs: Mapping[str, float] = field(default_factory=dict)
     """Values of the inputs that the law depends on, by name [SI, temperature in degC]."""
-    first: "Bench | None" = None
-    """The bench of the law that this one stands beside: speeds and forces of tests are its own."""
+    scales: tuple[float, float] | None = None
+    """Force [N] and speed [m/s] that settings of tests count in, where they are those of another
+    law; its own if not given."""
 
     @classmethod
     def of(
@@ -68,7 +69,7 @@ class Bench(Parametrised):
         load: float,
         rig: Mechanism | None,
         inputs: Mapping[str, float] | None = None,
-        first: "Bench | None" = None,
+        scales: tuple[float, float] | None = None,
     ) -> "Bench":
         """Return the bench of a law, with mass and stiffness of a mechanism if there is one.
 
@@ -78,7 +79,7 @@ class Bench(Parametrised):
             If the mechanism is none of which mass and stiffness are those of one body.
         """
         if rig is None:
-            return cls(law=law, load=load, inputs=inputs or {}, first=first)
+            return cls(law=law, load=load, inputs=inputs or {}, scales=scales)
         if not isinstance(rig, Axis | SpringBlock | TowedBlock):
             raise InputError(
                 "rig must be an Axis, SpringBlock or TowedBlock, whose mass and stiffness are"
@@ -92,7 +93,7 @@ class Bench(Parametrised):
             mass=mass,
             stiffness=stiffness,
             inputs=inputs or {},
-            first=first,
+            scales=scales,
         )
 
     @functools.cached_property
@@ -118,13 +119,13 @@ class Bench(Parametrised):
     @property
     def force(self) -> float:
         """Force that settings of tests count in [N]: the highest level."""
-        return (self.first or self).levels[1]
+        return self.levels[1] if self.scales is None else self.scales[0]
 
     @functools.cached_property
     def speed(self) -> float:
         """Speed at which friction changes [m/s]: the Stribeck velocity, or one like it."""
-        if self.first is not None:
-            return self.first.speed
+        if self.scales is not None:
+            return self.scales[1]
         names = [name for name, one in fields_of(type(self.law)).items() if one.scale == "speed"]
         found = [float(getattr(self.law, name)) for name in names if getattr(self.law, name)]
         return min(found, default=USUAL_SPEED)

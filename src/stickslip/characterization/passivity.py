@@ -245,11 +245,11 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
         speeds = bench.speed * np.geomspace(1e-4, 1e4, 401)
         speeds = np.concatenate([-speeds, speeds])
         power = (np.asarray(law.steady(speeds, load)) + np.zeros_like(speeds)) * speeds
-        worst = speeds[[int(np.argmin(power))]] if power.min() < 0.0 else speeds[:0]
-        duration = bench.reach / np.abs(worst)
+        gaining = speeds[[int(np.argmin(power))]] if power.min() < 0.0 else speeds[:0]
+        duration = bench.reach / np.abs(gaining)
         return Passivity(
             worst=float(sum(power.min() * duration)),
-            velocity=worst,
+            velocity=gaining,
             duration=duration,
             cycles=0,
             scale=scale,

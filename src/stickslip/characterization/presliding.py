@@ -134,17 +134,30 @@ def presliding_loop(
         path.append(np.linspace(start, end, POINTS + 1)[1:])
     x = np.concatenate(path)
     substeps = int(np.ceil(np.abs(np.diff(x)).max() / (SHARE_OF_LENGTH * presliding_length(law))))
-    z = np.zeros(len(law.states))
+    z, latches = np.zeros(len(law.states)), Latches(off=True)
     friction = np.zeros(len(x))
     for i, step in enumerate(np.diff(x)):
         v = SLOW * float(np.sign(step))
-        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1))
+        z = _moved(law, v, z, load, abs(step) / SLOW, max(substeps, 1), latches)
         friction[i + 1] = law.force(v, load, tuple(map(float, z)))
     return PreslidingLoop(displacement=x, friction=friction)
 
 
-def _moved(law: FrictionLaw, v: float, z: Array, load: float, time: float, substeps: int) -> Array:
+def _moved(
+    law: FrictionLaw,
+    v: float,
+    z: Array,
+    load: float,
+    time: float,
+    substeps: int,
+    latches: Latches,
+) -> Array:
     """Return the bristles after some time at a constant slip velocity."""
+    with latches:
+        known = law.moved(v, load, tuple(map(float, z)), time)
+    latches.turn()
+    if known is not None:
+        return np.array(known, dtype=np.float64)
 
     def rate(state: Array) -> Array:
         return np.asarray(law.rates(v, load, tuple(map(float, state))), dtype=np.float64)

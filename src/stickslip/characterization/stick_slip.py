@@ -12,6 +12,7 @@ from stickslip.characterization.bench import Array, Bench
 from stickslip.characterization.presliding import presliding_length
 from stickslip.formatting import quantity
 from stickslip.friction import FrictionLaw
+from stickslip.maths import Latches
 from stickslip.mechanisms import TowedBlock
 from stickslip.simulation import ensemble
 from stickslip.solver import Max, Min
@@ -41,6 +42,8 @@ STUCK = 0.1
 """Least speed over that of the belt below which the body sticks."""
 HALVINGS = 8
 """Bisections of the boundary: to 1/256 of a grid step."""
+DOUBLINGS = 60
+"""Times that a formula for constant velocity is asked, each for twice as long."""
 STEP = 1e-6
 """Share of their sizes by which states are moved for slopes."""
 
@@ -306,7 +309,9 @@ def slopes_at(bench: Bench, speed: float) -> Array:
         sides = []
         for v, *z in (at + step, at - step):
             force = float(law.force(v, load, tuple(z)))
-            sides.append([-force / bench.mass, *map(float, law.rates(v, load, tuple(z)))])
+            with Latches([True] * len(z)):  # every element slips
+                rates = law.rates(v, load, tuple(z))
+            sides.append([-force / bench.mass, *map(float, rates)])
         columns.append((np.array(sides[0]) - np.array(sides[1])) / (2.0 * step[i]))
     return np.array(columns).T
 
@@ -326,6 +331,16 @@ def settled(law: FrictionLaw, load: float, speed: float) -> tuple[float, ...]:
     if not law.states:
         return ()
     length = presliding_length(law, load)
+    z, latches = (0.0,) * len(law.states), Latches(off=True)
+    for doublings in range(DOUBLINGS):
+        with latches:
+            known = law.moved(speed, load, z, 2.0**doublings * length / speed)
+        latches.turn()
+        if known is None or known == z:
+            break
+        z = known
+    if any(z):
+        return z
 
     def rates(shares: Array) -> Array:
         found = law.rates(speed, load, tuple(float(one) * length for one in shares))

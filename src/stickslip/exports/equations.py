@@ -170,7 +170,7 @@ def _moved(law: Any, at: At, load: Traced, states: tuple[Traced, ...]) -> tuple[
     """Return the states after a period, and whether each latched switch is on then."""
     found = law.moved(at[0], load, states, Traced(PERIOD, at[1]))
     after = (
-        se.Piecewise((se.Integer(1), one.deciding > 0), (se.Integer(0), True))
+        se.Piecewise((se.Integer(1), at[1].deciding(one) > 0), (se.Integer(0), True))
         for one in at[1].switches.values()
         if one.hold is not None
     )
@@ -238,7 +238,4 @@ def _closed(e: se.Expr, board: Switchboard, flags: Sequence[se.Expr] = ()) -> se
     In place of those of latched ones stand their flags, in their order.
     """
     latched = [one.symbol for one in board.switches.values() if one.hold is not None]
-    for one in reversed(board.switches.values()):
-        if one.hold is None:
-            e = e.subs({one.symbol: one.margin})
-    return collapsed(e.subs(dict(zip(latched, flags, strict=False))))
+    return collapsed(board.settled(e).subs(dict(zip(latched, flags, strict=False))))

@@ -594,7 +594,7 @@ def twin(
     >>> axis = Axis(inertia=2.0, drive=Sine(amplitude=4.0, frequency=0.5), load=1.0)
     >>> found = twin(axis, Coulomb(kinetic_coefficient=5.0), "mujoco", t_end=2.0)
     >>> print(found.sentences[1])
-    Under 3 N (60 % of the largest friction at rest), a body at rest creeps at 1.583 mm/s.
+    Under 3 N (60 % of the largest friction at rest), a body at rest creeps at 1.58 mm/s.
     >>> (
     ...     found.peak_error > 1e-3,
     ...     twin(axis, Coulomb(kinetic_coefficient=5.0), found.cure, t_end=2.0).peak_error < 2e-6,

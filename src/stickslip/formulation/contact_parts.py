@@ -391,6 +391,8 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
 
     Raises
     ------
+    InputError
+        If it has a latched switch that outlasts slip.
     TracingError
         If friction is not affine in the load.
     """
@@ -435,10 +437,15 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
         slopes[side] = [e.diff(x) for e in case for x in variables]
     margins = []
     for switch in board.switches.values():
-        lasting = switch.hold is not None and (se.Integer(1), switch.symbol > 0)
-        margins.append(se.Piecewise(lasting, (switch.margin, True)) if lasting else switch.margin)
+        if switch.hold is None:
+            margins.append(switch.margin)
+            continue
+        lasts = se.Piecewise(
+            (se.Integer(1), switch.symbol > 0), (board.settled(switch.margin), True)
+        )
+        margins.append(lasts)
         # kernels let the switches of a direction begin anew where slip turns or stops
-        if switch.hold is not None and switch.hold.subs({speed: 0}) != 0:
+        if switch.hold.subs({speed: 0}) != 0:
             raise InputError(
                 f"{law.name} has a latched switch that outlasts slip, with which the equations of"
                 " several contacts are not formulated: let hold be 0 where the slip velocity is."

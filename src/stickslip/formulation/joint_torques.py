@@ -76,6 +76,11 @@ class JointTorques:
         -------
         JointTorques
             The forces as a function of the motion.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has latched switches.
         """
         board = Switchboard()
         known = [path for path, _, _ in parameters(mechanism, "mechanism")]

@@ -15,7 +15,7 @@ from stickslip.formulation.mechanics import Mechanics, derive_mechanics
 from stickslip.formulation.model_type import Model
 from stickslip.formulation.modes import PAINLEVE, Mode, ModeEquations, mode_equations
 from stickslip.formulation.symbols import Symbols, symbols_of
-from stickslip.formulation.trace import Switch, Switchboard, Traced
+from stickslip.formulation.trace import Switchboard, Traced
 from stickslip.friction import FrictionLaw, Laws, bound
 from stickslip.kernels.enums import LIFT_OFF, SWITCH
 from stickslip.kernels.header import ModeSizes
@@ -123,7 +123,7 @@ def _formulated(mechanism: Mechanism, law: FrictionLaw | Laws, slopes: bool) -> 
     symbols, mechanics, modes = _derived(mechanism, law, index, board)
     quantities = _quantities(symbols, index.values()) if slopes else []
     switches = list(board.switches.values())
-    functions = _functions(symbols, mechanics, modes, switches, quantities)
+    functions = _functions(symbols, mechanics, modes, board, quantities)
     text, constants = program(functions, index.values())
     sizes = _sizes(symbols, mechanics, modes, len(switches), len(index), constants)
     return Model(
@@ -208,15 +208,16 @@ def _functions(
     symbols: Symbols,
     mechanics: Mechanics,
     modes: Mapping[Mode, ModeEquations],
-    switches: list[Switch],
+    board: Switchboard,
     quantities: list[se.Symbol],
 ) -> dict[str, Cases]:
     """Return the module's own part: what the kernels find under these names."""
     y, t, closed = symbols.states, symbols.t, symbols.closed
+    switches = list(board.switches.values())
     rates = {mode: [closed(e) for e in equations.rates] for mode, equations in modes.items()}
     guards = _guards(mechanics, modes, len(switches), closed)
     flags = [switch.symbol for switch in switches]
-    margins = [closed(s.deciding) for s in switches]
+    margins = [closed(board.deciding(s)) for s in switches]
 
     def each(part: Callable[[Mode], Case]) -> Cases:
         return {int(mode): part(mode) for mode in modes}

@@ -49,15 +49,6 @@ class Switch:
     hold: se.Expr | None = None
     """What a latched switch lasts by once it is on; None of one that ends with its condition."""
 
-    @property
-    def deciding(self) -> se.Expr:
-        """Its margin where one mode follows another: what it lasts by comes first, unless 0."""
-        if self.hold is None:
-            return self.margin
-        on = se.Piecewise((self.hold, self.hold > 0), (self.margin, True))
-        lasts = se.Piecewise((on, self.symbol > 0), (self.margin, True))
-        return se.Piecewise((self.hold, self.hold < 0), (lasts, True))
-
 
 @dataclass
 class Switchboard:
@@ -92,6 +83,26 @@ class Switchboard:
             symbol = se.Symbol(f"s{len(self.switches)}")
             self.switches[key] = Switch(margin, symbol, events, hold)
         return self.switches[key]
+
+    def deciding(self, switch: Switch) -> se.Expr:
+        """Return the margin of a switch where one mode follows another.
+
+        What a latched one lasts by comes first, unless it is 0. Its margin does not depend on other
+        switches but on what these ask for: while they settle, none must make it latch.
+        """
+        if switch.hold is None:
+            return switch.margin
+        margin, hold = self.settled(switch.margin), self.settled(switch.hold)
+        on = se.Piecewise((hold, hold > 0), (margin, True))
+        lasts = se.Piecewise((on, switch.symbol > 0), (margin, True))
+        return se.Piecewise((hold, hold < 0), (lasts, True))
+
+    def settled(self, e: se.Expr) -> se.Expr:
+        """Put the margins of switches in place of their symbols; a margin may have switches too."""
+        for one in reversed(self.switches.values()):
+            if one.hold is None:
+                e = e.subs({one.symbol: one.margin})
+        return e
 
     def known_sign(self, expr: se.Expr) -> int | None:
         """Return the sign of an expression where the mode or its being a number fixes it."""

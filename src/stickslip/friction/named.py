@@ -1198,7 +1198,7 @@ class BamM4:
     --------
     >>> from stickslip import BamM4
     >>> [one.law for one in BamM4.contained]
-    ['stribeck', 'bam-m3', 'tustin']
+    ['stribeck', 'bam-m3']
     """
 
     name = "bam-m4"
@@ -1404,5 +1404,6 @@ class BlimanSorine:
     title = "Bliman-Sorine, second order"
     sources = ("bliman1995", "olsson1998")
     typical = Typical(values={**LEVEL, **STIFF, "surplus_share": 0.5, "distance_ratio": 0.2})
+    passivity = ALWAYS
     defects = DRIFTS + " The force of break-away comes back with distance, not with time."
     on_request = True

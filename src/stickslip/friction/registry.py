@@ -136,7 +136,7 @@ def law_type(name: str) -> type[FrictionLaw]:
     for one in special_specifications() if name not in laws() else ():
         if one.name == name:
             raise InputError(
-                f"{name} is available only for fits to records: {one.law.name} with an exponent"
+                f"{name} is available only for fits to records: {one.law.name} with its exponent"
                 f" fitted as well. Give {one.law.name} here."
             )
     kind: type[FrictionLaw] = _law_named(laws(), name)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.friction import FrictionLaw
+from stickslip.maths import Latches, Scalar
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.selection.criteria import Criteria, criteria_of
 from stickslip.simulation import simulate
@@ -150,7 +151,8 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
         if nudge == 0.0:
             continue
         above, below = (
-            law.rates(
+            _rates(
+                law,
                 seen[rate],
                 seen["normal_force"],
                 (*deflections[:i], z + side * nudge, *deflections[i + 1 :]),
@@ -160,6 +162,14 @@ def largest_step(mechanism: Mechanism, law: FrictionLaw, run: Trajectory) -> flo
         decay = np.abs(np.asarray(above - below)) / (2.0 * nudge)
         fastest = max(fastest, float(decay.max()))
     return 2.0 / fastest if fastest > 0.0 else None
+
+
+def _rates(
+    law: FrictionLaw, v: Scalar, load: Scalar, states: tuple[Scalar, ...]
+) -> tuple[Scalar, ...]:
+    """Return the rates of states where every element slips, which then change by themselves."""
+    with Latches([True] * len(states)):
+        return law.rates(v, load, states)
 
 
 def rounded_step(value: float) -> float:

@@ -300,6 +300,11 @@ class Diagram(BlockDiagram):
         -------
         type of the class
             The diagram.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has latched switches of its own.
         """
         stand_in = STAND_IN
         model = formulate(mechanism, stand_in)

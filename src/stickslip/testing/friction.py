@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, bound
+from stickslip.maths import Latches
 from stickslip.mechanisms import Axis, given_inputs
 from stickslip.quantities import fields_of
 from stickslip.simulation import simulate
@@ -174,11 +175,19 @@ def _bristles_break_away(law: FrictionLaw, load: float, sense: int, level: float
     """Yield what bristles hold, or keep, at rest that they should not."""
     stiffness = float(law.force(0.0, load, (1.0,) * len(law.states)))
     z = (sense * level / stiffness,) * len(law.states)
-    if any(rate != 0.0 for rate in law.rates(0.0, load, z)):
-        yield "the bristle deflections change at rest"
-    # of several, some hold more than their share, but none twice as much
+    # of several, some hold more than their share, but none of equal ones twice as much
     beyond = tuple((1.01 if len(z) == 1 else 2.0) * one for one in z)
-    if any(sense * rate > 0.0 for rate in law.rates(sense * 1e-3, load, beyond)):
+    v = sense * 1e-3
+    with Latches():
+        turning = law.rates(0.0, load, z)
+    with Latches():
+        rates = law.rates(v, load, beyond)
+    if any(rate != 0.0 for rate in turning):
+        yield "the bristle deflections change at rest"
+    later = tuple(one + 1e-6 * abs(one / v) * rate for one, rate in zip(beyond, rates, strict=True))
+    with Latches():
+        held, grown = (law.force(0.0, load, one) for one in (beyond, later))
+    if sense * (grown - held) > 0.0:
         yield f"bristles at the break-away level of {number(level)} N deflect further"
 
 

@@ -18,6 +18,8 @@ from stickslip.selection import JointVerdict, RecordVerdict, specifications
 
 __all__ = ["joint_lines", "laws_as_code", "python_lines", "reproduce_section", "reproduced"]
 
+NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+"""Stands for the blanks of names while lines are wrapped."""
 WIDTH: Final = 66
 """Letters of a line of code, which a page shows without scrolling."""
 
@@ -165,8 +167,10 @@ def _laws(names: Sequence[str]) -> str:
         specifications(names)
     except UnknownNameError:
         return "laws"
-    said = ", ".join(f'"{name}"' for name in names)
-    return "\n...      ".join(textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False))
+    # no line ends within a composition
+    said = ", ".join(f'"{name}"'.replace(" ", NO_BREAK) for name in names)
+    lines = textwrap.wrap(f"[{said}]", WIDTH, break_on_hyphens=False, break_long_words=False)
+    return "\n...      ".join(lines).replace(NO_BREAK, " ")
 
 
 def _varied(verdict: RecordVerdict | JointVerdict) -> list[str]:
