@@ -260,6 +260,7 @@ def test_what_a_program_cannot_have_is_said():
             {},
             "holds nothing at rest",
         ),
+        (pushed(rotary=True), LAW, "drake", {}, "joints of Drake have no dry friction"),
         (TwoFeet(mass=1.0, front=0.1, rear=0.1), LAW, "mujoco", {}, "one contact"),
     ],
 )

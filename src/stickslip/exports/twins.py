@@ -304,6 +304,11 @@ class Drake(Program):
 
     @override
     def taken(self, subject: Subject) -> Taken:
+        if subject.rotary:
+            raise InputError(
+                f"{self.name}: joints of Drake have no dry friction, and its contact friction acts"
+                " along a line, not about an axis: choose another program."
+            )
         found = simplified(subject)
         values = {
             "kinetic_coefficient": found.joint.level / found.load,
@@ -348,7 +353,7 @@ class Simscape(Program):
     """
 
     name: ClassVar[str] = "simscape"
-    title: ClassVar[str] = "Simscape, Translational Friction"
+    title: ClassVar[str] = "Simscape, Translational (Rotational) Friction"
 
     breakaway_velocity: Annotated[float, Quantity("v_brk", "m/s", above=0)] = 0.1
     """Breakaway friction velocity, 0.1 by default."""
@@ -382,9 +387,10 @@ class Simscape(Program):
         unit, speed = turned("N", subject.rotary), turned("m/s", subject.rotary)
         load = subject.needed_load()
         kinetic = float(vars(taken.law)["kinetic_coefficient"]) * load
+        force = "torque" if subject.rotary else "force"
         return (
-            f"Breakaway friction force {quantity(taken.level, unit, 6)}, Breakaway friction"
-            f" velocity {quantity(self.breakaway_velocity, speed)}, Coulomb friction force"
+            f"Breakaway friction {force} {quantity(taken.level, unit, 6)}, Breakaway friction"
+            f" velocity {quantity(self.breakaway_velocity, speed)}, Coulomb friction {force}"
             f" {quantity(kinetic, unit, 6)}, Viscous friction coefficient"
             f" {number(_viscous(taken), 6)}"
         )
