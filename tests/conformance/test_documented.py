@@ -20,7 +20,6 @@ ALL = (*FIRST, *PRINTED_FORMS.values())
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 UNITS = {
     "1",
-    "1/s",
     "m",
     "kg",
     "kg m^2",
@@ -37,7 +36,6 @@ UNITS = {
     "1/N^2",
     "1/K",
     "s/m",
-    "1/s",
     "rad",
     "s",
     "Hz",

@@ -78,3 +78,7 @@ def test_a_fraction_in_an_exponent_is_not_set_at_half_size():
     size = float(re.search(r"font-size: (\.\d+)em", rule[1])[1])
     phone = page[page.index("@media", page.index(".math msup")) :]
     assert size * float(re.search(r"\.math \{ font-size: (\d+)px", phone)[1]) > 12.0
+
+
+def test_a_sum_keeps_its_sign_and_what_it_is_over():
+    assert formula_text(r"F = \textstyle\frac{\sigma_0}{4} \sum_i z_i N") == "F = (σ₀/4) ∑_i z_i N"

@@ -24,12 +24,6 @@ HOMES = {
     "presliding_loop": "presliding",
 }
 
-INSIDE = {
-    "Given": "battery",
-    "law_with_values": "battery",
-}
-"""Names that other subpackages use, and that are not part of the public interface."""
-
 __all__ = sorted(HOMES)  # noqa: PLE0605  # read off the table above
 
-__getattr__, __dir__ = attach(__name__, HOMES | INSIDE)
+__getattr__, __dir__ = attach(__name__, HOMES)

@@ -5,10 +5,8 @@ from typing import final
 from collections.abc import Mapping as _Mapping
 from stickslip.characterization.base import Characteristic as Characteristic
 from stickslip.characterization.battery import Characterization as Characterization
-from stickslip.characterization.battery import Given as Given
 from stickslip.characterization.battery import TESTS as TESTS
 from stickslip.characterization.battery import characterize as characterize
-from stickslip.characterization.battery import law_with_values as law_with_values
 from stickslip.characterization.bench import Bench as _Bench
 from stickslip.characterization.break_away import BreakAway as BreakAway
 from stickslip.characterization.cost import Cost as Cost

@@ -426,7 +426,8 @@ def anywhere(law: L) -> L:
     Examples
     --------
     >>> from stickslip.friction import law
-    >>> warm = law("level * linear[temperature]")(kinetic_coefficient=0.2)
+    >>> kind = law("level * linear[temperature]")
+    >>> warm = kind(kinetic_coefficient=0.2, level_temperature_slope=0.01)
     >>> anywhere(warm).break_away(1.0) > 0.0
     True
     """

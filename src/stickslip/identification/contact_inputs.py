@@ -320,9 +320,10 @@ def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> 
 
     Examples
     --------
-    >>> class Warm(FrictionLaw):
-    ...     inputs = ("temperature",)
-    >>> unvaried(Warm, [{"temperature": np.array([20.0, 20.0])}])
+    >>> from stickslip.friction import law
+    >>> kind = law("level * linear[temperature]")
+    >>> warm = kind(kinetic_coefficient=0.2, level_temperature_slope=0.01)
+    >>> unvaried(warm, [{"temperature": np.array([20.0, 20.0])}])
     ('The temperature is constant in this record: its effect cannot be told.',)
     """
     found = []

@@ -170,7 +170,7 @@ def _flat(element: ElementTree.Element) -> list[ElementTree.Element]:
 def _text(element: ElementTree.Element) -> str:
     parts = [_row(child) if child.tag in {"mrow", "mstyle"} else _text(child) for child in element]
     match element.tag:
-        case "msub":
+        case "msub" | "munder":  # what a sum is over stands under it
             return lowered(parts[0], parts[1])
         case "msup":
             return raised(parts[0], parts[1])
