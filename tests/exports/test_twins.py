@@ -140,7 +140,9 @@ def test_the_twin_of_dcmotor_is_the_run_of_mujoco(damping):
 
 def of_drake(force, tolerance, step, t_end):
     """Return times and positions of a body on the ground in Drake, held by contact friction."""
-    drake = pytest.importorskip("pydrake.all", reason="Drake is not installed: pip install drake")
+    drake = pytest.importorskip(
+        "pydrake.all", reason="Drake is not installed: pip install drake", exc_type=ImportError
+    )
     builder = drake.DiagramBuilder()
     settings = drake.MultibodyPlantConfig()
     settings.time_step, settings.stiction_tolerance = step, tolerance
