@@ -1309,6 +1309,7 @@ class LuGreGear:
         holds=BRISTLE_DAMPING.holds,
     )
     defects = DRIFTS
+    on_request = True
 
 
 @composed("gms[4](level + stribeck) + viscous")
