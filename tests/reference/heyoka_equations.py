@@ -143,7 +143,7 @@ def equations(mechanism: Mechanism, law: FrictionLaw) -> Equations:
 
     F, N, stuck = (tracing.number(name) for name in ("F", "N", "stuck"))
     acceleration = _accelerations(twin, q, q_dot, tracing)
-    z = [hy.make_vars(name) for name in getattr(law, "bristles", ())]
+    z = [hy.make_vars(name) for name in law.states]
     sliding, z_dot = _friction(friction_twin, v, z, N, tracing)
     press = acceleration[contact.normal] if held else N - plain(contact.load)
     rub = stuck * acceleration[contact.slip] + (1.0 - stuck) * (F - sliding)
