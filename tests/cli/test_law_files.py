@@ -536,6 +536,8 @@ def test_a_composition_goes_from_a_rig_file_to_c_fmu_mjcf_and_figures(
     values = "\n".join(f"{name} = {value}" for name, value in COMPOSED.items())
     text = SLIDE.format(law=COMPOSITION, values=values)
     Path("slide.toml").write_text(text, encoding="utf-8")
+    still = re.sub("drive = .*", "", text)  # nothing moves: speeds are those of the fit
+    Path("still.toml").write_text(still, encoding="utf-8")
 
     compiler = any(map(shutil.which, ("cc", "gcc", "clang")))
     laws = f"coulomb-viscous,{COMPOSITION}"
@@ -544,6 +546,7 @@ def test_a_composition_goes_from_a_rig_file_to_c_fmu_mjcf_and_figures(
         f"select slide.toml --starts 1 -o report --laws|{laws}",
         "export report/law.toml --to c -o c",
         "export report/law.toml --to mjcf --rig slide.toml -o mjcf",
+        "export report/law.toml --to mjcf --rig still.toml -o still",
         "simulate slide.toml --law report/law.toml -o run.csv --report-to run",
         *(["export report/law.toml --to fmu -o fmu"] if compiler else []),
     ):
