@@ -1,12 +1,13 @@
 """What friction laws may ask of their contact beside speed and load: names, units, meaning."""
 
 import dataclasses
+import math
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import final
 
 from stickslip.errors import UnknownNameError
-from stickslip.quantities import Quantity
+from stickslip.quantities import Quantity, turned
 
 __all__ = ["CONTACT_INPUTS", "ContactInput", "checked_inputs"]
 
@@ -28,6 +29,24 @@ class ContactInput:
     """Size that measurements tell of it, one of `SCALES`; empty if none is."""
     size: float = 1.0
     """Change that may be expected of it where no size is told."""
+    low: float = -math.inf
+    """Least value; no temperature is below absolute zero."""
+
+    def quantity(self, unit: str = "") -> Quantity:
+        """Return symbol, units and range, in its own unit and that of turning unless one is given.
+
+        Examples
+        --------
+        >>> CONTACT_INPUTS["transmitted"].quantity().or_unit
+        'N m'
+        """
+        other = "" if unit else turned(self.unit)
+        return Quantity(
+            self.index,
+            unit or self.unit,
+            low=self.low,
+            or_unit=other if other != self.unit else "",
+        )
 
     def over(self, quantity: Quantity) -> Quantity:
         """Return the quantity of a parameter that goes with this input.
@@ -85,7 +104,7 @@ CONTACT_INPUTS: Mapping[str, ContactInput] = MappingProxyType(
         ),
         "position": ContactInput("m", "Position or angle of what slips.", "x", "x", "", 1.0),
         "temperature": ContactInput(
-            "degC", "Temperature of the contact or its lubricant.", "T", "T", "", 10.0
+            "degC", "Temperature of the contact or its lubricant.", "T", "T", "", 10.0, -273.15
         ),
         "pressure": ContactInput(
             "Pa", "Pressure at the contact, as of a seal or a lubricant.", "P", "P", "", 1e5

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -27,9 +28,10 @@ from stickslip.cli.console import plain
 from stickslip.cli.select import show_verdict
 from stickslip.cli.simulate import _cells, _event_rows
 from stickslip.documents import write_folder
-from stickslip.drives import ThreePhase
+from stickslip.drives import Sine, Sum, ThreePhase
 from stickslip.experiments import LawEstimates, bristle_remark, carried, extrapolations
 from stickslip.experiments.rigs.rig_writer import rig_toml
+from stickslip.friction import law
 from stickslip.sweep import Spread
 from stickslip.trajectory import Event
 
@@ -486,3 +488,83 @@ def test_what_was_read_stands_beside_the_travel(walk, capsys):
     assert code == 0, err
     assert "measured travel per cycle" in fitted
     assert "63.5 mm" in fitted
+
+
+COMPOSITION = "dahl(both_ways[levels](level + stribeck)) + both_ways[levels](power)"
+COMPOSED = {
+    "forward_kinetic_coefficient": 10.0,
+    "backward_kinetic_coefficient": 8.0,
+    "forward_static_coefficient": 14.0,
+    "backward_static_coefficient": 10.0,
+    "stribeck_velocity": 0.05,
+    "bristle_stiffness": 1e4,
+    "forward_viscous_coefficient": 30.0,
+    "backward_viscous_coefficient": 24.0,
+    "viscous_exponent": 0.6,
+}
+SLIDE = """
+[mechanism]
+type = "axis"
+inertia = "5 kg"
+drive = {{ type = "sine", amplitude = "40 N", frequency = "1 Hz" }}
+[friction.rail]
+law = "{law}"
+{values}
+[data]
+file = "slide.csv"
+columns = {{ velocity = "w", friction = "F" }}
+[run]
+t_end = "1 s"
+"""
+
+
+def test_a_composition_goes_from_a_rig_file_to_c_fmu_mjcf_and_figures(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    true = law(COMPOSITION)(**COMPOSED)
+    push = Sum(parts=(Sine(amplitude=40.0, frequency=1.0), Sine(amplitude=15.0, frequency=0.7)))
+    t = np.arange(300) / 150.0
+    seen = simulate(Axis(inertia=5.0, drive=push), true, t_end=2.0).at(t)
+    noise = np.random.default_rng(0)
+    rows = (
+        t,
+        seen["v"] + noise.normal(0.0, 1e-4, 300),
+        seen["friction"] + noise.normal(0, 0.05, 300),
+    )
+    np.savetxt("slide.csv", np.transpose(rows), delimiter=",", header="time,w,F", comments="")
+    values = "\n".join(f"{name} = {value}" for name, value in COMPOSED.items())
+    text = SLIDE.format(law=COMPOSITION, values=values)
+    Path("slide.toml").write_text(text, encoding="utf-8")
+    still = re.sub("drive = .*", "", text)  # nothing moves: speeds are those of the fit
+    Path("still.toml").write_text(still, encoding="utf-8")
+
+    compiler = any(map(shutil.which, ("cc", "gcc", "clang")))
+    laws = f"coulomb-viscous,{COMPOSITION}"
+    for command in (
+        "fit slide.toml --vary forward_kinetic_coefficient --starts 1 -o fitted.toml",
+        f"select slide.toml --starts 1 -o report --laws|{laws}",
+        "export report/law.toml --to c -o c",
+        "export report/law.toml --to mjcf --rig slide.toml -o mjcf",
+        "export report/law.toml --to mjcf --rig still.toml -o still",
+        "simulate slide.toml --law report/law.toml -o run.csv --report-to run",
+        *(["export report/law.toml --to fmu -o fmu"] if compiler else []),
+    ):
+        plain_words, _, last = command.partition("|")
+        with pytest.raises(SystemExit) as leaving:
+            main([*plain_words.split(), *([last] if last else []), "--quiet"])
+        assert not leaving.value.code, (command, capsys.readouterr().err)
+
+    for file, name in (("fitted.toml", "fitted"), ("report/law.toml", "selected")):
+        rig = load_rig(file)
+        (found,) = rig.laws.values()
+        assert type(found) is type(true), name
+        for parameter in rig.estimates.intervals:
+            low, high = rig.estimates.intervals[parameter]
+            middle = (low + high) / 2.0  # of 95 %: within 3 standard uncertainties
+            assert abs(COMPOSED[parameter] - middle) < 1.5 * (high - low) / 2.0, (name, parameter)
+    assert "exponent" in next(Path("c").glob("*.h")).read_text(encoding="utf-8")
+    assert "<joint" in next(Path("mjcf").glob("*.xml")).read_text(encoding="utf-8")
+    assert "<svg" in Path("run/index.html").read_text(encoding="utf-8")
+    assert math.isfinite(np.loadtxt("run.csv", delimiter=",", skiprows=1, usecols=1)[-1])
+    assert len(list(Path("fmu").glob("*.fmu"))) == compiler

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from stickslip import load_rig
 from stickslip.cli import main
 
 MECHANISM = """
@@ -89,6 +90,29 @@ def test_an_override_of_friction_counts_wherever_the_file_has_the_value(simulate
     code, law, end, err = simulated(text, "--set", "friction.kinetic_coefficient=0.2")
     assert (code, law, end, err) == (*wanted[:3], "")
     assert end > simulated(text)[2]
+
+
+@pytest.mark.parametrize("table", ["floor", "coulomb-viscous"])
+def test_an_override_takes_the_table_of_a_composition_by_its_own_name_or_the_law(simulated, table):
+    written = MECHANISM + (
+        '[friction.floor]\nlaw = "level + viscous"\n'
+        "kinetic_coefficient = 0.4\nviscous_coefficient = 2\n"
+    )
+    code, law, end, err = simulated(written, "--set", f"friction.{table}.viscous_coefficient=3")
+    assert (code, law, err) == (0, "coulomb-viscous", "")
+    assert end == simulated(written.replace("= 2\n", "= 3\n"))[2]
+
+
+def test_of_an_overridden_value_of_a_composition_no_interval_is_left(tmp_path):
+    path = tmp_path / "law.toml"
+    path.write_text(
+        MECHANISM + '[friction.composed]\nlaw = "level + power + drag"\n'
+        "kinetic_coefficient = 0.4\nviscous_coefficient = 2\nviscous_exponent = 0.6\n"
+        'quadratic_coefficient = 0.1\n[estimates]\nlaw = "level + power + drag"\n'
+        "[estimates.intervals]\nkinetic_coefficient = [0.3, 0.5]\nviscous_coefficient = [1, 3]\n"
+    )
+    rig = load_rig(path, overrides={"friction.composed.viscous_coefficient": 5.0})
+    assert list(rig.estimates.intervals) == ["kinetic_coefficient"]
 
 
 def test_the_override_of_one_law_comes_before_that_of_all(simulated):

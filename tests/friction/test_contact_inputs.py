@@ -279,6 +279,8 @@ def test_a_rig_file_gives_an_input_with_its_unit_or_in_time_and_is_written_back(
     [
         ("temprature = 3.0", r"key in \[contact\] of .*Did you mean 'temperature'"),
         ('temperature = "3 mm"', "contact.temperature .T. must be in degC"),
+        ('temperature = "-300 degC"', "contact.temperature .T. must be at least -273.15 degC"),
+        ("position = 3.0", "computes contact.position from its motion and forces: leave it out"),
         ("temperature = true", "contact.temperature .T. must be a number"),
         ('temperature = { type = "ramp" }', "contact.temperature.rate .r. is missing"),
         ('temperature = { type = "ramps" }', "contact.temperature.type in .*Did you mean 'ramp'"),

@@ -361,7 +361,7 @@ def rig_and_friction(
     if asked.law is None or not FILE.fullmatch(asked.law):
         rig = load_rig(path, overrides=given, allow_import=allow_import)
         if rig.contacts:
-            laws = _by_contact(rig, asked, given)
+            laws = _by_contact(rig, asked)
             known = estimates_by_contact(rig, laws)
             own = CarriedLaws(laws=laws, estimates=known, remarks=(), source=rig.path)
             return rig, ChosenLaws(carried=own)
@@ -373,7 +373,7 @@ def rig_and_friction(
     return _rig_and_law(path, changes, asked, allow_import=allow_import)
 
 
-def _by_contact(rig: Rig, asked: LawAsked, given: Collection[str]) -> Laws:
+def _by_contact(rig: Rig, asked: LawAsked) -> Laws:
     """Return the laws of a rig whose contacts have tables of their own."""
     text = asked.law
     if asked.load is not None:
@@ -383,7 +383,7 @@ def _by_contact(rig: Rig, asked: LawAsked, given: Collection[str]) -> Laws:
         names = names_by_contact(text)
     laws = assigned(tuple(rig.contacts), rig.law_by_contact(names))
     assert isinstance(laws, Laws)  # of several contacts
-    _check_all_used(given, laws)
+    _check_all_used(rig.overridden, laws)
     return laws
 
 
@@ -449,7 +449,7 @@ def _rig_and_law(
         rig = load_rig(path, overrides=given, allow_import=allow_import)
         check(rig.mechanism)
         chosen = _own(rig, asked.law)
-        _check_used(given, chosen.law)
+        _check_used(rig.overridden, chosen.law)
         return rig, chosen
     own = {key: value for key, value in given.items() if key.startswith(FRICTION)}
     others = {key: value for key, value in given.items() if key not in own}
@@ -459,7 +459,7 @@ def _rig_and_law(
     if len(rig.mechanism.contacts()) > 1:
         source = load_rig(file["path"], overrides=own, allow_import=allow_import)
         laws = carried_by_contact(source, rig.mechanism, names=file["law"])
-        _check_all_used(own, laws.laws)
+        _check_all_used(source.overridden, laws.laws)
         if asked.load is not None:
             raise InputError("--law-load applies to the law of one contact: leave it out.")
         for remark in laws.remarks:

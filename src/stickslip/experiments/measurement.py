@@ -571,7 +571,7 @@ def _inputs(record: Measurement) -> dict[str, Array | float]:
     return {
         name: _numbers(
             f"inputs.{name}",
-            Quantity(CONTACT_INPUTS[name].index, unit_of_input(name, turning=record.turning)),
+            CONTACT_INPUTS[name].quantity(unit_of_input(name, turning=record.turning)),
             given[name],
             record.turning,
         )

@@ -193,6 +193,8 @@ class Rig:
         The file.
     files : tuple of Path
         Other files that it names: data, second records, robots.
+    overridden : tuple of str
+        Paths that overrides set, those of a law under its name.
 
     Raises
     ------
@@ -229,6 +231,7 @@ class Rig:
     digest: str = ""
     path: str = ""
     files: tuple[Path, ...] = ()
+    overridden: tuple[str, ...] = ()
 
     @property
     def heading(self) -> str:

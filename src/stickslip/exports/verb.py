@@ -286,7 +286,8 @@ def _inputs(subject: Subject, target: Target, given: Mapping[str, Given]) -> Map
     told = subject.mechanism
     known: dict[str, float] = {}
     for name in asked:
-        quantity = Quantity(CONTACT_INPUTS[name].index, unit_of_input(name, turning=subject.rotary))
+        unit = unit_of_input(name, turning=subject.rotary)
+        quantity = CONTACT_INPUTS[name].quantity(unit)
         own = None if told is None else getattr(told, f"contact_{name}", None)
         value = given.get(name, own)
         if value is None or isinstance(value, Drive):
@@ -322,7 +323,9 @@ def _speed(subject: Subject, given: Given | None) -> float | None:
         quantity = dataclasses.replace(SPEED, unit=turned(SPEED.unit, subject.rotary))
         return quantity.check("export", "largest_speed", given)
     if subject.rig is not None and len(subject.rig.mechanism.contacts()) == 1:
-        return _fastest(subject, subject.rig)
+        fastest = _fastest(subject, subject.rig)
+        if fastest is not None:
+            return fastest
     known = None if subject.estimates is None else subject.estimates.largest_speed
     assert not isinstance(known, Mapping)  # that of one contact
     if known is None and subject.own_rig is not None:

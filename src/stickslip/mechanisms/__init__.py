@@ -60,7 +60,6 @@ INSIDE = {
     "given_names": "told_inputs",
     "has_one_slip": "contacts",
     "input_names": "told_inputs",
-    "input_quantity": "told_inputs",
     "joint_places": "rigid_bodies",
     "normal_of": "contacts",
     "of_contact": "told_inputs",

@@ -56,7 +56,6 @@ from stickslip.mechanisms.spring_block import SpringBlock as _SpringBlock
 from stickslip.mechanisms.told_inputs import given_inputs as given_inputs
 from stickslip.mechanisms.told_inputs import given_names as given_names
 from stickslip.mechanisms.told_inputs import input_names as input_names
-from stickslip.mechanisms.told_inputs import input_quantity as input_quantity
 from stickslip.mechanisms.told_inputs import of_contact as of_contact
 from stickslip.mechanisms.told_inputs import without_given as without_given
 from stickslip.mechanisms.towed_block import TowedBlock as _TowedBlock

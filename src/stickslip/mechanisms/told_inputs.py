@@ -10,13 +10,11 @@ from stickslip.contact_inputs import CONTACT_INPUTS, checked_inputs
 from stickslip.drives import Drive
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import ContactInputs, Mechanism
-from stickslip.quantities import Quantity, turned
 
 __all__ = [
     "given_inputs",
     "given_names",
     "input_names",
-    "input_quantity",
     "of_contact",
     "without_given",
 ]
@@ -184,7 +182,7 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
         "__doc__": kind.__doc__,
     }
     fields: list[tuple[str, Any]] = [
-        (PREFIX + name, Drive if drive else Annotated[float, input_quantity(name)])
+        (PREFIX + name, Drive if drive else Annotated[float, CONTACT_INPUTS[name].quantity()])
         for name, drive in inputs
     ]
     made = dataclasses.make_dataclass(
@@ -192,16 +190,3 @@ def _told(kind: type[Mechanism], inputs: tuple[tuple[str, bool], ...]) -> type[M
     )
     made.__qualname__ = kind.__qualname__
     return made
-
-
-def input_quantity(name: str) -> Quantity:
-    """Return symbol and units of a contact input.
-
-    Examples
-    --------
-    >>> input_quantity("transmitted").or_unit
-    'N m'
-    """
-    known = CONTACT_INPUTS[name]
-    other = turned(known.unit)
-    return Quantity(known.index, known.unit, or_unit=other if other != known.unit else "")

@@ -32,6 +32,8 @@ class Imported:
     """Its import path and the class."""
     laws: Mapping[str, type[FrictionLaw]] = field(default_factory=dict)
     """By name."""
+    tables: Mapping[str, str] = field(default_factory=dict)
+    """Paths of tables of laws by those that the file calls them."""
 
 
 def imported(
@@ -86,7 +88,12 @@ def imported(
         for key, path in wanted.items()
     }
     mechanism = found.pop("mechanism.type", None)
-    own = dict(_composed(raw, file))
+    own: dict[str, type[FrictionLaw]] = {}
+    tables: dict[str, str] = {}
+    for where, table, law in _composed(raw, file, overridden):
+        tables[f"{where}.{table}"] = f"{where}.{law.name}"
+        if law.name not in laws():
+            own[law.name] = law
     for key, kind in found.items():
         *above, table, _ = key.split(".")
         _check_name(kind, table, f"{place(key, file, overridden)}: {key}")
@@ -95,16 +102,19 @@ def imported(
             holder = holder[step]
         del holder[table]["type"]
         own[table] = kind
-    return Imported(None if mechanism is None else (wanted["mechanism.type"], mechanism), own)
+    given = None if mechanism is None else (wanted["mechanism.type"], mechanism)
+    return Imported(given, own, tables)
 
 
-def _composed(raw: dict[str, Any], file: str) -> Iterator[tuple[str, type[FrictionLaw]]]:
-    """Put tables of composed laws under the names of these, and yield those without one."""
+def _composed(
+    raw: dict[str, Any], file: str, overridden: Collection[str]
+) -> Iterator[tuple[str, str, type[FrictionLaw]]]:
+    """Put tables of composed laws under the names of these; yield where, both names and law."""
     friction = raw.get("friction")
     if not isinstance(friction, dict):
         return
-    inner = [one for one in friction.values() if isinstance(one, dict)]
-    for tables in (friction, *inner):  # one contact, or several with tables of their own
+    inner = {f"friction.{key}": one for key, one in friction.items() if isinstance(one, dict)}
+    for above, tables in {"friction": friction, **inner}.items():  # one contact, or several
         for name, table in list(tables.items()):
             if not isinstance(table, dict):
                 continue
@@ -112,7 +122,7 @@ def _composed(raw: dict[str, Any], file: str) -> Iterator[tuple[str, type[Fricti
             text = table.pop("law", name if named_by else None)
             if text is None:
                 continue
-            where = f"{file}: friction.{name}"
+            where = f"{file}: {above}.{name}"
             if not isinstance(text, str):
                 raise InputError(
                     f"{where}.law must be a text such as 'level + viscous', got {text!r}."
@@ -121,13 +131,13 @@ def _composed(raw: dict[str, Any], file: str) -> Iterator[tuple[str, type[Fricti
                 kind = law_type(text)
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
-            if kind.name != name and kind.name in tables:
+            other = tables.pop(kind.name, {}) if kind.name != name else {}
+            if any(f"{above}.{kind.name}.{key}" not in overridden for key in other):
                 raise InputError(
                     f"{where} is the law {kind.name}, which has a table already: leave one out."
                 )
-            tables[kind.name] = tables.pop(name)
-            if kind.name not in laws():
-                yield kind.name, kind
+            tables[kind.name] = tables.pop(name) | other
+            yield above, name, kind
 
 
 def _wanted(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

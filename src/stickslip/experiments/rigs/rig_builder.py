@@ -58,6 +58,7 @@ from stickslip.mechanisms import (
     as_rotary,
     checked_contacts,
     given_inputs,
+    input_names,
     mechanisms,
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
@@ -106,6 +107,7 @@ def read_rig(
     tables = friction.items() if isinstance(friction, dict) else ()
     of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
+    overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
     contacts = _contacts(raw, own, file, overrides)
     for name, _ in contacts:
         if len(contacts) > 1 and name in of_one_law:
@@ -128,7 +130,7 @@ def read_rig(
     measurement = measurement and as_turning(measurement, mechanism.units)
     if measurement is not None and measurement.turning:
         mechanism = as_rotary(mechanism)
-    mechanism = given_inputs(mechanism, _values(table.contact, "contact", file, overrides))
+    mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
     of_contacts = by_contact(table.friction, names, file, overrides, kinds)
     known = KnownLaws()
@@ -159,7 +161,28 @@ def read_rig(
         digest=with_files(_digest(data, overrides), named),
         path=file,
         files=tuple(named),
+        overridden=tuple(overrides),
     )
+
+
+def _of_law(path: str, tables: Mapping[str, str]) -> str:
+    """Return a path of a law's table under the name of the law."""
+    table, dot, key = path.rpartition(".")
+    return f"{tables.get(table, table)}{dot}{key}"
+
+
+def _contact_inputs(
+    table: Table, mechanism: Mechanism, file: str, overrides: Collection[str]
+) -> dict[str, Any]:
+    """Return what a file tells of the contact; what the mechanism computes is refused."""
+    found = _values(table, "contact", file, overrides)
+    for name in found:
+        if all(name in input_names(mechanism, contact.name) for contact in mechanism.contacts()):
+            raise InputError(
+                f"{place(f'contact.{name}', file, overrides)}: {mechanism.name} computes"
+                f" contact.{name} from its motion and forces: leave it out."
+            )
+    return found
 
 
 def _kind_of_motion(raw: Mapping[str, Any], file: str) -> bool | None:

@@ -17,7 +17,7 @@ from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
 from stickslip.friction import FrictionLaw
 from stickslip.friction import laws as known_laws
-from stickslip.mechanisms import Mechanism, input_quantity, mechanisms
+from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity
 
 __all__ = [
@@ -332,7 +332,7 @@ def _number_or_drive(value: object) -> str:
 
 def _contact_input(name: str) -> Any:
     """Return the type of a contact input: a number with its unit, or a drive."""
-    quantity = input_quantity(name)
+    quantity = CONTACT_INPUTS[name].quantity()
     other = (dataclasses.replace(quantity, unit=quantity.or_unit),) if quantity.or_unit else ()
     number: Any = Annotated[Any, Number(quantity, alternatives=other), Tag(A_NUMBER)]
     drive: Any = Annotated[drive_tables(), Tag(A_DRIVE)]
