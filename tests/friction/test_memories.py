@@ -370,3 +370,15 @@ def test_memories_fit_their_own_data_from_their_type(memory, curve, flow):
     assert found.rms < 3e-2  # in N, of 1 to 4; at 200 samples a second turns are seen coarsely
     for name in ("kinetic_coefficient", "bristle_stiffness"):
         assert getattr(found.law, name) == pytest.approx(getattr(own, name), rel=0.15)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.7, 0.99])
+@pytest.mark.parametrize("speed", [0.3, -0.05, 0.002])
+def test_elasto_plastic_runs_begin_from_steady_sliding(speed, share):
+    own = law("elasto_plastic(level + stribeck) + viscous")(
+        **CURVE, **STIFF, viscous_coefficient=0.0, bristle_damping=1.0, elastic_share=share
+    )
+    steady = float(own.steady(speed, 1.0)) / own.bristle_stiffness
+    for drive in (PUSH, Sine(amplitude=0.0, frequency=1.0)):
+        run = simulate(axis(drive), own, t_end=0.4, y0={"v": speed, "z": steady})
+        assert run.certificate.certified
