@@ -366,7 +366,7 @@ def test_the_command_runs_as_another_program_does(run, tmp_path):
     ("arguments", "message"),
     [
         (("--as", "mujoco:stiffness=3"), "unknown setting of mujoco 'stiffness'. Known: impedance"),
-        (("--as", "mujoco:timestep=-1"), "must be above 0 s, got -1"),
+        (("--as", "mujoco:timestep=-1"), "--as mujoco: timestep (h) must be above 0 s, got -1"),
         (("--as", "drake", "--fixed-step", "0.01"), "--as runs in the way of another program"),
     ],
 )
