@@ -362,6 +362,15 @@ def test_the_command_runs_as_another_program_does(run, tmp_path):
     assert told["settings"] == {"stiction_tolerance": 1e-4}
 
 
+def test_settings_that_come_no_closer_are_not_told(run, tmp_path):
+    held = RIG.replace('amplitude = "7 N"', 'amplitude = "1 N"')  # below break-away, 5 N
+    (tmp_path / "slide.toml").write_text(held)
+    code, out, err = run("--as", "karnopp")
+    assert code == 0, err
+    assert "Largest error of x: 0 m" in out
+    assert "closer" not in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -684,9 +684,11 @@ def _show_twin(found: "Twin") -> None:
     console.print("\nBeside the exact run", markup=False, style="bold")
     for line in found.sentences:
         console.print(line, markup=False)
-    console.print("\nWith settings that come closer", markup=False, style="bold")
-    for line in found.cured().sentences[:3]:
-        console.print(line, markup=False)
+    cured = found.cured()
+    if cured.peak_error < found.peak_error:
+        console.print("\nWith settings that come closer", markup=False, style="bold")
+        for line in cured.sentences[:3]:
+            console.print(line, markup=False)
 
 
 def _show_validation(seen: Validation) -> None:
