@@ -220,7 +220,7 @@ class MuJoCo(Program):
         if inertia is None:
             return math.nan
         held = self.impedance * self.damping * inertia / (1.0 - self.impedance)
-        return force / (held + vars(taken.law)["damping"])
+        return force / (held + float(vars(taken.law)["damping"]))
 
     @override
     def settings(self, subject: Subject, taken: Taken) -> str:
