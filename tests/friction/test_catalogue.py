@@ -74,3 +74,8 @@ def test_entries_say_what_their_classes_say():
 def test_the_list_of_named_laws_is_that_of_the_entries():
     path = stubs.NAMED.with_name("__init__.py")
     assert path.read_text(encoding="utf-8") == stubs.with_named_laws(), "run `make stubs`"
+
+
+def test_travels_are_compared_with_six_laws_unasked():
+    unasked = [name for name, one in listed().items() if not one.on_request]
+    assert unasked == ["coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"]

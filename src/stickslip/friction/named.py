@@ -46,6 +46,7 @@ CREEPS = (
     "It never sticks: below its largest force a body creeps at the speed at which friction balances"
     " the force."
 )
+OFFSET = "A constant force is not told apart from half the difference of the levels."
 DRIFTS = "Under a constant force with a ripple below break-away a body drifts instead of resting."
 
 
@@ -171,7 +172,7 @@ class DirectionDependent:
         },
     )
     passivity = ALWAYS
-    defects = "A constant force is not told apart from half the difference of the levels."
+    defects = OFFSET
     fit_order = (
         "forward_kinetic_coefficient",
         "backward_kinetic_coefficient",
@@ -509,7 +510,7 @@ class DirectionalStribeck:
     )
     typical = Typical(values=_both_ways(FADING, *FADING))
     passivity = ALWAYS
-    defects = "A constant force is not told apart from half the difference of the levels."
+    defects = OFFSET
     on_request = True
 
 
@@ -1308,6 +1309,7 @@ class LuGreGear:
         holds=BRISTLE_DAMPING.holds,
     )
     defects = DRIFTS
+    on_request = True
 
 
 @composed("gms[4](level + stribeck) + viscous")

@@ -132,7 +132,7 @@ def known_laws(
         named=tuple(named),
         given=_GivenValues(
             {name: values for name, values in given.items() if values},
-            {key: _plain(value) for key, value in shared.items()},
+            {key: _plain(one) for key, one in shared.items() if not isinstance(one, Table)},
         ),
         assumed=assumed,
         uncertainties=uncertainties,
