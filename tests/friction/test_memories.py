@@ -11,7 +11,16 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.pair_cases import PUSH, Pair, axis
 
-from stickslip import Axis, EventDriven, FixedStep, Measurement, ensemble, fit, simulate
+from stickslip import (
+    Axis,
+    EventDriven,
+    FixedStep,
+    Measurement,
+    RecordSettings,
+    ensemble,
+    fit,
+    simulate,
+)
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.friction import law
@@ -370,3 +379,30 @@ def test_memories_fit_their_own_data_from_their_type(memory, curve, flow):
     assert found.rms < 3e-2  # in N, of 1 to 4; at 200 samples a second turns are seen coarsely
     for name in ("kinetic_coefficient", "bristle_stiffness"):
         assert getattr(found.law, name) == pytest.approx(getattr(own, name), rel=0.15)
+
+
+def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
+    own = truth("reset", "level", "viscous")
+    t = np.arange(0.0, 3.0, 2e-3)
+    drive = Sine(amplitude=3.0, frequency=0.7) + Sine(amplitude=1.5, frequency=1.9)
+    table = Measurement(
+        time=t,
+        position=recorded(own, 3.0).at(t)["x"] + np.random.default_rng(3).normal(0.0, 1e-6, len(t)),
+        force=np.array([drive.smooth(one) for one in t]),
+    )
+    one = RecordSettings(hold="first", segment=3.1)  # 12 um in segments of a second
+    found = fit(Axis(inertia=1.0, load=1.0), type(own), table, settings=one)
+    assert found.rms < 1.2e-6
+    assert found.law.sticking_surplus == pytest.approx(own.sticking_surplus, rel=0.1)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.7, 0.99])
+@pytest.mark.parametrize("speed", [0.3, -0.05, 0.002])
+def test_elasto_plastic_runs_begin_from_steady_sliding(speed, share):
+    own = law("elasto_plastic(level + stribeck) + viscous")(
+        **CURVE, **STIFF, viscous_coefficient=0.0, bristle_damping=1.0, elastic_share=share
+    )
+    steady = float(own.steady(speed, 1.0)) / own.bristle_stiffness
+    for drive in (PUSH, Sine(amplitude=0.0, frequency=1.0)):
+        run = simulate(axis(drive), own, t_end=0.4, y0={"v": speed, "z": steady})
+        assert run.certificate.certified

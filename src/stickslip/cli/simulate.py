@@ -313,10 +313,13 @@ def _ran_as(rig: Rig, chosen: ChosenLaw | ChosenLaws | ChosenForm, settings: Set
     known = fields_of(kind)
     for key in values:
         named(known, key, f"setting of {name}")
-    try:
-        program = kind(**{key: number_of(text, known[key]) for key, text in values.items()})
-    except ParameterError as error:
-        raise ParameterError(f"--as {settings.program}: {error}") from None
+    given_values = {}
+    for key, text in values.items():
+        try:
+            given_values[key] = number_of(text, known[key])
+        except ParameterError as error:
+            raise ParameterError(f"--as {name}: {key} {error}") from None
+    program = kind(**given_values)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     found = twin(rig.mechanism, chosen.law, program, t_end=t_end, y0=rig.start(chosen.law))
     return Ran(rig=rig, chosen=chosen, run=found.run, band=None, remarks=chosen.remarks, twin=found)
@@ -681,9 +684,11 @@ def _show_twin(found: "Twin") -> None:
     console.print("\nBeside the exact run", markup=False, style="bold")
     for line in found.sentences:
         console.print(line, markup=False)
-    console.print("\nWith settings that come closer", markup=False, style="bold")
-    for line in found.cured().sentences[:3]:
-        console.print(line, markup=False)
+    cured = found.cured()
+    if cured.peak_error < found.peak_error:
+        console.print("\nWith settings that come closer", markup=False, style="bold")
+        for line in cured.sentences[:3]:
+            console.print(line, markup=False)
 
 
 def _show_validation(seen: Validation) -> None:

@@ -154,7 +154,8 @@ def simplified(subject: Subject) -> Simplified:
     velocity = np.concatenate([-speed[::-1], speed])
     force = steady_force(subject, velocity, load)
     table = np.column_stack([np.sign(velocity), velocity / most])
-    (level, at_most), _ = nnls(table, force)
+    found, _ = nnls(table, force)
+    level, at_most = np.where(found > ROUNDING * found.max(), found, 0.0)
     residual = force - table @ np.array([level, at_most])
     if float(np.abs(residual).max()) <= ROUNDING * float(np.abs(force).max()):
         residual = np.zeros_like(residual)

@@ -143,6 +143,20 @@ def _viscous(taken: Taken) -> float:
     return float(vars(taken.law)["viscous_coefficient"])
 
 
+def _steady_speed(subject: Subject, taken: Taken, force: float, fastest: float) -> float:
+    """Return the speed, up to the fastest, at which a smooth law has this force."""
+    from scipy.optimize import brentq
+
+    load = subject.needed_load()
+
+    def excess(speed: float) -> float:
+        return float(taken.law.steady(speed, load)) - force
+
+    if excess(fastest) <= 0.0:  # by rounding
+        return fastest
+    return float(brentq(excess, 0.0, fastest, xtol=1e-15, rtol=1e-12))
+
+
 def _kept(found: Simplified) -> tuple[str, ...]:
     """Return what is lost by a smooth law, which friction has that grows with the load."""
     return tuple(line for line in found.lost if not line.startswith("Dependence on the normal"))
@@ -160,9 +174,9 @@ def _level_and_damping(subject: Subject) -> tuple[Simplified, float]:
 class MuJoCo(Program):
     """MuJoCo's ``frictionloss``: a level that a soft constraint enforces, and a joint's damping.
 
-    With an impedance d, b = 2 / (largest impedance x time constant) and the inertia m, a held body
-    creeps at (1 - d) / (d b) x force / m. Steps are semi-implicit; a time constant below two time
-    steps counts as two.
+    With an impedance d, b = 2 / (largest impedance x time constant), the inertia m and the joint's
+    damping c, a held body creeps at force / (d b m / (1 - d) + c). Steps are semi-implicit; a time
+    constant below two time steps counts as two.
 
     Examples
     --------
@@ -205,13 +219,14 @@ class MuJoCo(Program):
         inertia = inertia_of(subject)
         if inertia is None:
             return math.nan
-        return (1.0 - self.impedance) / (self.impedance * self.damping) * force / inertia
+        held = self.impedance * self.damping * inertia / (1.0 - self.impedance)
+        return force / (held + float(vars(taken.law)["damping"]))
 
     @override
     def settings(self, subject: Subject, taken: Taken) -> str:
-        numbers = {name: number(getattr(taken.law, name), 6) for name in ("level", "damping")}
+        level, damping = (vars(taken.law)[name] for name in ("level", "damping"))
         return (
-            f'frictionloss="{numbers["level"]}" damping="{numbers["damping"]}"'
+            f'frictionloss="{level:.6g}" damping="{damping:.6g}"'
             f' solreffriction="{self.time_constant:g} 1"'
             f' solimpfriction="{self.impedance:g} {self.largest_impedance:g} 0.001"'
             f' timestep="{self.timestep:g}"'
@@ -288,7 +303,8 @@ class Drake(Program):
     """Contact friction of Drake with the approximations ``lagged``, the default, and ``similar``.
 
     The friction force is mu N v / sqrt(v^2 + v_s^2), so a held body creeps at v_s s / sqrt(1 - s^2)
-    under the share s of the level, whatever its inertia. Errors of Drake's time step come on top.
+    under the share s of the level, whatever its inertia, and slower where its joint is damped.
+    Errors of Drake's time step come on top.
 
     Examples
     --------
@@ -321,7 +337,8 @@ class Drake(Program):
     @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
         share = force / taken.level
-        return self.stiction_tolerance * share / math.sqrt(1.0 - share**2)
+        undamped = self.stiction_tolerance * share / math.sqrt(1.0 - share**2)
+        return _steady_speed(subject, taken, force, undamped)
 
     @override
     def settings(self, subject: Subject, taken: Taken) -> str:
@@ -373,14 +390,7 @@ class Simscape(Program):
 
     @override
     def creep(self, subject: Subject, taken: Taken, force: float) -> float:
-        from scipy.optimize import brentq
-
-        load = subject.needed_load()
-
-        def excess(speed: float) -> float:
-            return float(taken.law.steady(speed, load)) - force
-
-        return float(brentq(excess, 0.0, self.breakaway_velocity, xtol=1e-15, rtol=1e-12))
+        return _steady_speed(subject, taken, force, self.breakaway_velocity)
 
     @override
     def settings(self, subject: Subject, taken: Taken) -> str:

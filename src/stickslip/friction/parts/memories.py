@@ -7,7 +7,7 @@ from typing_extensions import Doc, override
 
 from stickslip.friction.coefficients import BristleDamping, BristleStiffness
 from stickslip.friction.parts.base import Becomes, Memory, Slip, Values
-from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, where
+from stickslip.maths import Scalar, exp, latched, log, power, sign, sin, sqrt, where
 from stickslip.quantities import Quantity
 
 ROUNDED = 1e-12
@@ -133,8 +133,10 @@ class ElastoPlastic(Bristle):
     def rates(self, p: Values, s: Slip, z: tuple[Scalar, ...], g: Scalar) -> tuple[Scalar, ...]:
         # deflection along slip, over the one of steady sliding
         u, rho = p.bristle_stiffness * z[0] * sign(s.along) / g, p.elastic_share
-        rise = 0.5 + 0.5 * sin(math.pi * (u - 0.5 * (1.0 + rho)) / (1.0 - rho))
-        alpha = where(u > rho, where(u < 1.0, rise, 1.0), 0.0)
+        # u within rho and 1, rounded: alpha is flat there, and steady sliding must be no switch
+        least = 0.5 * (u + 1.0 - sqrt((u - 1.0) * (u - 1.0) + BENT))
+        within = 0.5 * (least + rho + sqrt((least - rho) * (least - rho) + BENT))
+        alpha = 0.5 + 0.5 * sin(math.pi * (within - 0.5 * (1.0 + rho)) / (1.0 - rho))
         return (s.along * (1.0 - alpha * u),)
 
 
