@@ -165,7 +165,8 @@ def test_a_single_level_does_not_stick_and_slip():
 
 
 def test_rates_of_elements_that_slip_are_not_those_across_their_switches():
-    assert cost(Bench(law=MAXWELL)).largest_rate == pytest.approx(0.4, rel=1e-6)  # sigma_2 / m
+    # sigma_2 / m; rounding of 1.5 N over a millionth of 1 um/s twice is 2e-4 1/s
+    assert cost(Bench(law=MAXWELL)).largest_rate == pytest.approx(0.4, abs=1e-3)
     # sigma_0 v / g at a thousand times 1 mm/s
     assert cost(Bench(law=DAHL)).largest_rate == pytest.approx(1e5 / 1.5, rel=1e-5)
 

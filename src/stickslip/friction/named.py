@@ -705,8 +705,8 @@ class BrownMcPhee:
 class Simscape:
     """The curve of the Translational Friction block: a bump on a hyperbolic tangent.
 
-    Without the viscous part it is mu_s at the break-away velocity, less mu_k (1 - tanh 10), 4e-9 mu_k.
-    It is largest there if mu_s is above mu_k.
+    Without the viscous part it is mu_s at the break-away velocity, less mu_k (1 - tanh 10), which
+    is 4e-9 mu_k. It is largest there if mu_s is above mu_k.
 
     Examples
     --------
