@@ -77,8 +77,8 @@ class SteadyCurve(Characteristic):
         begins = f"Break-away and slow sliding take {quantity(rest, 'N')}; friction"
         steps = np.diff(force) / force.max()
         if (steps < -ROUNDING).any():
-            top = quantity(speed[-1], "m/s")
-            return f"{begins} falls by no more than 1 % at speeds up to {top}."
+            most = quantity(speed[-1], "m/s")
+            return f"{begins} falls by no more than 1 % at speeds up to {most}."
         how = "grows with" if force[-1] > (1.0 + ROUNDING) * force[0] else "does not depend on"
         return f"{begins} {how} speed, so that steady sliding is stable."
 
