@@ -18,7 +18,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from stickslip.characterization import Characterization, characterize
 from stickslip.characterization.battery import law_with_values
-from stickslip.friction import LAWS, FrictionLaw
+from stickslip.friction import LAWS, FrictionLaw, said_of
 from stickslip.plots import draw_characteristic
 from stickslip.plots.core.svg import standalone_svg
 from stickslip.quantities import fields_of
@@ -160,18 +160,14 @@ def page(
     name: str, kind: type[FrictionLaw], law: FrictionLaw, found: Characterization
 ) -> Iterator[str]:
     """Lines of the page of a law."""
-    prose = inspect.cleandoc(vars(kind).get("__doc__") or "").partition("\n\nExamples\n-")[0]
+    prose = inspect.cleandoc(vars(kind).get("__doc__") or "").partition("\n\nNotes\n-")[0]
     yield from (f"# {kind.title}", "", prose, "", "$$", kind.formula, "$$", "")
     when, not_when = uses(law, found)
     yield from ("## When, and when not", "")
     yield from table(("take it for", "not for"), [("<br>".join(when), "<br>".join(not_when))])
-    defects, passivity = getattr(kind, "defects", ""), getattr(kind, "passivity", None)
-    if defects:
-        yield from (f"**Known defects.** {defects}", "")
-    if passivity is not None:
-        condition = passivity.condition
-        known = condition if " " not in condition else f"where `{condition}`"
-        yield from (f"**Passive:** {known}.", "")
+    for heading, text in said_of(kind):
+        if heading in ("Passive", "Known defects", "Note"):
+            yield from (f"**{heading}:** {text.removesuffix('.')}.", "")
     yield from ("## What it does", "")
     for test, results in found.by_test.items():
         for title, result in results.items():

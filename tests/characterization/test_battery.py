@@ -19,11 +19,13 @@ from stickslip import (
 from stickslip.characterization import TESTS, Bench, cycle_energy
 from stickslip.characterization.bench import there_and_back
 from stickslip.characterization.break_away import break_away
+from stickslip.characterization.cost import cost
 from stickslip.characterization.drift import creep, drift
 from stickslip.characterization.hunting import hunting
 from stickslip.characterization.hysteresis import presliding
 from stickslip.characterization.lag import lag
 from stickslip.characterization.passivity import passivity
+from stickslip.characterization.steady import steady_curve
 from stickslip.characterization.stick_slip import stick_slip_map
 from stickslip.documents import document, json_text
 from stickslip.errors import InputError, UnknownNameError
@@ -160,6 +162,25 @@ def test_a_single_level_does_not_stick_and_slip():
         found = stick_slip_map(Bench(law=one), stiffnesses=(100.0,))
         assert not found.sticks.any()
         assert np.isnan(found.boundary).all()
+
+
+def test_rates_of_elements_that_slip_are_not_those_across_their_switches():
+    # sigma_2 / m; rounding of 1.5 N over a millionth of 1 um/s twice is 2e-4 1/s
+    assert cost(Bench(law=MAXWELL)).largest_rate == pytest.approx(0.4, abs=1e-3)
+    # sigma_0 v / g at a thousand times 1 mm/s
+    assert cost(Bench(law=DAHL)).largest_rate == pytest.approx(1e5 / 1.5, rel=1e-5)
+
+
+def test_a_steady_curve_is_said_to_depend_on_the_speed_where_it_does_at_all():
+    texts = {"grows with": 1e-3, "does not depend on": 0.0}
+    for told, viscous in texts.items():
+        one = law("level + viscous")(kinetic_coefficient=1.0, viscous_coefficient=viscous)
+        assert f"friction {told} speed" in steady_curve(Bench(law=one)).sentence
+    falls = law("level + tustin")(
+        kinetic_coefficient=1.0, static_coefficient=1.005, stribeck_velocity=1e-3
+    )
+    assert "falls by no more than 1 %" in steady_curve(Bench(law=falls)).sentence
+    assert "stable" not in steady_curve(Bench(law=falls)).sentence
 
 
 def test_steady_sliding_on_the_stribeck_curve_is_stable_where_its_slope_is():

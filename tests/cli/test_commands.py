@@ -280,7 +280,10 @@ BAD = [
     (["simulate", "demo", "--t-end", "0"], "above 0 s"),
     (["simulate", "demo", "--t-end", "nan"], "t_end"),
     (["simulate", "demo", "--fixed-step", "-1"], "above 0 s"),
-    (["simulate", "demo", "--fixed-step", "0.1", "--method", "leapfrog"], "euler, heun, rk4"),
+    (
+        ["simulate", "demo", "--fixed-step", "0.1", "--method", "leapfrog"],
+        "euler, semi-implicit, heun, rk4",
+    ),
     (["simulate", "demo", "-o", "run.txt"], ".csv or .parquet"),
     (["models", "coulombs"], "Did you mean 'coulomb'"),
     (["cite", "newton"], "unknown friction law"),

@@ -25,12 +25,20 @@ def test_the_page_of_a_law_says_what_it_does_and_links_to_its_figures(gallery):
     files = gallery.written("coulomb")
     page = files["coulomb.md"]
     assert page.startswith("# Coulomb\n")
-    assert "It does not drift" in page and "Parameters\n----" not in page  # noqa: PT018
+    assert "It does not drift" in page
+    assert "\n----" not in page  # no section of the docstring
+    assert page.count("F = \\mu_k N") == 1
+    assert "**Passive:** always." in page
     for name in files:
         assert name in page or name in ("coulomb.md", "coulomb-thumbnail.svg")
     # what stays in its place has no figure
     assert set(files) == {"coulomb.md", "coulomb-steady.svg", "coulomb-thumbnail.svg"}
     assert all(text.startswith("<svg") for name, text in files.items() if name.endswith("svg"))
+
+
+def test_a_page_says_that_a_formula_was_not_compared_with_its_source(gallery):
+    page = gallery.written("hess-soom")["hess-soom.md"]
+    assert "**Note:** formula not compared with its source." in page
 
 
 def test_a_page_is_kept_until_the_law_or_the_code_changes(gallery, tmp_path, monkeypatch):

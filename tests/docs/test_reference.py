@@ -13,6 +13,7 @@ import stickslip.control
 import stickslip.drives
 import stickslip.outputs
 import stickslip.results
+from stickslip.friction.notation import PARTS
 from stickslip.routes import routes
 
 PAGE = Path(__file__).parents[2] / "docs/reference/api.md"
@@ -38,6 +39,13 @@ NAMES += [
 @pytest.mark.parametrize("name", NAMES)
 def test_a_public_name_stands_in_the_reference(name: str) -> None:
     assert name in REFERENCE, f"{name} is missing in docs/reference/api.md"
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_of_laws_stands_in_the_table_of_how_to_compose_them(name):
+    page = (PAGE.parents[1] / "howto/compose-law.md").read_text(encoding="utf-8")
+    rows = [row for row in page.splitlines() if row.startswith("|")]
+    assert any(re.search(rf"`{name}[`\[(]", row) for row in rows), name
 
 
 def test_every_route_stands_in_the_table_with_its_options(monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 from tools import stubs
 
 import stickslip
-from stickslip.friction import LAWS, FrictionLaw, law, listed
+from stickslip.friction import LAWS, FrictionLaw, law, listed, said_of
 from stickslip.friction.notation import canonical
 
 each_law = pytest.mark.parametrize("name", LAWS)
@@ -79,3 +79,15 @@ def test_the_list_of_named_laws_is_that_of_the_entries():
 def test_travels_are_compared_with_six_laws_unasked():
     unasked = [name for name, one in listed().items() if not one.on_request]
     assert unasked == ["coulomb", "viscous", "coulomb-viscous", "stribeck", "dahl", "lugre"]
+
+
+def test_a_composition_of_a_part_that_was_not_compared_with_its_source_says_so():
+    for text in ("makkar + viscous", "bengisu_akay", "dahl(level + lorentz) + power"):
+        kind = law(text)
+        assert not kind.compared
+        assert ("Note", "formula not compared with its source") in said_of(kind)
+    for name in ("haessig-friedland", "bliman-sorine", "hess-soom", "warm-viscous"):
+        assert not listed()[name].compared
+        assert not LAWS[name].compared
+        assert "not compared with its source" in LAWS[name].__doc__
+    assert law("level + stribeck + viscous").compared

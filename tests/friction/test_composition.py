@@ -268,6 +268,8 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("level(viscous)", "brackets behind level, which takes none"),
         ("level[2]", "level has no argument"),
         ("dahl", r"dahl without brackets: write dahl\(level\)"),
+        ("gms", r"gms without brackets: write gms\[4\]\(level\)"),
+        ("maxwell[3]", r"maxwell without brackets: write maxwell\[3\]\(level\)"),
         ("stribeck + viscous", "stribeck without level"),
         ("level + peak", "peak without a static surplus"),
         ("level + stribeck + step", "stribeck and step, which both have static_coefficient"),

@@ -82,3 +82,11 @@ def test_a_fraction_in_an_exponent_is_not_set_at_half_size():
 
 def test_a_sum_keeps_its_sign_and_what_it_is_over():
     assert formula_text(r"F = \textstyle\frac{\sigma_0}{4} \sum_i z_i N") == "F = (σ₀/4) ∑_i z_i N"
+
+
+def test_an_index_of_two_letters_stays_one_index_and_a_power_above_it_is_kept():
+    assert formula_text(r"|k_{ms} \tau_m| + q_e \tau_e^2") == "|k_ms τ_m| + q_e τ_e²"
+    text = formula_text(
+        r"Q = \begin{cases} a & x > 0 \\ b & x < 0 \end{cases} \text{ where } y = 0"
+    )
+    assert text.splitlines()[-1].endswith("x < 0  where y = 0")

@@ -29,11 +29,12 @@ from stickslip import (
 from stickslip.drives import Pulse, Sine, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.friction import LAWS, PRINTED_FORMS
-from stickslip.mechanisms import Prescribed
+from stickslip.mechanisms import Prescribed, given_inputs
 from stickslip.outputs import EventCount, EventTimes, Final, Max, Mean, Samples
 from stickslip.quantities import Quantity, vary
 from stickslip.results import Sensitivity, Status
 from stickslip.solver import chunks, path_units
+from stickslip.testing.friction import ORDINARY
 
 PYTHON, COMPILED = EventDriven(tier="python"), EventDriven(tier="compiled")
 DECAY = SpringBlock(mass=1.0, stiffness=100.0, compression=0.1)
@@ -146,11 +147,12 @@ def test_every_row_is_the_run_that_simulate_makes(case):
 @pytest.mark.parametrize("name", LAWS)
 def test_every_law_runs_in_ensembles(name):
     law = example_of(LAWS[name])
-    rig = TowedBlock(mass=1.0, stiffness=50.0, speed=0.2)
+    bare = TowedBlock(mass=1.0, stiffness=50.0, speed=0.2)
+    rig = given_inputs(bare, {name: ORDINARY[name] for name in law.inputs})
     columns = {"mechanism.speed": np.array([0.2, -0.1, 0.2])}
     start = {"v": 0.1}
     runs = ensemble(rig, law, columns, t_end=0.15, y0=start, solver=PYTHON)
-    states = ("x", "v", "z") if law.states else ("x", "v")
+    states = ("x", "v", *law.states)
     for row in range(3):
         assert_row_is_run(runs, row, single(rig, law, columns, row, t_end=0.15, y0=start), states)
     assert runs["x"][0] == runs["x"][2]

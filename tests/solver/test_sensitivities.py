@@ -48,8 +48,8 @@ RIGS["spring-block, uphill, square"] = SpringBlock(
     drive=Square(high=6.0, low=-2.0, period=0.37, duty=0.4, start=0.02),
 )  # fmt: skip
 SMOOTH_LAWS = {name: example_of(law) for name, law in UNAIDED.items()}
-BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states}
-SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if n not in BRISTLE_LAWS}
+BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states == ("z",)}
+SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if not law.states}
 SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], exponent=n) for n in (1.0, 1.5)}
 BRISTLE_LAWS |= {
     f"{name}, switch": replace(law, static_switch=True) for name, law in BRISTLE_LAWS.items()

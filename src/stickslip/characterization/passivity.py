@@ -82,7 +82,7 @@ class Passivity(Characteristic):
                 f" {motion}; a proof of stability that takes friction as passive does not hold."
             )
         if not self.cycles:
-            return "It is passive: friction acts against the velocity at every speed."
+            return "It is passive at all speeds tried: friction acts against the velocity."
         return (
             f"No cycle of {self.cycles} that were tried gains energy from friction; this is no"
             " proof that none does."
@@ -236,7 +236,7 @@ def passivity(bench: Bench, *, tried: int = TRIED, seed: int = 0) -> Passivity:
     --------
     >>> from stickslip import Coulomb
     >>> print(passivity(Bench(law=Coulomb(kinetic_coefficient=0.5))).sentence)
-    It is passive: friction acts against the velocity at every speed.
+    It is passive at all speeds tried: friction acts against the velocity.
     """
     law, load = bench.curve, bench.load
     conditions = f"Normal force {quantity(load, 'N')}; velocities that jump and stay constant"

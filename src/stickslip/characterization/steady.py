@@ -21,7 +21,9 @@ DECADES = 2
 SAMPLES = 161
 """Speeds on each side."""
 FALL = 0.01
-"""Share of the force by which it has to fall, or to rise, to be said to."""
+"""Share of the force by which it has to fall for a drive to stick and slip."""
+ROUNDING = 1e-9
+"""Share of the force by which it has to fall, or to rise, to depend on speed."""
 
 
 @final
@@ -72,12 +74,13 @@ class SteadyCurve(Characteristic):
                 f"Break-away takes {quantity(start, 'N')}, sliding {quantity(force[low], 'N')}"
                 f"{where}{rises}. {what}{' below this speed' if falls and rises else ''}."
             )
-        rises = force[-1] > (1.0 + FALL) * force[0]
-        return (
-            f"Break-away and slow sliding take {quantity(rest, 'N')}; friction"
-            f" {'grows with speed' if rises else 'does not depend on speed'}, so that steady"
-            " sliding is stable."
-        )
+        begins = f"Break-away and slow sliding take {quantity(rest, 'N')}; friction"
+        steps = np.diff(force) / force.max()
+        if (steps < -ROUNDING).any():
+            most = quantity(speed[-1], "m/s")
+            return f"{begins} falls by no more than 1 % at speeds up to {most}."
+        how = "grows with" if force[-1] > (1.0 + ROUNDING) * force[0] else "does not depend on"
+        return f"{begins} {how} speed, so that steady sliding is stable."
 
     @override
     def to_dataframe(self) -> "pd.DataFrame":

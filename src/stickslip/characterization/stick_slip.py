@@ -22,19 +22,19 @@ if TYPE_CHECKING:
 
 __all__ = ["StickSlipMap", "slopes_at", "stick_slip_map"]
 
-GRID = (14, 7)
+GRID = (12, 5)
 """Speeds and stiffnesses of the map."""
 SPEEDS = (0.3, 300.0)
 """Speeds of the map over the one at which friction changes."""
-STIFFNESSES = (0.03, 30.0)
+STIFFNESSES = (0.1, 10.0)
 """Stiffnesses of the map over that of the bench."""
 PERIODS = 40.0
 """Free periods that a run lasts, beside what the spring takes to be stretched."""
-STRETCHES = 6.0
+STRETCHES = 4.0
 """Times that the spring could be stretched from 0 to break-away in a run."""
-LATE = 0.6
+LATE = 0.4
 """Share of a run from which on its motion counts."""
-RATIO = 4.0
+RATIO = 2.0
 """Ratio of durations up to which runs are made together."""
 DAMPING = 0.02
 """Damping ratio of the spring: without, what a start leaves behind would never die out."""
@@ -307,12 +307,14 @@ def slopes_at(bench: Bench, speed: float) -> Array:
         step = np.zeros(len(at))
         step[i] = STEP * size
         sides = []
-        for v, *z in (at + step, at - step):
+        # states have slipped: what is before that may be another side of a switch
+        behind = at - step if i == 0 else at
+        for v, *z in (at + step, behind):
             force = float(law.force(v, load, tuple(z)))
             with Latches([True] * len(z)):  # every element slips
                 rates = law.rates(v, load, tuple(z))
             sides.append([-force / bench.mass, *map(float, rates)])
-        columns.append((np.array(sides[0]) - np.array(sides[1])) / (2.0 * step[i]))
+        columns.append((np.array(sides[0]) - np.array(sides[1])) / (at + step - behind)[i])
     return np.array(columns).T
 
 

@@ -98,7 +98,7 @@ class Settings:
     fixed_step: float | None
     """Step of a fixed-step integrator [s]; events are located exactly if None."""
     method: str
-    """Integrator of the fixed step: ``euler``, ``heun`` or ``rk4``."""
+    """Integrator of the fixed step: ``euler``, ``semi-implicit``, ``heun`` or ``rk4``."""
     stick_rule: bool
     """Whether fixed steps hold the body at rest by a rule."""
     zero_velocity_band: float = 0.0

@@ -58,6 +58,12 @@ class Entry:
         names = read(self.composition).parts()
         return tuple(dict.fromkeys(one for name in names for one in name.inputs))
 
+    @property
+    def compared(self) -> bool:
+        """Whether the formula was compared with its source: that of the law, and of its parts."""
+        own = getattr(self.statement, "compared", True)
+        return own and all(one.part.compared for one in read(self.composition).parts())
+
     @functools.cached_property
     def law(self) -> type[FrictionLaw]:
         """The class of the law."""
@@ -161,6 +167,7 @@ def _made(c: Composition, name: str, space: Mapping[str, Any]) -> type[FrictionL
             setattr(kind, key, equation)
     kind.composition, kind.made_of = c.term, c
     kind.directional, kind.inputs = c.directional, c.inputs
+    kind.compared = kind.compared and all(one.part.compared for one in c.term.parts())
     kind.contained = Contained(c, _by_parts)
     if "formula" not in space:
         kind.formula = formula_of(c)

@@ -165,7 +165,9 @@ class Composition:
                 return self._multiplied(term, self._leaves(first, sides, inside=inside), sides)
             case Name(name=name, role=role):
                 if role in (BOTH_WAYS, "memory", "sign"):
-                    self._refuse(f"has {name} without brackets: write {name}(level).")
+                    asks = role == "memory" and term.part.argument and not term.argument
+                    whole = f"{name}[4]" if asks else term
+                    self._refuse(f"has {name} without brackets: write {whole}(level).")
                 if role == "factor":
                     self._refuse(
                         f"has the factor {term} without what it multiplies: write level * {term}."

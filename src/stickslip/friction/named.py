@@ -374,7 +374,6 @@ class Tustin:
     typical = Typical(values=FADING)
     passivity = ALWAYS
     defects = "The curve has a corner at rest."
-    compared = False
     on_request = True
 
 
@@ -403,7 +402,6 @@ class HessSoom:
     defects = (
         "The surplus fades slowly: a thousandth of it is left at 32 times the Stribeck velocity."
     )
-    compared = False
     on_request = True
 
 
@@ -432,7 +430,6 @@ class PoppStelter:
     defects = (
         "The surplus fades slowly: a thousandth of it is left at 999 times the Stribeck velocity."
     )
-    compared = False
     on_request = True
 
 
@@ -578,7 +575,6 @@ class ArctanCoulomb:
     typical = Typical(values={**SLIDING, **SMOOTH})
     passivity = ALWAYS
     defects = CREEPS + " The level is approached slowly: at 64 times the smoothing velocity to 1 %."
-    compared = False
     on_request = True
 
 
@@ -600,7 +596,6 @@ class RootCoulomb:
     typical = Typical(values={**SLIDING, **SMOOTH})
     passivity = ALWAYS
     defects = CREEPS
-    compared = False
     on_request = True
 
 
@@ -625,7 +620,6 @@ class Ambrosio:
     typical = Typical(values={**LEVEL, **SMOOTH})
     passivity = ALWAYS
     defects = CREEPS
-    compared = False
     on_request = True
 
 
@@ -650,7 +644,6 @@ class Threlfall:
     typical = Typical(values={**LEVEL, **SMOOTH})
     passivity = ALWAYS
     defects = CREEPS
-    compared = False
     on_request = True
 
 
@@ -683,7 +676,9 @@ class TanhStribeck:
 
 @composed("brown_mcphee + viscous")
 class BrownMcPhee:
-    """One smooth curve with its peak mu_s at the transition velocity, and a viscous part.
+    """One smooth curve that peaks near mu_s at the transition velocity, and a viscous part.
+
+    There it is mu_s less mu_k (1 - tanh 4), 0.0007 mu_k.
 
     Examples
     --------
@@ -711,7 +706,8 @@ class BrownMcPhee:
 class Simscape:
     """The curve of the Translational Friction block: a bump on a hyperbolic tangent.
 
-    Its largest value without the viscous part is mu_s at the break-away velocity.
+    Without the viscous part it is mu_s at the break-away velocity, less mu_k (1 - tanh 10), which
+    is 4e-9 mu_k. It is largest there if mu_s is above mu_k.
 
     Examples
     --------
@@ -865,7 +861,6 @@ class LuGreFading:
         ),
     )
     defects = DRIFTS
-    compared = False
     on_request = True
 
 
@@ -976,7 +971,6 @@ class BoucWen:
     typical = Typical(values={**SLIDING, **STIFF})
     passivity = ALWAYS
     defects = DRIFTS + " Inner loops do not close: what was before a turn is forgotten."
-    compared = False
     on_request = True
 
 

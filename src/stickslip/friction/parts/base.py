@@ -103,6 +103,8 @@ class Part(ABC):
     """Parts that are not there without it, for values that these have where they are not."""
     becomes: ClassVar[tuple[Becomes, ...]] = ()
     """Simpler parts that it includes."""
+    compared: ClassVar[bool] = True
+    """Whether its formula was compared with its source, or with a public program of it."""
 
     def of(self, argument: str) -> "Part":  # for those that it shapes
         """Return the part with what stands in its brackets."""

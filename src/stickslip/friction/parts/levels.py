@@ -15,7 +15,7 @@ from stickslip.friction.parts.base import Extra, Level, Slip, SmoothLevel, Value
 from stickslip.maths import Scalar, exp, log, power, tanh, where
 from stickslip.quantities import Quantity
 
-AT_LARGEST = Doc("Speed at which friction is largest.")
+AT_LARGEST = Doc("Speed at which friction peaks, if the static level is above the kinetic one.")
 VANISHED = 36.0
 """exp(-36) = 2.3e-16: beyond this the exponential is below the last digit of its factor."""
 
@@ -126,6 +126,7 @@ class Tustin(Surplus):
     """A static surplus that fades exponentially, with a corner at rest."""
 
     name = "tustin"
+    compared = False
     tex = r"(\mu_s - \mu_k) e^{-|v|/v_s}"
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
@@ -140,6 +141,7 @@ class Lorentz(Surplus):
     """A static surplus that fades with the square of the speed."""
 
     name = "lorentz"
+    compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + (v/v_s)^2}"
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
@@ -155,6 +157,7 @@ class Hyperbolic(Surplus):
     """A static surplus that fades with the speed itself."""
 
     name = "hyperbolic"
+    compared = False
     tex = r"\frac{\mu_s - \mu_k}{1 + |v|/v_s}"
     static_coefficient: StaticCoefficient
     stribeck_velocity: StribeckVelocity
@@ -166,7 +169,7 @@ class Hyperbolic(Surplus):
 
 @final
 class BrownMcPhee(SmoothLevel):
-    """One smooth curve through its largest value mu_s at the transition velocity."""
+    """One smooth curve that peaks near mu_s at the transition velocity."""
 
     name = "brown_mcphee"
     tex = r"\left[\mu_k \tanh 4u + (\mu_s - \mu_k) \frac{u}{(u^2/4 + 3/4)^2}\right]"
@@ -250,6 +253,7 @@ class Makkar(SmoothLevel):
     """Differences of hyperbolic tangents: a bump on a rise to the kinetic level."""
 
     name = "makkar"
+    compared = False
     tex = (
         r"\left[\gamma_1 (\tanh \gamma_2 |v| - \tanh \gamma_3 |v|)"
         r" + \mu_k \tanh \gamma_5 |v|\right]"
@@ -282,6 +286,7 @@ class BengisuAkay(SmoothLevel):
     """A parabola up to the static level, and an exponential down to the kinetic one."""
 
     name = "bengisu_akay"
+    compared = False
     tex = r"h"
     tex_where = (
         r"h = \begin{cases} \mu_s \frac{|v|}{v_0} \left(2 - \frac{|v|}{v_0}\right) & |v| < v_0 \\"

@@ -91,6 +91,7 @@ class LuGreFading(LuGreBristle):
     """A bristle whose damping fades with the speed, which can make the law passive."""
 
     name = "lugre_fading"
+    compared = False
     tex = r"(\sigma_0 z + \sigma_1 e^{-(v/v_d)^2} \dot z)"
     becomes = (
         Becomes(name="lugre", values={}, limits=("damping_velocity",)),
@@ -145,6 +146,7 @@ class BoucWen(Memory):
     """A loop whose sides bend differently on loading and on unloading."""
 
     name = "bouc_wen"
+    compared = False
     tex = r"\sigma_0 z"
     tex_where = (
         r"\dot z = v \left(1 - |u|^n \left[\beta + (1 - \beta) \operatorname{sgn}(u v)\right]"
@@ -289,6 +291,7 @@ class Reset(Memory):
     """A spring that is stiffer while it sticks: its force falls to the level where it gives way."""
 
     name = "reset"
+    compared = False
     tex = r"\left(\tfrac{g}{g(0)} (1 + a)\, \sigma_0 z + \sigma_1 \dot z\right)"
     tex_where = (
         r"\dot z = v \text{ while } \sigma_0 z \operatorname{sgn} v < g(0),"
@@ -339,6 +342,7 @@ class BlimanSorine(Memory):
     """Two springs that yield against each other: break-away exceeds the level by a distance."""
 
     name = "bliman_sorine"
+    compared = False
     tex = r"\sigma_0 \left(z_1 - \tfrac{\eta b}{1 + b} z_2\right)"
     tex_where = (
         r"\dot z_1 = v - \tfrac{\sigma_0 |v|}{(1 + b) g} z_1,"

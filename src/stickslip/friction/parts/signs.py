@@ -34,6 +34,7 @@ class Atan(SmoothSign):
     """An inverse tangent, which approaches the level slowly."""
 
     name = "atan"
+    compared = False
     tex = r"\frac{2}{\pi} \arctan(v / v_t)"
     smoothing_velocity: SmoothingVelocity
 
@@ -47,6 +48,7 @@ class Root(SmoothSign):
     """The speed over the root of its square plus a constant."""
 
     name = "root"
+    compared = False
     tex = r"v / \sqrt{v^2 + v_t^2}"
     smoothing_velocity: SmoothingVelocity
 
@@ -61,6 +63,7 @@ class Ramp(SmoothSign):
     """A straight line up to the smoothing velocity."""
 
     name = "ramp"
+    compared = False
     tex = r"\min(|v| / v_t, 1) \operatorname{sgn} v"
     smoothing_velocity: SmoothingVelocity
 
@@ -75,6 +78,7 @@ class Threlfall(SmoothSign):
     """An exponential rise that reaches the level at the smoothing velocity."""
 
     name = "threlfall"
+    compared = False
     tex = (
         r"\frac{1 - e^{-3|v|/v_t}}{1 - e^{-3}} \operatorname{sgn} v"
         r" \text{ below } v_t, \operatorname{sgn} v \text{ above}"

@@ -109,7 +109,8 @@ def formula_text(latex: str) -> str:
             brace = "⎧" if index == 0 else "⎩" if index == len(cells) - 1 else "⎨"
             text = "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
             lines.append(f"{lead} {brace} {text}")
-        lines[-1] += _linear(cut.after)
+        after = _linear(cut.after)
+        lines[-1] += f"  {after}" if after[:1].isalpha() else after
     return normalize("NFC", "\n".join(lines))
 
 
@@ -171,9 +172,11 @@ def _text(element: ElementTree.Element) -> str:
     parts = [_row(child) if child.tag in {"mrow", "mstyle"} else _text(child) for child in element]
     match element.tag:
         case "msub" | "munder":  # what a sum is over stands under it
-            return lowered(parts[0], parts[1])
+            return lowered(parts[0], parts[1].replace(" ", ""))
         case "msup":
             return raised(parts[0], parts[1])
+        case "msubsup":
+            return raised(lowered(parts[0], parts[1].replace(" ", "")), parts[2])
         case "mfrac":
             if parts == ["1", "2"]:
                 return "½"
