@@ -70,6 +70,19 @@ DECADES: Mapping[str, tuple[float, float]] = {
 }
 """Powers of ten between which a parameter of a law is drawn, by unit: what rigs have."""
 
+FIRST = ("coulomb", "viscous", "coulomb-viscous", "coulomb-viscous-static", "direction-dependent",
+         "power-viscous", "quadratic-drag", "stribeck", "dahl", "lugre")  # fmt: skip
+"""Laws that quick tests draw many runs of; those of the others are slow."""
+
+
+def each_of(kinds: Iterable[type[FrictionLaw]]) -> list[Any]:
+    """Return laws for `parametrize`, all but the first ones slow."""
+    return [
+        pytest.param(kind, id=kind.name, marks=[pytest.mark.slow] * (kind.name not in FIRST))
+        for kind in kinds
+    ]
+
+
 SHAPES = st.sampled_from([1.0, 2.0, 0.7, 1.5])
 """Exponents: whole ones, which shape the equations, and others, which stand in them."""
 

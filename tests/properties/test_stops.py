@@ -10,6 +10,7 @@ from tests.support import (
     RIGID,
     UNAIDED,
     axes,
+    each_of,
     examples,
     held_by,
     laws,
@@ -24,7 +25,7 @@ from stickslip.drives import Drive, PiecewiseLinear, Pulse, Sum
 from stickslip.friction import LAWS
 
 T_END = 1.5
-each_law = pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
+each_law = pytest.mark.parametrize("kind", each_of(UNAIDED.values()))
 starts = st.fixed_dictionaries(
     {"x": nearly(-0.05, 0.05) | st.just(0.0), "v": nearly(-2, 2) | st.just(0.0)}
 )

