@@ -228,7 +228,7 @@ def code(name: str, kind: type[FrictionLaw], law: FrictionLaw) -> Iterator[str]:
     yield from ("```toml", f"[friction.{name}]")
     yield from (f"{one} = {value!r}" for one, value in given.items())
     yield from ("```", "", "```sh", f"stickslip characterize {name}{needed}", "```", "")
-    yield f"Composition: `{kind.composition}`. All parameters: {{ref}}`law-{name}`."
+    yield f"Composition: `{kind.composition}`. All parameters: {{ref}}`{kind.title} <law-{name}>`."
     yield ""
 
 
