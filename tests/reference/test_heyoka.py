@@ -157,7 +157,8 @@ def bent() -> Iterator[Any]:
             if quantity.structural:
                 value = min(1.5, 0.8 * quantity.high)
                 law = dataclasses.replace(example_of(kind), **{name: value})
-                yield pytest.param(law, id=f"{kind.name}-{name}")
+                slow = [pytest.mark.slow] * (kind.name not in FIRST)
+                yield pytest.param(law, id=f"{kind.name}-{name}", marks=slow)
 
 
 def cases() -> Iterator[Any]:

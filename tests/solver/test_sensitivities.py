@@ -9,7 +9,7 @@ import pytest
 from tests.mechanisms.test_pendulum_cart import LAW as CART_LAW
 from tests.mechanisms.test_pendulum_cart import cart_with
 from tests.solver.sensitivity_support import PYTHON, Case, mismatch
-from tests.support import UNAIDED, example_of, pairs, quick
+from tests.support import FIRST, example_of, pairs, quick
 
 from stickslip import (
     Axis,
@@ -24,7 +24,7 @@ from stickslip import (
 )
 from stickslip.drives import PiecewiseLinear, Pulse, Sine, Square, ThreePhase
 from stickslip.errors import InputError, UnknownNameError
-from stickslip.friction import PRINTED_FORMS
+from stickslip.friction import LAWS, PRINTED_FORMS
 from stickslip.mechanisms import Prescribed
 
 PULSE = Pulse(level=6.0, duration=0.4, start=0.1)
@@ -47,7 +47,7 @@ RIGS["spring-block, uphill, square"] = SpringBlock(
     mass=1.0, stiffness=30.0, compression=0.05, attached=True, incline=0.1,
     drive=Square(high=6.0, low=-2.0, period=0.37, duty=0.4, start=0.02),
 )  # fmt: skip
-SMOOTH_LAWS = {name: example_of(law) for name, law in UNAIDED.items()}
+SMOOTH_LAWS = {name: example_of(LAWS[name]) for name in FIRST}
 BRISTLE_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if law.states == ("z",)}
 SMOOTH_LAWS = {n: law for n, law in SMOOTH_LAWS.items() if not law.states}
 SMOOTH_LAWS |= {f"stribeck {n}": replace(SMOOTH_LAWS["stribeck"], exponent=n) for n in (1.0, 1.5)}

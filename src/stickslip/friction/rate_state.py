@@ -123,7 +123,7 @@ class RateState(Parametrised):
     where a may have either sign; a = 0 is a constant coefficient.
 
     The regularised form, mu = a arcsinh((V / (2 V_0)) exp((mu_0 + b ln(V_0 theta / D_c)) / a)), is
-    0 at rest and may reverse: in the evolution laws V is then the speed |V|, and mu is |mu|. While
+    0 at rest and may reverse: in the evolution laws V and mu are then their sizes. While
     mu is many times a, as in all forward sliding, both forms agree to exp(-2 mu / a).
 
     It is not a `FrictionLaw`: the slope of the coefficient at rest is exp(mu_0 / a) times a / (2
