@@ -76,13 +76,6 @@ class Dual:
             return Dual(math.sin(self.x), math.cos(self.x) * self.d)
         if name == "cos":
             return Dual(math.cos(self.x), -math.sin(self.x) * self.d)
-        if name == "tanh":
-            bent = math.tanh(self.x)
-            return Dual(bent, (1.0 - bent * bent) * self.d)
-        if name == "atan":
-            return Dual(math.atan(self.x), self.d / (1.0 + self.x * self.x))
-        if name == "sqrt":
-            return Dual(math.sqrt(self.x), 0.5 / math.sqrt(self.x) * self.d)
         if name == "sign":
             return math.copysign(1.0, self.x)
         assert name == "power", name
