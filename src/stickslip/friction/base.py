@@ -379,8 +379,8 @@ class FrictionLaw(Parametrised, ABC):
             return vars(self)[BOUND][name]
         except KeyError:
             raise InputError(
-                f"the friction law {self.name} depends on {name}, which is not given here: ask"
-                f" bound(law, {{{name!r}: ...}}), or give it to the rig."
+                f"the friction law {self.name} depends on {name}, which is not given: bind it,"
+                f" bound(law, {{{name!r}: ...}}), or give it in [contact] of the rig file."
             ) from None
 
 
@@ -542,37 +542,9 @@ class BristleLaw(FrictionLaw, ABC):
     def rates(
         self, velocity: Scalar, load: Scalar, states: tuple[Scalar, ...]
     ) -> tuple[Scalar, ...]:
-        """Return the time derivatives of the bristle states, arguments as in `force`.
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        load : float or array
-            Normal force [N].
-        states : tuple of float or array
-            Bristle states; deflections are in [m].
-
-        Returns
-        -------
-        tuple of float or array
-            Rates in the order of the states; those of deflections are in [m/s].
-        """
+        """Return the time derivatives of the bristle states, as `FrictionLaw.rates` says."""
 
     @abstractmethod
     @override
     def steady(self, velocity: Scalar, load: Scalar) -> Scalar:
-        """Return the friction force [N] after long sliding at a constant velocity [m/s].
-
-        Parameters
-        ----------
-        velocity : float or array
-            Slip velocity [m/s].
-        load : float or array
-            Normal force [N].
-
-        Returns
-        -------
-        float or array
-            Friction force, with the sign of the velocity [N].
-        """
+        """Return the friction force after long sliding, as `FrictionLaw.steady` says."""

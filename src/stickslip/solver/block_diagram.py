@@ -366,12 +366,13 @@ class Diagram(BlockDiagram):
 
     def _informed(self, t: float, y: Sequence[float]) -> FrictionLaw:
         """Return the law, which sees the inputs of the contact."""
-        law, state = self.law, self._at(t, y)
+        law = self.law
         assert isinstance(law, FrictionLaw)  # printed forms are asked otherwise
         if not law.inputs:
             return law
+        state = self._at(t, y)
         if state.law is None:
-            n, names = self.equations.sizes.coordinates, self.mechanism.coordinates
+            n, names = self.coordinates, self.mechanism.coordinates
             straight = zip(self.drives.items(), self.equations.linear(t), strict=True)
             drives = {name: one.smooth(t) + linear for (name, one), linear in straight}
             q, q_dot = (dict(zip(names, part, strict=True)) for part in (y[:n], y[n : 2 * n]))
@@ -417,6 +418,8 @@ class Diagram(BlockDiagram):
         law = self._informed(t, y)
         if self.soft is not None:
             return self._softly(self.soft, law, t, y), normal
+        if not z:  # only memories latch
+            return law.force(v, normal), normal
         with self.latches[0]:
             return law.force(v, normal, z), normal
 
@@ -468,7 +471,7 @@ class Diagram(BlockDiagram):
         if stuck:
             accelerations[self.slip - n] = 0.0
         moved: Sequence[float] = (0.0,) * len(z)
-        if not stuck:
+        if z and not stuck:
             law = self.law if isinstance(self.law, PrintedForm) else self._informed(t, y)
             with self.latches[1]:
                 moved = law.rates(v, normal, z)
