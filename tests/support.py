@@ -122,7 +122,7 @@ def decade(low: float, high: float) -> st.SearchStrategy[float]:
 def _value(draw: st.DrawFn, quantity: Quantity, known: Mapping[str, float]) -> float:
     if quantity.structural:
         return draw(SHAPES.filter(lambda n: quantity.low <= n <= quantity.high))
-    value = draw(decade(*DECADES[quantity.unit]))
+    value = min(draw(decade(*DECADES[quantity.unit])), quantity.high)
     return value if quantity.at_least is None else known[quantity.at_least] + value
 
 
