@@ -33,6 +33,7 @@ __all__ = [
     "draw_shape",
     "draw_structure",
     "factor_of_start",
+    "full_deflection",
     "level_of",
     "run_case",
 ]
@@ -167,8 +168,8 @@ MAY_VANISH = ("N/m", "N s/m", "N s^2/m^2", "s/m", "1", "N", "m")
 def _number(rng: Random, name: str, kind: type, size: Sizes, known: Mapping[str, Any]) -> float:
     """Return a value for a declared quantity."""
     quantity = fields_of(kind)[name]
-    if quantity.high == 1.0:
-        return rng.choice((0.0, 0.5, 1.0))
+    if 0.5 < quantity.high <= 1.0:
+        return rng.choice((0.0 if quantity.above is None else 0.1, 0.5, quantity.high))
     if quantity.unit == "m/s^2":
         return 9.81
     value = size.draw(rng, quantity.unit, 3.0 if quantity.unit in ("m/s", "1/m", "s/m") else 0.7)
@@ -224,6 +225,11 @@ def level_of(law: FrictionLaw, load: float, direction: int = 1) -> float:
     return float(law.towards(direction).break_away(load))
 
 
+def full_deflection(law: FrictionLaw) -> float:
+    """Return the deflection [m] of bristles that carry what breaks away."""
+    return level_of(law, 1.0) / float(law.force(0.0, 1.0, (1.0,) * len(law.states)))
+
+
 STARTS = ("rest", "rest", "rest", "tiny", "usual", "usual", "large")
 
 
@@ -249,7 +255,7 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
         start[mechanism.coordinates[0]] = getattr(mechanism, "compression", size.length)
         layer = getattr(law, "stribeck_velocity", None)
         if layer is not None and rng.random() < 0.5:
-            start[slip] = layer * 36.0 ** (1.0 / law.exponent)
+            start[slip] = layer * 36.0 ** (1.0 / getattr(law, "exponent", 2.0))
         elif isinstance(law, PowerViscous):
             start[slip] = PLATEAU
     else:
@@ -258,10 +264,8 @@ def _start(rng: Random, mechanism: Mechanism, law: FrictionLaw, size: Sizes) -> 
         for name, unit in zip(mechanism.rates, mechanism.units, strict=True):
             rate = speed if unit == "m" else 1.0 / size.time
             start[name] = rng.choice((0.0, 1.0, 1.0)) * rng.uniform(-1, 1) * factor[how] * rate
-    if law.states:
-        full = law.kinetic_coefficient / law.bristle_stiffness
-        for name in law.states:
-            start[name] = full * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
+    for name in law.states:
+        start[name] = full_deflection(law) * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
     return start
 
 

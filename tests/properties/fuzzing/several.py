@@ -15,6 +15,7 @@ from tests.properties.fuzzing.cases import (
     draw_law,
     draw_shape,
     factor_of_start,
+    full_deflection,
 )
 from tests.properties.fuzzing.drawing import Sizes, around, draw_drive, sizes
 from tests.support import UNAIDED
@@ -341,9 +342,8 @@ def _start(rng: Random, case: Case, size: Sizes) -> dict[str, float]:
             start[rate] *= span / size.time
     for name in bristle_names(case.contact_names, case.law):
         law = case.laws[name.partition(":")[2] or case.contact_names[0]]
-        full = law.kinetic_coefficient / law.bristle_stiffness
         if factor:
-            start[name] = full * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
+            start[name] = full_deflection(law) * rng.choice((0.0, 1.0, -1.0, rng.uniform(-1, 1)))
     return start
 
 

@@ -63,7 +63,7 @@ def rig_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(rig_schema()["properties"])[:3]
-    ['data', 'estimates', 'friction']
+    ['contact', 'data', 'estimates']
     """
     from stickslip.experiments.rigs.schema import json_schema
 
