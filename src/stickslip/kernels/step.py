@@ -301,10 +301,13 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
     doubted, sought = NO_GUARD, NO_GUARD
+    asked = 0.0
     while True:
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
             return NO_GUARD
+        if h < asked:
+            sought = NO_GUARD  # errors have made it end before the fall
         if exact:
             if whole[N_CONTACTS] > 0:
                 guard = ask_here(CROSSING, w, whole)
@@ -328,6 +331,7 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
                 sought = guard if w[FRACTION] > 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
+            asked = shorter
             continue
         if w[FRACTION] > 0.0 and not exact:
             note_sizes(w, whole)

@@ -586,6 +586,7 @@ def keeps_its_books(e: Evidence) -> Found:
         expected, size = _energy(e.case, e.run.at(t))
         before, _ = _energy(e.case, e.run.at(max(0.0, t - CLOCK * float(np.spacing(t)))))
         allowed = LOCATED * size + PLAYED * moved + abs(before - expected)
+        allowed += _rounding_of_angles(e.case, e.run.at(t))
         if abs(noted - expected) > allowed and size > LEAST:
             yield f"energy {noted!r} at {t!r}, by the mechanism {expected!r}"
     mismatch = trust.energy_end - trust.energy_start - trust.work_supplied + trust.work_friction
@@ -621,6 +622,23 @@ def _energy(case: Case, at: Trajectory, i: int = 0) -> tuple[float, float]:
     kinetic = float(mechanism.kinetic_energy(q, q_dot))
     potential = float(mechanism.potential_energy(float(at.t[i]), q))
     return kinetic + potential, abs(kinetic) + abs(potential)
+
+
+def _rounding_of_angles(case: Case, at: Trajectory) -> float:
+    """Return the rounding of what turns with angles: sums of sines, of which little may be left.
+
+    Third differences over half turns leave nothing of springs, and eight times the height of waves.
+    """
+    mechanism, total = case.mechanism, 0.0
+    normals = [name for contact in mechanism.contacts() for name in contact.normals]
+    q = dict.fromkeys((*normals, *mechanism.held()), 0.0)
+    q |= {name: float(at[name][0]) for name in mechanism.coordinates}
+    for name, unit in zip(mechanism.coordinates, mechanism.units, strict=True):
+        if unit == "rad":
+            turned = [q | {name: q[name] + half * math.pi} for half in range(4)]
+            a, b, c, d = (float(mechanism.potential_energy(float(at.t[0]), one)) for one in turned)
+            total += abs(d - a - 3.0 * (c - b))
+    return float(np.finfo(float).eps) * total
 
 
 def follows_its_drive_while_stuck(e: Evidence) -> Found:
