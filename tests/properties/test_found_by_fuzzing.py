@@ -494,3 +494,18 @@ def test_a_step_that_errors_end_before_a_switch_does_not_turn_it():
     turned = omega * run.t
     expected = -np.exp(-decay * run.t) * (np.cos(turned) + decay / omega * np.sin(turned))
     np.testing.assert_allclose(run["x"], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("t_end", [0.02, 0.1, 5.0])
+def test_friction_that_explodes_against_its_mode_gives_no_size_to_what_errors_are_compared_with(
+    t_end,
+):
+    """The end of the run gives the length of a first trial, whose stages reach such speeds."""
+    chain = Chain(mass=0.006, free=1.0, stiffness=5e5, damping=0.0, load=1e4)
+    rising = law("threlfall(level)")(kinetic_coefficient=0.002, smoothing_velocity=0.5)
+    solver = EventDriven(max_steps=400)
+    run = simulate(chain, rising, t_end=t_end, y0={"u": 1.0}, solver=solver, throw=False)
+    assert not run.certificate.problems
+    # one body of 6 g drawn by another of 1 kg, both slowed by at most 20 N
+    assert np.abs(run["x"]).max() < run.span[1]
+    assert np.abs(run["u"]).max() <= 1.0

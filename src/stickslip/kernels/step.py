@@ -8,9 +8,11 @@ from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
     EARLY,
+    NEGLIGIBLE,
     NO_GUARD,
     coarseness,
     first_violation,
+    guard_size,
     is_held,
     is_speed,
     note_sizes,
@@ -187,7 +189,7 @@ def shorter_start(h: float, stop: float, w: Vector) -> float:
 def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) -> float:
     """Return the length with which a step should be taken again, 0 if it stands.
 
-    Reads: TIME, FRACTION, Y, SAMPLED, MODES.
+    Reads: TIME, FRACTION, Y, SCALE, SAMPLED, REACHED, LOOPS, MODES.
     """
     t = w[TIME]
     fraction = w[FRACTION]
@@ -198,8 +200,10 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
         if t + 0.25 * fraction * h > t:
             return BEYOND * fraction * h
-        # what is at rest begins with the errors that others leave in the dense output
-        if w[whole[SAMPLED] + guard] == 0.0:
+        # what is at rest begins with the errors that others leave in the dense output, and what is
+        # far from its threshold does not fall within the rounding of the time
+        begins = w[whole[SAMPLED] + guard]
+        if begins == 0.0 or begins > NEGLIGIBLE * guard_size(guard, w, whole):
             return shorter_start(h, stop, w)
     return 0.0
 
@@ -249,7 +253,7 @@ def unmoved(guard: int, doubted: int, sought: int, w: Vector, whole: Wholes) -> 
     a switch at whose fall the step was to end, `sought`. Another, which begins below zero by
     rounding and rose in longer steps, says nothing in so short a one.
 
-    Reads: FRACTION, SAMPLED, STEPS.
+    Reads: FRACTION, Y, SAMPLED, SLOPES, STEPS.
     """
     if guard == NO_GUARD and doubted != NO_GUARD and not rises(doubted, w, whole):
         return doubted
@@ -270,8 +274,8 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
     the step ends. Neither concerns the series of a linear mode, but for bounces.
 
     Reads: TIME, STEP, STRIDE, FRACTION, RHYTHM, HELD_STRIDE, POLYNOMIAL, Y, SCALE, PULLS, REACHED,
-    LOWEST, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, STEPS, REJECTED, STEPPER, SLOW,
-    MODES, FOLLOWERS.
+    LOWEST, SLOPES, FORCE, MASS, ACCELERATION, LOOPS, FOLLOWED, MODE, FLAGS, STEPS, REJECTED,
+    STEPPER, SLOW, MODES, FOLLOWERS.
     Writes: STEP, STRIDE, FRACTION, LENGTH, HELD_STRIDE, POLYNOMIAL, ROOM, Y1, POINT, VALUES,
     STAGES, MATRIX, PIVOTS, DRIFT, DENSE, SAMPLED, REACHED, LOWEST, SLOPES, STATUS, REJECTED,
     STEPPER, SLOW, ANSWER, CHANGED.
@@ -301,13 +305,10 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
         slot = STRIDE if slips else HELD_STRIDE
     before = w[slot]
     doubted, sought = NO_GUARD, NO_GUARD
-    asked = 0.0
     while True:
         h = accepted_step(stop, w, whole, rtol, cap, slot)
         if h == 0.0:
             return NO_GUARD
-        if h < asked:
-            sought = NO_GUARD  # errors have made it end before the fall
         if exact:
             if whole[N_CONTACTS] > 0:
                 guard = ask_here(CROSSING, w, whole)
@@ -331,7 +332,6 @@ def advance(stop: float, w: Vector, whole: Wholes, rtol: float, cap: float) -> i
                 sought = guard if w[FRACTION] > 0.0 else NO_GUARD
         if shorter > 0.0:
             w[slot] = shorter
-            asked = shorter
             continue
         if w[FRACTION] > 0.0 and not exact:
             note_sizes(w, whole)

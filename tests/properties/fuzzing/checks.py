@@ -359,8 +359,12 @@ def does_not_move_while_stuck(e: Evidence) -> Found:
 
 
 def holds_no_more_than_break_away(e: Evidence) -> Found:
-    """While stuck, friction stays within the level."""
+    """While stuck, friction stays within the level, or is that of bristles that are held bent."""
     excess = np.abs(e.seen["friction"]) - e.level
+    if e.law.states and not e.law.static_switch:
+        for i in np.flatnonzero((e.mode == 0) & (excess > 0.0)):
+            bent = abs(_by_law(e, i, 0.0, float(e.seen["normal_force"][i]), 1.0))
+            excess[i] = min(excess[i], abs(abs(float(e.seen["friction"][i])) - bent))
     allowed = ROUNDED * e.force + BALANCED * e.balanced
     if e.law.states:  # bristles are as accurate as states are
         allowed += STATES * e.force

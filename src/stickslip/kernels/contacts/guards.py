@@ -35,7 +35,6 @@ from stickslip.kernels.state_layout import (
     FLAGS,
     KINDS,
     LAW_FLAGS,
-    LAW_ROWS,
     LAW_SWITCHES,
     LAW_VALUES,
     LEVELS,
@@ -53,7 +52,6 @@ from stickslip.kernels.state_layout import (
     PIVOT,
     REACHED,
     REACTS,
-    SLIP_FACTORS,
     SLIPS,
     TIME,
     Y,
@@ -85,9 +83,9 @@ def first_own_switch(whole: Wholes) -> int:
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write all guards at a state.
 
-    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
+    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS, CHOLESKY,
+    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS, LOOPS,
+    FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
     Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
     LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
     LAW_VALUES, REACTION_ROWS, MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
@@ -151,7 +149,7 @@ def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
     """Whether all equations are affine in states and time in the modes at hand.
 
-    Reads: TIME, Y, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
+    Reads: TIME, Y, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
     Writes: LAW_ROWS, LAW_VALUES.
 
     Parameters
@@ -183,7 +181,7 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
     """Write the guards of one contact: its law's switches, its load.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
     Writes: `to`, LAW_ROWS, LAW_VALUES.
     """
     switches = whole[LAW_SWITCHES]
@@ -204,7 +202,7 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
     """Whether a contact's law has switches, which the series of exact modes does not watch.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS.
     Writes: LAW_ROWS, LAW_VALUES.
     """
     if whole[LAW_SWITCHES] == 0:
@@ -218,7 +216,7 @@ def law_margins(
 ) -> None:
     """Write the margins of the switches of a contact's law, positive where they hold.
 
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES.
+    Reads: `at`, SLIP_FACTORS, LOAD, LOOPS, MODES.
     Writes: LAW_ROWS, LAW_VALUES.
     """
     side = side_of(contact, w, whole, at)
@@ -237,7 +235,7 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
     threshold, the next step shows to which side it is left. Those of what is held are as at rest,
     for decisions ask with which friction it would begin to slip.
 
-    Reads: `at`, REACHED, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS, BEFORE.
+    Reads: `at`, REACHED, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, BEFORE.
     Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
 
     Parameters
