@@ -574,7 +574,7 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
 
 
 def stays(guard: int, w: Vector, whole: Wholes) -> bool:
-    """Whether a guard on its threshold has come no nearer in a step at whose end it was to fall.
+    """Whether a guard just above its threshold comes no nearer in a step that was to end there.
 
     Reads: Y, SAMPLED, SLOPES.
 
@@ -593,7 +593,7 @@ def stays(guard: int, w: Vector, whole: Wholes) -> bool:
         Whether it has not.
     """
     at, largest = whole[SAMPLED] + guard, 0.0
-    if w[at] > AWAY * rounding_of_places(guard, w, whole):
+    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
         return False
     for s in range(SAMPLES + 1):
         largest = max(largest, w[at + s * whole[N_GUARDS]])
