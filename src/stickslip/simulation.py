@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-__all__ = ["ensemble", "refuse", "simulate"]
-
 ALWAYS = ("friction", "normal_force", "mode")
 """Columns that every run has beside its states."""
 END = Quantity("T", "s", above=0)
@@ -99,18 +97,6 @@ def simulate(
 
 def refuse(run: Trajectory, *, certified: bool = True) -> None:
     """Raise if a run ended early, or is not certified where it should be, as `simulate` does.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    certified : bool
-        Whether it has to be; runs in fixed steps never are.
-
-    Raises
-    ------
-    SimulationError
-        With what happened, in words.
 
     Examples
     --------
@@ -251,25 +237,7 @@ def no_law(given: object) -> InputError:
 
 
 def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedForm":
-    """Return the law, or the laws by contact; refuse what is no mechanism or no law.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law.
-
-    Returns
-    -------
-    FrictionLaw, Laws or PrintedForm
-        The law; laws by contact, in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind, or the contacts cannot be simulated.
-    """
+    """Return the law, or the laws by contact; refuse what is no mechanism or no law."""
     if not isinstance(mechanism, Mechanism):
         raise no_mechanism(mechanism)
     if not isinstance(law, FrictionLaw | PrintedForm | Mapping | Laws):
@@ -320,26 +288,7 @@ def _check_inputs(mechanism: Mechanism, contact: str, law: FrictionLaw) -> None:
 
 
 def own_law(mechanism: object, law: object) -> FrictionLaw:
-    """Return the law of a mechanism that has one contact, for what takes no others.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law; a mapping with the contact's own name will do.
-
-    Returns
-    -------
-    FrictionLaw
-        The law.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind or needs fixed steps, or there are several contacts,
-        which are named.
-    """
+    """Return the law of a mechanism that has one contact, for what takes no others."""
     found = event_driven_law(mechanism, law)
     assert isinstance(mechanism, Mechanism)  # as was checked
     slip_of(mechanism)
@@ -348,25 +297,7 @@ def own_law(mechanism: object, law: object) -> FrictionLaw:
 
 
 def event_driven_law(mechanism: object, law: object) -> FrictionLaw | Laws:
-    """Return the law, or the laws by contact, for what takes no fixed steps.
-
-    Parameters
-    ----------
-    mechanism : object
-        What was given as mechanism.
-    law : object
-        What was given as law.
-
-    Returns
-    -------
-    FrictionLaw or Laws
-        The law; laws by contact, in the order of the contacts.
-
-    Raises
-    ------
-    InputError
-        If one of them is of another kind or needs fixed steps.
-    """
+    """Return the law, or the laws by contact, for what takes no fixed steps."""
     found = check_pair(mechanism, law)
     if isinstance(found, PrintedForm):
         raise InputError(f"this runs with EventDriven only, which cannot solve {law!r}.")
@@ -388,31 +319,7 @@ def initial_state(
     law: FrictionLaw | Laws | PrintedForm,
     y0: Mapping[str, float] | Sequence[float] | None,
 ) -> list[float]:
-    """Return the initial state in order, checked.
-
-    Parameters
-    ----------
-    owner : str
-        Function that asks, for the error.
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw, Laws or PrintedForm
-        Friction of its contacts.
-    y0 : mapping of str to float, sequence of float or None
-        Values [SI] of some states by name, or of all in order; where the mechanism begins if None.
-
-    Returns
-    -------
-    list of float (coordinates + rates + bristles,)
-        Values [SI] of all states.
-
-    Raises
-    ------
-    UnknownNameError
-        If a name is no state.
-    InputError
-        If `y0` is no mapping or sequence, or has the wrong length.
-    """
+    """Return the initial state in order, checked."""
     if isinstance(law, PrintedForm):
         bristles = law.states
     else:

@@ -7,8 +7,6 @@ from typing import Any, Self, final
 
 from stickslip.cli.console import note
 
-__all__ = ["Interrupts"]
-
 
 @final
 class Interrupts:

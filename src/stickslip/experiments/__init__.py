@@ -6,7 +6,7 @@ HOMES = {
     "CarriedLaw": "carrying",
     "CarriedLaws": "carrying",
     "Checks": "checking.data_quality",
-    "Finding": "checking.data_quality",
+    "Finding": "checking.finding",
     "Guess": "readers.guess",
     "KnownLaws": "rig",
     "LawEstimates": "estimates",

@@ -40,8 +40,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     Source: TypeAlias = FrictionLaw | Fit[Any] | Verdict[Any] | Rig
 
-__all__ = ["export"]
-
 SPEED = Quantity("v_max", "m/s", above=0)
 """End of a range of speeds along a line; about an axis, in rad/s."""
 SAMPLES = 2001

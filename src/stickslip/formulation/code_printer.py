@@ -13,8 +13,6 @@ from stickslip.formulation.infix import INDENT, Block, Syntax
 from stickslip.formulation.trace import collapsed
 from stickslip.kernels.state_layout import NUMBERS
 
-__all__ = ["Case", "Cases", "function", "program"]
-
 Case = Sequence[se.Expr]
 """The expressions that one case of a function writes, in order."""
 
@@ -44,18 +42,6 @@ def program(functions: Mapping[str, Cases], parameters: Collection[int]) -> tupl
     Functions of parameters alone, such as the sine of an incline, become constants behind the
     parameters: ``constants`` writes them, once for a run. What only one side of a switch needs is
     left where it is.
-
-    Parameters
-    ----------
-    functions : mapping of str to Cases
-        Cases of each function by its name.
-    parameters : collection of int
-        Numbers of the symbols p that are parameters.
-
-    Returns
-    -------
-    tuple of str and int
-        Text of the definitions, and the number of constants.
     """
     everything = [e for cases in functions.values() for case in cases.values() for e in case]
     first = max(parameters, default=0) + 1
@@ -105,18 +91,6 @@ def function(name: str, cases: Cases) -> str:
 
     Symbols y0, y1, ... stand at the place ``at`` and after it, p0, p1, ... at NUMBERS and after
     it; the results go to the place ``to`` and after it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the function.
-    cases : Cases
-        Expressions by the value of ``mode``.
-
-    Returns
-    -------
-    str
-        Text of the definition, which ends with a line break.
     """
     lines = [f"def {name}(mode, flags, t, w, at, to):"]
     for mode, case in cases.items():

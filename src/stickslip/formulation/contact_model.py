@@ -27,8 +27,6 @@ from stickslip.kernels.header import ContactSizes
 from stickslip.mechanisms import Mechanism
 from stickslip.quantities import parameters, shadow, structure
 
-__all__ = ["contact_model"]
-
 
 @dataclass(frozen=True)
 class _Own:
@@ -64,22 +62,7 @@ def _own_laws(mechanism: Mechanism, law: FrictionLaw | Laws) -> _Own:
 
 
 def contact_model(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = False) -> Model:
-    """Trace a mechanism with several contacts and their laws.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        The law that all contacts share, or the law of each.
-    slopes : bool, default False
-        Whether to derive the parts with respect to parameters, too.
-
-    Returns
-    -------
-    Model
-        Text of the parts of the equations and the meaning of their numbers.
-    """
+    """Trace a mechanism with several contacts and their laws."""
     own = _own_laws(mechanism, law)
     board = Switchboard()
     paths = [path for path, _, _ in parameters(mechanism, "mechanism")]

@@ -23,8 +23,6 @@ from stickslip.kernels.header import LAW_NUMBERS
 from stickslip.mechanisms import Contact, Mechanism
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["ContactParts", "LawParts", "derive_parts", "law_parts"]
-
 
 @dataclass(frozen=True)
 class ContactParts:
@@ -89,38 +87,7 @@ def derive_parts(
     motion: Motion,
     board: Switchboard,
 ) -> ContactParts:
-    """Trace the energies, forces and contacts of a mechanism whose parameters are symbols.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Mechanism whose parameters are symbols.
-    rubbing : sequence of str
-        Names of the contacts that have a law.
-    t : Symbol
-        Time [s].
-    q : mapping of str to Symbol
-        Symbols of the coordinates by name, in their order.
-    q_dot : mapping of str to Symbol
-        Symbols of the rates by name of the coordinate.
-    drives : mapping of str to Symbol
-        Symbols of the drives' values by name.
-    motion : Motion
-        Symbols of accelerations and friction.
-    board : Switchboard
-        Collects the switches met in the energies and forces.
-
-    Returns
-    -------
-    ContactParts
-        The parts.
-
-    Raises
-    ------
-    InputError
-        If the contacts do not determine what they should, or a guide or a limit does not fit the
-        mechanism.
-    """
+    """Trace the energies, forces and contacts of a mechanism whose parameters are symbols."""
     contacts = tuple(one for one in mechanism.contacts() if one.name in rubbing)
     held = _held(mechanism, contacts)
     directions = slip_directions(mechanism, contacts)
@@ -376,25 +343,6 @@ def law_parts(law: FrictionLaw, bristles: int) -> LawParts:
     """Trace a law: y0 is the slip speed, then come its parameters, its bristles and its load.
 
     These are the variables along which slopes are taken, in this order.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law; its values do not matter.
-    bristles : int
-        How many bristle states it has.
-
-    Returns
-    -------
-    LawParts
-        Its numbers in both directions of slip.
-
-    Raises
-    ------
-    InputError
-        If it has a latched switch that outlasts slip.
-    TracingError
-        If friction is not affine in the load.
     """
     board = Switchboard()
     paths = [path for path, _, _ in parameters(law, "friction")]

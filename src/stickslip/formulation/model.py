@@ -22,9 +22,6 @@ from stickslip.kernels.header import ModeSizes
 from stickslip.mechanisms import Mechanism, of_contact
 from stickslip.quantities import parameters, shadow, structure
 
-__all__ = ["Model", "formulate", "refuse_inputs_of_parts"]
-
-
 _MODELS: OrderedDict[Hashable, Model] = OrderedDict()
 """Models by the structure of their mechanism and law, those last asked for at the end."""
 MOST_MODELS = 256
@@ -35,21 +32,6 @@ def formulate(mechanism: Mechanism, law: FrictionLaw | Laws, *, slopes: bool = F
 
     Equations of the same structure are traced once in a process. With `slopes` the text has the
     derivatives with respect to parameters too.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contact; one law that all its contacts share, or the law of each.
-    slopes : bool, default False
-        Whether to derive the equations with respect to parameters, as sensitivities need.
-
-    Returns
-    -------
-    Model
-        Text of the equations and the meaning of their numbers; parameters enter it by place, not
-        value.
 
     Examples
     --------
@@ -83,18 +65,6 @@ def _is_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> bool:
 
 def refuse_inputs_of_parts(mechanism: Mechanism, law: FrictionLaw | Laws) -> None:
     """Refuse laws with contact inputs where equations are parts, which do not tell laws of any.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contact, or the law of each.
-
-    Raises
-    ------
-    InputError
-        With the law and its inputs.
 
     Examples
     --------

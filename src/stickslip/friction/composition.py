@@ -23,8 +23,6 @@ from stickslip.friction.notation import (
 from stickslip.friction.parts.base import Extra, Factor, Level, Parameter, Part, Slip
 from stickslip.quantities import Quantity
 
-__all__ = ["SIDES", "Choose", "Composition", "Leaf"]
-
 SIDES = {1: ("forward_", "+"), -1: ("backward_", "-")}
 """Prefix of parameters and mark of symbols, by direction."""
 

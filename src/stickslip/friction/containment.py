@@ -23,8 +23,6 @@ from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import fields_of
 
-__all__ = ["Contained", "containment_of"]
-
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
 Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
@@ -47,19 +45,6 @@ class Contained:
 
 def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Containment | None:
     """Return how a type of law contains another one; None if it does not.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    simpler : type
-        Type of the simpler one.
-
-    Returns
-    -------
-    Containment or None
-        The values at which the richer law is the simpler one. Of laws that are not composed of
-        parts, only what they declare at first hand.
 
     Examples
     --------

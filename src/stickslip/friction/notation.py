@@ -16,21 +16,6 @@ from stickslip.friction.parts import PARTS
 from stickslip.friction.parts.base import Parameter, Part
 from stickslip.quantities import Quantity
 
-__all__ = [
-    "BOTH_WAYS",
-    "OPTIONAL",
-    "PER_DIRECTION",
-    "Around",
-    "Name",
-    "Product",
-    "Sum",
-    "Term",
-    "canonical",
-    "read",
-    "summed",
-    "terms_of",
-]
-
 OPTIONAL = ("step", "peak")
 """Parts that laws of one name may have or not."""
 BOTH_WAYS = "both_ways"
@@ -296,13 +281,6 @@ LONGEST, DEEPEST = 500, 20
 
 def read(text: str) -> Term:
     """Return the term that a text stands for.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read; the message names the place.
-    UnknownNameError
-        If it names a part that does not exist.
 
     Examples
     --------

@@ -18,19 +18,6 @@ from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import gathered, named, own_classes
 
-__all__ = [
-    "LAWS",
-    "CandidateSpec",
-    "contained_laws",
-    "is_composition",
-    "law",
-    "law_type",
-    "laws",
-    "listed",
-    "special_specifications",
-    "specification",
-]
-
 
 @final
 class _Lazy(Mapping[str, type[FrictionLaw]]):
@@ -82,20 +69,7 @@ class CandidateSpec:
 
     @classmethod
     def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
-        """Return a law with all it can fit.
-
-        Parameters
-        ----------
-        name : str
-            Key of the candidate.
-        law : FrictionLaw or type
-            The law, whose title is taken.
-
-        Returns
-        -------
-        CandidateSpec
-            The candidate, with all parameters of the law's `fit_order` free.
-        """
+        """Return a law with all it can fit."""
         return cls(name=name, title=law.title, law=law)
 
 
@@ -173,11 +147,6 @@ def special_specifications() -> tuple[CandidateSpec, ...]:
 def specification(name: str) -> CandidateSpec:
     """Return the candidate for records of that name: a special one, or a law with all it can fit.
 
-    Raises
-    ------
-    UnknownNameError
-        With the nearest known names.
-
     Examples
     --------
     >>> specification("dahl").free
@@ -196,24 +165,6 @@ def specification(name: str) -> CandidateSpec:
 
 def law(composition: str | Term) -> type[FrictionLaw]:
     """Return the class of laws that a composition stands for; the same one each time.
-
-    Parameters
-    ----------
-    composition : str or term
-        Parts, such as ``"lugre(level + stribeck) + power"``: ``+`` puts parts beside each other,
-        brackets stand around what a memory, a smooth sign or ``both_ways`` is applied to.
-
-    Returns
-    -------
-    type
-        Subclass of `FrictionLaw`; that of the package where the composition has a name.
-
-    Raises
-    ------
-    InputError
-        If the text cannot be read, or its parts cannot stand together.
-    UnknownNameError
-        If it names an unknown part.
 
     Examples
     --------

@@ -25,18 +25,6 @@ from stickslip.mechanisms import (
 )
 from stickslip.quantities import vary
 
-__all__ = [
-    "as_informed",
-    "check_inputs",
-    "inputs_along",
-    "inputs_text",
-    "known_inputs",
-    "recorded_inputs",
-    "typical_inputs",
-    "unvaried",
-    "with_inputs",
-]
-
 Array = NDArray[np.float64]
 
 SAME = 1e-9
@@ -45,18 +33,6 @@ SAME = 1e-9
 
 def known_inputs(mechanism: Mechanism, measurement: Measurement) -> tuple[str, ...]:
     """Return the contact inputs that a fit of a measurement can use.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-
-    Returns
-    -------
-    tuple of str
-        Names of what the mechanism or every record tells.
 
     Examples
     --------
@@ -75,22 +51,6 @@ def check_inputs(
     known: Collection[str] | None = None,
 ) -> None:
     """Refuse a law that asks for a contact input which nothing tells.
-
-    Parameters
-    ----------
-    law : FrictionLaw or type
-        The law.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-    known : collection of str, optional
-        Inputs that are known; what mechanism and records tell if not given.
-
-    Raises
-    ------
-    InputError
-        With the columns that there are.
 
     Examples
     --------
@@ -136,24 +96,6 @@ def inputs_along(
 ) -> dict[str, Array]:
     """Return contact inputs at each sample (n,): the mechanism's, then the record's, then given.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    record : Measurement
-        One record.
-    time : array (n,)
-        Times [s] at which they are wanted; row numbers of a table.
-    position, velocity : array (n,)
-        Motion of the coordinate that slips; not known if not given.
-    force : array (n,)
-        Force of the drive [N]; not known if not given.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        By name, those that are known.
-
     Examples
     --------
     >>> from stickslip import SpringBlock
@@ -189,18 +131,6 @@ def inputs_along(
 def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
     """Return the contact inputs that a record has, at times.
 
-    Parameters
-    ----------
-    record : Measurement
-        One record.
-    time : array (n,)
-        Times [s]; of a table, whose values stay as they are, the row numbers.
-
-    Returns
-    -------
-    dict of str to array (n,)
-        By name.
-
     Examples
     --------
     >>> record = Measurement(time=[0, 1], position=[0, 1], inputs={"temperature": [20.0, 22.0]})
@@ -216,20 +146,6 @@ def recorded_inputs(record: Measurement, time: Array) -> dict[str, Array]:
 
 def with_inputs(mechanism: Mechanism, record: Measurement, times: Array) -> Mechanism:
     """Return a mechanism that tells its laws what a record has of contact inputs.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; what it tells itself stays.
-    record : Measurement
-        One record.
-    times : array (n,)
-        Times of the record [s] between which inputs go straight; the first is 0 in a run.
-
-    Returns
-    -------
-    Mechanism
-        A copy with the inputs that do not change as parameters, and others as drives.
 
     Examples
     --------
@@ -263,20 +179,6 @@ def as_informed(
 ) -> tuple[Mechanism, tuple[str, ...]]:
     """Return a mechanism with what was measured of a law's inputs, and what is to be said of it.
 
-    Parameters
-    ----------
-    law : FrictionLaw or Laws
-        The law, or the law of each contact, whose inputs are meant.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        Records, perhaps with inputs of their own.
-
-    Returns
-    -------
-    (Mechanism, tuple of str)
-        With the value of each input, the median if it changes; and sentences that say so.
-
     Examples
     --------
     >>> from stickslip import Coulomb, SpringBlock
@@ -306,18 +208,6 @@ def as_informed(
 def unvaried(law: FrictionLaw | Laws, inputs: Sequence[Mapping[str, Array]]) -> tuple[str, ...]:
     """Return sentences on inputs of a law that never change.
 
-    Parameters
-    ----------
-    law : FrictionLaw or Laws
-        The law, or the law of each contact.
-    inputs : sequence of mapping of str to array
-        Inputs (n,) of each stretch, by name.
-
-    Returns
-    -------
-    tuple of str
-        One for each such input.
-
     Examples
     --------
     >>> from stickslip.friction import law
@@ -338,20 +228,6 @@ def typical_inputs(
     law: FrictionLaw, mechanism: Mechanism, measurement: Measurement
 ) -> dict[str, float]:
     """Return what a law's inputs usually were, at which curves are drawn: medians.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The records.
-
-    Returns
-    -------
-    dict of str to float
-        By name; of a force, which changes its sign, the median of its size.
 
     Examples
     --------
@@ -388,18 +264,6 @@ def typical_inputs(
 
 def inputs_text(inputs: Mapping[str, float], *, turning: bool = False) -> str:
     """Return values of contact inputs in words.
-
-    Parameters
-    ----------
-    inputs : mapping of str to float
-        Values by name.
-    turning : bool
-        Whether the contact slips by an angle.
-
-    Returns
-    -------
-    str
-        A list; empty if there are none.
 
     Examples
     --------

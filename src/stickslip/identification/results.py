@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
     from stickslip.display import Drawing, Target
 
-__all__ = ["READINGS", "Estimate", "Fit", "Law_co", "estimates_for", "far_above_dry"]
-
 Array: TypeAlias = NDArray[np.float64]
 Law_co = TypeVar("Law_co", bound=FrictionLaw, default=FrictionLaw, covariant=True)
 """What type of law was fitted, as far as a type checker can know."""
@@ -304,24 +302,6 @@ def estimates_for(
     largest_speed: float | Mapping[str, float] | None,
 ) -> LawEstimates:
     """Return what estimates say of a law; those of the mechanism are left out.
-
-    Parameters
-    ----------
-    law : FrictionLaw, Laws or RateState
-        With its fitted values.
-    estimates : sequence of Estimate
-        What was fitted.
-    correlation : array_like (p, p)
-        Of the estimates, in their order.
-    levels : {"per load", "forces", "torques"}
-        What the levels are.
-    largest_speed : float, mapping of str to float, or None
-        Largest slip speed in what was fitted, if it is known; by contact of laws by contact.
-
-    Returns
-    -------
-    LawEstimates
-        Values, intervals and covariance of the law's parameters.
 
     Examples
     --------

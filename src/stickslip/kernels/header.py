@@ -11,8 +11,6 @@ from typing_extensions import override
 from stickslip.kernels import state_layout as at
 from stickslip.kernels.enums import SWITCH
 
-__all__ = ["LAW_NUMBERS", "ContactSizes", "ModeSizes", "Sizes"]
-
 LAW_NUMBERS = 7
 """Numbers that a law writes before the rates of its bristles."""
 WALL_NUMBERS = 2

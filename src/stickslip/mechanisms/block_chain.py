@@ -13,8 +13,6 @@ from stickslip.maths import Scalar
 from stickslip.mechanisms.base import Contact, Mechanism
 from stickslip.quantities import Quantity
 
-__all__ = ["BlockChain"]
-
 MOST_BLOCKS = 1000
 """More blocks have equations that take minutes to be written and compiled."""
 

@@ -13,8 +13,6 @@ from stickslip.mechanisms.base import Contact, Mechanism
 from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
 from stickslip.quantities import Parametrised, Quantity
 
-__all__ = ["ClutchTrain", "Rotor"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,6 @@ from stickslip.mechanisms.base import Contact, Mechanism
 from stickslip.mechanisms.lining import Lining, checked_parts, pressing_drives, pressing_forces
 from stickslip.quantities import Quantity
 
-__all__ = ["DiscBrake"]
-
 
 @final
 @dataclass(frozen=True, kw_only=True)

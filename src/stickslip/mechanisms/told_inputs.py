@@ -11,14 +11,6 @@ from stickslip.drives import Drive
 from stickslip.maths import Scalar
 from stickslip.mechanisms.base import ContactInputs, Mechanism
 
-__all__ = [
-    "given_inputs",
-    "given_names",
-    "input_names",
-    "of_contact",
-    "without_given",
-]
-
 M = TypeVar("M", bound=Mechanism)
 PREFIX = "contact_"
 """What fields and drives of given inputs begin with."""
@@ -26,18 +18,6 @@ PREFIX = "contact_"
 
 def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
     """Return the names of the inputs of a contact that a mechanism knows.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    contact : str
-        Name of the contact; empty of one that has none.
-
-    Returns
-    -------
-    tuple of str
-        Names of contact inputs.
 
     Examples
     --------
@@ -51,18 +31,6 @@ def input_names(mechanism: Mechanism, contact: str = "") -> tuple[str, ...]:
 
 def of_contact(told: ContactInputs, contact: str) -> dict[str, Scalar]:
     """Return the inputs of one contact, of all that a mechanism tells.
-
-    Parameters
-    ----------
-    told : mapping
-        What `Mechanism.contact_inputs` returns.
-    contact : str
-        Name of the contact.
-
-    Returns
-    -------
-    dict of str to float or array
-        Inputs that are told of this contact, and of all contacts, by name.
 
     Examples
     --------
@@ -88,24 +56,6 @@ def given_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def given_inputs(mechanism: M, inputs: Mapping[str, Drive | float]) -> M:
     """Return a mechanism that tells its laws more contact inputs.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    inputs : mapping of str to Drive or float
-        By name, a number, which is a parameter then, or a function of time, which is a drive;
-        those that the mechanism was given before are replaced.
-
-    Returns
-    -------
-    Mechanism
-        A copy, of a type of its own.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such contact input.
 
     Examples
     --------

@@ -31,8 +31,6 @@ from stickslip.selection import (
     select_joints,
 )
 
-__all__ = ["JointRoute"]
-
 
 @final
 class JointRoute(Route[RecordFit[Any], JointVerdict]):

@@ -10,8 +10,6 @@ from stickslip.identification import Estimate, TravelFit
 from stickslip.quantities import fields_of, parameters
 from stickslip.selection.travel_verdict import TravelCandidate
 
-__all__ = ["chosen", "doubts", "improves", "limit_of", "mark_passed_over", "told_apart"]
-
 LEVEL = 0.975
 """Of the test. A viscous part that is not there is taken for real in 1.25 of 100 sets of readings:
 it has a bound at 0, where half of such fits end."""
@@ -32,18 +30,6 @@ def doubts(candidate: TravelCandidate) -> dict[str, str]:
 
 def limit_of(law: FrictionLaw, name: str) -> float:
     """Return the lowest value that a parameter of a law may have beside the others.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Gives the values of the other parameters.
-    name : str
-        Field of the law.
-
-    Returns
-    -------
-    float
-        Lowest value [SI].
 
     Examples
     --------
@@ -71,18 +57,6 @@ def improves(richer: TravelFit, simpler: TravelFit, extra: int) -> bool:
     parameters are not there: chi-square with as many degrees of freedom where the uncertainty of
     the readings is known, and F where it is estimated from what the richer law leaves. Both laws
     are weighed with that uncertainty, so that what is shared or set beside it counts alike.
-
-    Parameters
-    ----------
-    richer, simpler : TravelFit
-        Fits to the same trials.
-    extra : int
-        Number of parameters that the richer law has more, at least 1.
-
-    Returns
-    -------
-    bool
-        True if the richer law improves the fit significantly.
     """
     from scipy import stats
 
@@ -130,40 +104,14 @@ def _improves(one: TravelCandidate, other: TravelCandidate) -> bool:
 
 
 def told_apart(candidate: TravelCandidate, best: TravelCandidate) -> bool:
-    """Whether the readings speak for the best law against another one beyond their uncertainty.
-
-    Parameters
-    ----------
-    candidate : TravelCandidate
-        Another law on the same trials.
-    best : TravelCandidate
-        The best law.
-
-    Returns
-    -------
-    bool
-        True if they are told apart, or the other law was not fitted or was dropped.
-    """
+    """Whether the readings speak for the best law against another one beyond their uncertainty."""
     return candidate.fit is None or bool(candidate.dropped) or _improves(best, candidate)
 
 
 def mark_passed_over(
     candidates: Sequence[TravelCandidate], best: TravelCandidate
 ) -> list[TravelCandidate]:
-    """Mark which laws are not told apart from the best, and why they are not taken.
-
-    Parameters
-    ----------
-    candidates : sequence of TravelCandidate
-        All laws that were tried.
-    best : TravelCandidate
-        The best of them.
-
-    Returns
-    -------
-    list of TravelCandidate
-        The candidates in the same order, with a reason where they were passed over.
-    """
+    """Mark which laws are not told apart from the best, and why they are not taken."""
     return [
         c
         if c is best or c.fit is None

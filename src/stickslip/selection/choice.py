@@ -16,23 +16,6 @@ from stickslip.friction import FrictionLaw, containment_of
 from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
-__all__ = [
-    "LEAST",
-    "LEVEL",
-    "LIKELY",
-    "MATERIAL",
-    "NEAR",
-    "as_good",
-    "beyond_doubt",
-    "choose",
-    "effective_aic",
-    "established",
-    "paired",
-    "reduces_to",
-    "shown_over_simpler",
-    "significant",
-]
-
 NEAR = 0.02
 """Share by which an error may be larger and count as the same, if blocks do not contradict."""
 LIKELY = 0.30
@@ -53,16 +36,6 @@ C = TypeVar("C", bound=CrossValidated[Any])
 def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]:
     """Return the mean difference of two laws' losses and its standard error, from blocks in pairs.
 
-    Parameters
-    ----------
-    other, best : sequence of float (blocks,)
-        Mean squares on the same blocks.
-
-    Returns
-    -------
-    tuple of float
-        Mean of `other` less `best`, and its standard error; 0 for a single block.
-
     Examples
     --------
     >>> paired([2.0, 4.0], [1.0, 1.0])
@@ -74,22 +47,7 @@ def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]
 
 
 def as_good(other: CrossValidated[Any], best: CrossValidated[Any], *, share: float = NEAR) -> bool:
-    """Whether another's loss is within one paired standard error and a share of the best's.
-
-    Parameters
-    ----------
-    other : CrossValidated
-        A candidate on the same blocks.
-    best : CrossValidated
-        The candidate with the least held-out error.
-    share : float
-        Share of the least error within which the other error must lie.
-
-    Returns
-    -------
-    bool
-        True if the held-out errors do not tell them apart.
-    """
+    """Whether another's loss is within one paired standard error and a share of the best's."""
     if other.validation is None or best.validation is None:
         return False
     gap, error = paired(other.validation.losses, best.validation.losses)
@@ -100,21 +58,7 @@ def as_good(other: CrossValidated[Any], best: CrossValidated[Any], *, share: flo
 def established(
     rich: CrossValidated[Any], simple: CrossValidated[Any], *, uncertainty: float = 0.0
 ) -> bool:
-    """Whether a richer law is shown to hold where a simpler one that it contains does not.
-
-    Parameters
-    ----------
-    rich, simple : CrossValidated
-        Two candidates on one record, judged on the same blocks.
-    uncertainty : float
-        Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
-        within it needs no richer one.
-
-    Returns
-    -------
-    bool
-        True if F test and held-out errors are for the richer law.
-    """
+    """Whether a richer law is shown to hold where a simpler one that it contains does not."""
     assert rich.validation is not None
     assert simple.validation is not None
     if simple.score <= uncertainty or not significant(rich, simple):
@@ -135,22 +79,7 @@ def significant(
     level: float = LEVEL,
     effective: float | None = None,
 ) -> bool:
-    """Whether an F test on the whole record is for a richer law, which need not be judged yet.
-
-    Parameters
-    ----------
-    rich, simple : CrossValidated
-        Two candidates with fits to one record.
-    level : float
-        Confidence of the test.
-    effective : float, optional
-        Effective number of residuals; that of the richer fit if not given.
-
-    Returns
-    -------
-    bool
-        True if the richer law is not the simpler one at its values, and its gain no chance.
-    """
+    """Whether an F test on the whole record is for a richer law, which need not be judged yet."""
     size = rich.effective if effective is None else effective
     return simple.name not in rich.is_simpler and _chance(rich, simple, size) < 1.0 - level
 
@@ -171,16 +100,6 @@ def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any], effective: f
 
 def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
     """Whether a law's losses are above another's by more than a 95 % interval of the difference.
-
-    Parameters
-    ----------
-    worse, better : sequence of float (blocks,)
-        Mean squares on the same blocks; a single one leaves any difference in doubt.
-
-    Returns
-    -------
-    bool
-        True if the difference is significant.
 
     Examples
     --------
@@ -211,18 +130,6 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
     blocks do not speak against it: within one paired standard error and 30 % of the least error.
     If they do, those within one paired standard error and 2 % of the least error count as equal,
     and one without an objection, then the one with the fewest parameters, is taken.
-
-    Parameters
-    ----------
-    scored : sequence of CrossValidated
-        Candidates with held-out errors, at least one.
-    uncertainty : float
-        Of what is compared, as stated, or of its rounding.
-
-    Returns
-    -------
-    CrossValidated
-        The candidate to name.
     """
     shown = [
         c
@@ -239,22 +146,7 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
 
 
 def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law is established over all simpler ones that it contains, of which there are some.
-
-    Parameters
-    ----------
-    rich : CrossValidated
-        The law.
-    scored : sequence of CrossValidated
-        All candidates with held-out errors.
-    uncertainty : float
-        Of what is compared, as for `established`.
-
-    Returns
-    -------
-    bool
-        True if it contains a simpler law and is established over each.
-    """
+    """Whether a law contains simpler ones and is established over each of them."""
     simpler = _simpler_of(rich, scored)
     return bool(simpler) and all(established(rich, c, uncertainty=uncertainty) for c in simpler)
 
@@ -266,18 +158,6 @@ def _simpler_of(rich: C, scored: Sequence[C]) -> list[C]:
 
 def reduces_to(fit: RecordFit, simpler: type[FrictionLaw]) -> bool:
     """Whether a fitted law is, at its values, a simpler law that it contains.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        The fit of the richer law.
-    simpler : type
-        Type of the simpler law.
-
-    Returns
-    -------
-    bool
-        True if the fitted values make it the simpler law.
 
     Examples
     --------

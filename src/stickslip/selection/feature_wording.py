@@ -38,8 +38,6 @@ from stickslip.selection.wording import (
     to_predict,
 )
 
-__all__ = ["errors_text", "feature_wording", "outcomes", "share_parts", "share_text"]
-
 BIASED = (
     "An offset of the force sensor adds to the level at rest and in motion alike: the force does"
     " not reverse."
@@ -98,26 +96,7 @@ def feature_wording(
     checks: Checks,
     speeds: Sequence[OtherSpeed],
 ) -> Wording:
-    """Put a selection on features into words; the best candidate is the first.
-
-    Parameters
-    ----------
-    ordered : sequence of FeatureCandidate
-        All laws tried, the best first.
-    control : FeatureCandidate or None
-        The best law, fitted with the nominal mechanism; None if all laws were.
-    features : StickSlipFeatures
-        Features of the whole record.
-    checks : Checks
-        What was checked of the record.
-    speeds : sequence of OtherSpeed
-        Predictions at other speeds, the most telling first.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection on features into words; the best candidate is the first."""
     best, fit = ordered[0], ordered[0].fit
     assert fit is not None
     equal = [one for one in ordered[1:] if one.fit and not one.dropped and as_good(one.fit, fit)]

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from stickslip.friction import FrictionLaw
 from stickslip.identification import TravelFit, TravelModel, Trial, fit_trials
 
-__all__ = ["held_out_errors", "root_mean_square"]
-
 FLOOR = 0.05
 """A simpler law may be worse by this share, if that is also within one standard error."""
 
@@ -23,24 +21,6 @@ def held_out_errors(
     """Return measured less predicted travel [m] of each trial, fitted to the other settings.
 
     Repeats of a setting are left out together: one would tell the others.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law, with the values of parameters that are not fitted.
-    trials : sequence of Trial
-        Of at least two settings.
-    fit : TravelFit
-        The fit to all trials; its values are where searches begin.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the number of runs of the fit at hand.
-
-    Returns
-    -------
-    tuple of float
-        Errors [m], in the order of the trials.
     """
     free = [estimate.path for estimate in fit.estimates]
     start = [estimate.value for estimate in fit.estimates]

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import FittedLaw
-from stickslip.selection.candidates import CandidateSpec, Watch, contains
-
-__all__ = ["Fitted", "fitted_side_by_side", "takes_long"]
+from stickslip.selection.candidates import Watch, contains
 
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
@@ -87,24 +85,6 @@ def fitted_side_by_side(
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
-
-    Parameters
-    ----------
-    fitted : callable
-        Fits one candidate, given fits of contained laws and the least mean square of the others.
-    chosen : sequence of CandidateSpec
-        The candidates to fit.
-    watch : callable or None
-        Called with name and least residual; False ends the searches. None if nobody watches.
-    executor : Executor or None
-        Processes that fit; None to fit one after the other.
-    found : dict, optional
-        Those of the candidates that are fitted already, by name; all of them in the end.
-
-    Returns
-    -------
-    list of Tried
-        The fitted candidates, in the order of `chosen`.
     """
     found = {} if found is None else found
     waiting = [one for one in chosen if one.name not in found]

@@ -37,13 +37,6 @@ from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
 
-__all__ = [
-    "RateStateLaws",
-    "held_out",
-    "rate_state_laws",
-    "select_rate_state",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str
 RateStateLaws: TypeAlias = Mapping[str, RateStateLaw] | Sequence[RateStateLaw]
@@ -79,16 +72,6 @@ class _Law:
 
 def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ...]:
     """Return the candidates: those given, or the usual forms of rate-and-state friction.
-
-    Parameters
-    ----------
-    laws : mapping, sequence or a single RateState, type or str, or None
-        Instances, the type, or names of `RATE_STATE_FORMS`.
-
-    Raises
-    ------
-    InputError
-        If one is not known, or two have one name.
 
     Examples
     --------
@@ -294,22 +277,6 @@ def held_out(fit: RateStateFit) -> Array:
 
     The law runs over the whole record, as the load point was moved; what is held out is not
     compared. Of a record with a single step, parts with equally many samples are held out.
-
-    Parameters
-    ----------
-    fit : RateStateFit
-        The fit to the whole record, from which searches begin.
-
-    Returns
-    -------
-    array (n,)
-        Measured less predicted coefficient of each row of ``fit.problem``; NaN before the first of
-        several steps.
-
-    Raises
-    ------
-    ConvergenceError
-        If the rest cannot be predicted.
     """
     slider = fit.problem
     segments = slider.segments

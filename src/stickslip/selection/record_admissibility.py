@@ -11,8 +11,6 @@ from stickslip.identification import SEPARABLE, Estimate, RecordFit, step_interv
 from stickslip.selection.applicability import one_way
 from stickslip.selection.record_verdict import RecordCandidate
 
-__all__ = ["objection", "standard_uncertainty", "unexplained", "variation_of"]
-
 STANDARD: Final = {"standard": 1.0, "rounding": 1.0 / math.sqrt(3.0), "interval": 0.5}
 """Standard uncertainty over the one stated: of an even spread, and of a 95 % interval."""
 NOTHING: Final = 0.5
@@ -29,18 +27,6 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
     only where the law is not established over simpler ones (`shown`): that of one of several
     correlated parameters is wide though all of them are needed together.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        Fit of the law in question.
-    shown : bool
-        Whether the law is established over simpler ones.
-
-    Returns
-    -------
-    str
-        All reasons, separated by semicolons.
     """
     reasons = [fit.search_failure.rstrip(".")] if fit.search_failure else []
     seen = fit.optimum.best
@@ -86,18 +72,6 @@ def _ran(fit: RecordFit, estimate: Estimate) -> str:
 def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
     """Return the largest stated standard uncertainty of a quantity, 0 if none is stated.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        Records, perhaps with stated uncertainties.
-    quantity : str
-        Name of the quantity, such as ``"position"``.
-
-    Returns
-    -------
-    float
-        Standard uncertainty, in the unit of the quantity.
-
     Examples
     --------
     >>> read = Measurement(velocity=[0.1, 0.2], friction=[2.0, 2.1], uncertainty={"friction": 0.1})
@@ -113,22 +87,7 @@ def standard_uncertainty(measurement: Measurement, quantity: str) -> float:
 
 
 def unexplained(candidate: RecordCandidate, variation: float, *, uncertainty: float) -> str:
-    """Return in what a record contradicts even the law that is closest to it; empty if it does not.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        The closest law, with its fit and held-out errors.
-    variation : float
-        Of what is predicted, from `variation_of`.
-    uncertainty : float
-        Stated standard uncertainty of what is predicted, 0 if none is.
-
-    Returns
-    -------
-    str
-        The contradiction as a clause.
-    """
+    """Return in what a record contradicts even the closest law; empty if it does not."""
     share = candidate.score / variation if variation > 0.0 else 0.0
     assert candidate.fit is not None
     said = (
@@ -146,18 +105,6 @@ def variation_of(candidate: RecordCandidate, horizon: float) -> float:
 
     Positions about a straight line in each segment, the motion without any force. Friction about
     its mean, which is the sensor's offset; about 0 where it was measured in one direction only.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        Any law that was fitted to the record.
-    horizon : float
-        Length of the predicted segments [s].
-
-    Returns
-    -------
-    float
-        Root mean square, in the unit of what is predicted.
     """
     fit = candidate.fit
     assert fit is not None

@@ -24,8 +24,6 @@ from stickslip.selection.travel_verdict import TravelCandidate
 from stickslip.simulation import simulate
 from stickslip.trajectory import Trajectory
 
-__all__ = ["try_law", "with_held_out"]
-
 CHANGES = (1.5, 1.0 / 1.5)
 """Factors on a parameter that was taken as given, to see whether the travel depends on it."""
 
@@ -41,33 +39,7 @@ def try_law(
     free: Sequence[str] | None = None,
     watch: Watch | None = None,
 ) -> TravelCandidate:
-    """Fit one law; a law that cannot be fitted or run is kept with the reason.
-
-    Parameters
-    ----------
-    name : str
-        Key of the candidate.
-    law : FrictionLaw
-        Start values, and the values of what is not fitted.
-    trials : sequence of Trial
-        The readings.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    ordinary : bool
-        Whether nobody gave the values of the law.
-    simpler : sequence of TravelCandidate
-        Laws that were fitted before: a law that contains one also starts from its fit, and so
-        never leaves more than it.
-    free : sequence of str, optional
-        Paths of the parameters to fit, if not those that trials pay for.
-    watch : callable, optional
-        Called with the name and the number of runs so far.
-
-    Returns
-    -------
-    TravelCandidate
-        The candidate with its fit, or with the reason why it was dropped.
-    """
+    """Fit one law; a law that cannot be fitted or run is kept with the reason."""
     report = None if watch is None else (lambda runs: watch(name, runs))
     _, given = _seen(trials[0], law, t_end)
     candidate = TravelCandidate(
@@ -150,24 +122,7 @@ def _absent(law: FrictionLaw, path: str) -> float:
 def with_held_out(
     candidate: TravelCandidate, trials: Sequence[Trial], *, t_end: float, watch: Watch | None = None
 ) -> TravelCandidate:
-    """Return a candidate with its held-out errors; the same where trials repeat one setting.
-
-    Parameters
-    ----------
-    candidate : TravelCandidate
-        The law with its fit, if it has one.
-    trials : sequence of Trial
-        The readings.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    watch : callable, optional
-        Called with the name of the law and its number of runs so far.
-
-    Returns
-    -------
-    TravelCandidate
-        A copy with errors [m] and their root mean square, or with the reason why a fit failed.
-    """
+    """Return a candidate with its held-out errors; the same where trials repeat one setting."""
     if candidate.fit is None or len({trial.setting for trial in trials}) < 2:
         return candidate
     report = None if watch is None else (lambda runs: watch(candidate.name, runs))

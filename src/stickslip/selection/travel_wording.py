@@ -27,8 +27,6 @@ from stickslip.selection.travel_verdict import TravelCandidate, misfit
 from stickslip.selection.verdict import Wording
 from stickslip.selection.wording import UNMEASURED, held_out_text, not_distinguished
 
-__all__ = ["estimate_text", "wording"]
-
 ADVICE = {
     "static_coefficient": (
         "Pull slowly until the block moves: the force at break-away is $mu_s$ times the load."
@@ -68,28 +66,7 @@ def wording(
     *,
     ranked: bool,
 ) -> Wording:
-    """Put a selection into words.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The readings.
-    candidates : sequence of TravelCandidate
-        All laws that were tried.
-    best : TravelCandidate or None
-        The law that is named or closest; None if no law fits.
-    proposal : Proposal or None
-        Settings that would tell laws apart; None if there are none.
-    against : Contradiction or None
-        Why no law explains the readings; None if one does.
-    ranked : bool
-        Whether held-out errors rank the laws.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection into words."""
     explained = [c for c in candidates if not c.dropped]
     unsettled = _unsettled(explained, best) if ranked else {}
     if against is not None:

@@ -36,8 +36,6 @@ from stickslip.selection.travel_candidates import try_law, with_held_out
 from stickslip.selection.travel_verdict import TravelCandidate, TravelVerdict, misfit
 from stickslip.selection.travel_wording import wording
 
-__all__ = ["select_travels"]
-
 PLAIN = tuple(name for name, one in listed().items() if not one.on_request)
 """What a few travels can be compared with: they have no direction and no more than a slope."""
 WORTH = 0.7
@@ -58,38 +56,6 @@ def select_travels(
     progress: Watch | None = None,
 ) -> TravelVerdict:
     """Fit every law to measured travels, compare them, and say what the data cannot tell.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    laws : mapping or sequence, or None
-        The candidates; instances bring start values and assumptions, types and names take ordinary
-        ones. None and an empty mapping stand for Coulomb, viscous, both, Stribeck, Dahl and LuGre.
-        Parameters that a type cannot do without, and that are not fitted, count as invented.
-    measurement : Measurement
-        One travel or several trials.
-    vary : str or sequence of str, optional
-        ``"friction.*"``, as travels cannot tell parameters of the mechanism from friction.
-    fixed : mapping of str to float, optional
-        Values of parameters of the mechanism that are held.
-    assumed : mapping of str to sequence of str, optional
-        By name of the law, parameters whose values were assumed, not measured. They are fitted
-        where no law explains the travels and there are more settings than fitted parameters.
-    t_end : float
-        Time after which a body counts as stopped [s].
-    progress : callable, optional
-        Called with the name of a law and the number of its runs so far.
-
-    Returns
-    -------
-    TravelVerdict
-        Candidates, the law to use, what the data settle and what they cannot tell.
-
-    Raises
-    ------
-    InputError
-        If there is no law to try or the measurement has no travel.
 
     Examples
     --------

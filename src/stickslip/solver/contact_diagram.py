@@ -44,8 +44,6 @@ from stickslip.solver.block_diagram import BlockDiagram, Lead, leads_of
 from stickslip.solver.drive_schedule import gather
 from stickslip.solver.evaluator import Equations
 
-__all__ = ["ContactDiagram"]
-
 OPENED = 3.0
 """Mode of a contact without load, as columns have it."""
 
@@ -75,29 +73,7 @@ class ContactDiagram(BlockDiagram):
     def build(
         cls, mechanism: Mechanism, law: FrictionLaw | Laws, t_end: float, y0: Sequence[float]
     ) -> Self:
-        """Derive the parts of the equations.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-            What moves.
-        law : FrictionLaw or Laws
-            The law that all contacts share, or laws by contact.
-        t_end : float
-            Last time that drives are asked for [s].
-        y0 : sequence of float (n,)
-            State at time 0: coordinates, rates, bristles [SI].
-
-        Returns
-        -------
-        type of the class
-            The diagram.
-
-        Raises
-        ------
-        InputError
-            If contacts close a loop.
-        """
+        """Derive the parts of the equations."""
         model = formulate(mechanism, law)
         if model.closing:
             raise InputError(

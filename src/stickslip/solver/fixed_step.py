@@ -22,8 +22,6 @@ from stickslip.solver.contact_diagram import ContactDiagram
 from stickslip.solver.initial_states import refuse_limits, refuse_stops
 from stickslip.trajectory import Certificate, Status, Trajectory
 
-__all__ = ["FixedStep", "Method"]
-
 Method: TypeAlias = Literal["euler", "semi-implicit", "heun", "rk4"]
 """Integrators of a fixed step."""
 

@@ -9,8 +9,6 @@ from typing_extensions import override
 
 from stickslip.described import Described
 
-__all__ = ["OTHER_SPEEDS", "OTHER_WAY", "SEVERITIES", "TURN", "Finding", "Severity"]
-
 OTHER_SPEEDS: Final = "Measure at further velocities"
 """What answers a motion at too few speeds."""
 OTHER_WAY: Final = "Measure in the other direction, too"

@@ -19,8 +19,6 @@ from stickslip.friction import (
 )
 from stickslip.mechanisms import Mechanism
 
-__all__ = ["Imported", "imported"]
-
 _PATH = re.compile(r"(?P<module>[^\W\d]\w*(\.[^\W\d]\w*)*):(?P<name>[^\W\d]\w*)")
 
 
@@ -44,31 +42,7 @@ def imported(
     overridden: Collection[str],
     allow: bool,
 ) -> Imported:
-    """Import what the tables name by import path, and take those names of laws out of them.
-
-    Parameters
-    ----------
-    raw : dict
-        Tables of the file; ``type`` is taken out of those of imported laws.
-    file : str
-        What messages call the file.
-    beside : Path, optional
-        Folder in which modules are looked for after Python's own places.
-    overridden : collection of str
-        Paths that overrides set.
-    allow : bool
-        Whether the user allows it.
-
-    Returns
-    -------
-    Imported
-        The classes that were imported.
-
-    Raises
-    ------
-    InputError
-        If it is not allowed, or there is no such class.
-    """
+    """Import what the tables name by import path, and take those names of laws out of them."""
     wanted = dict(_wanted(raw))
     for key, path in wanted.items():
         where = f"{place(key, file, overridden)}: {key}"

@@ -63,8 +63,6 @@ from stickslip.mechanisms import (
 )
 from stickslip.quantities import Quantity, is_rotary, motion_kinds
 
-__all__ = ["read_rig"]
-
 BUNDLED = "paper_rig.toml"
 SWING_FILE = ("file", "column", "unit")
 """What a table says of the data file with a recorded motion."""
@@ -73,27 +71,7 @@ SWING_FILE = ("file", "column", "unit")
 def read_rig(
     path: str | Path | None, overrides: Mapping[str, Any], *, allow_import: bool = False
 ) -> Rig:
-    """Return the rig of a file, or the bundled one, with overrides put in.
-
-    Parameters
-    ----------
-    path : str, Path or None
-        Rig file (TOML); the bundled rig if None.
-    overrides : mapping of str to object
-        Values by dotted path, which replace those of the file.
-    allow_import : bool
-        Whether the file may import classes, which runs their code.
-
-    Returns
-    -------
-    Rig
-        The rig.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or used.
-    """
+    """Return the rig of a file, or the bundled one, with overrides put in."""
     if path is None:
         file, data = BUNDLED, files("stickslip.experiments").joinpath(BUNDLED).read_bytes()
     else:

@@ -20,19 +20,6 @@ from stickslip.friction import laws as known_laws
 from stickslip.mechanisms import Mechanism, mechanisms
 from stickslip.quantities import Quantity
 
-__all__ = [
-    "DataTable",
-    "EstimatesTable",
-    "PublishedTable",
-    "ReadTable",
-    "RigTable",
-    "RunTable",
-    "TrialTable",
-    "flat",
-    "json_schema",
-    "rig_table",
-]
-
 TRAVEL = QUANTITIES["travel"]
 VARY = "vary"
 """Says of a mechanism's parameter that it is to be fitted."""
@@ -248,18 +235,6 @@ class PublishedTable(Table):
 def flat(given: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield dotted paths: TOML makes tables of a dotted key that is not in quotes.
 
-    Parameters
-    ----------
-    given : mapping of str to object
-        A table; one with a ``value`` is not opened.
-    prefix : str
-        What stands before each path.
-
-    Yields
-    ------
-    (str, object)
-        Path and value.
-
     Examples
     --------
     >>> dict(flat({"elbow": {"static_coefficient": 0.2}, "x.y": 1}))
@@ -389,20 +364,6 @@ def rig_table(
     """Return the model of a rig file with all mechanisms and drives that are installed.
 
     A mechanism of the user's, with its ``type``, may come to them.
-
-    Parameters
-    ----------
-    mechanism : tuple of str and type of Mechanism, optional
-        Import path and class of a mechanism that is in no registry.
-    laws : tuple of type of FrictionLaw
-        Types of the laws that may stand in it.
-    contacts : tuple of (str, bool)
-        Names of the contacts, and whether each slips along an angle.
-
-    Returns
-    -------
-    type of RigTable
-        A pydantic model of the whole file.
     """
     known = {**mechanisms(), **({} if mechanism is None else dict([mechanism]))}
     tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}

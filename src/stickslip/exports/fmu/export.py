@@ -28,8 +28,6 @@ from stickslip.quantities import Quantity
 from stickslip.simulation import check_pair, initial_state
 from stickslip.solver import EventDriven, gather, object_files, within_stops
 
-__all__ = ["export_fmu"]
-
 EXCHANGE = 1e-9
 """Relative tolerance that is stored for solvers of importers, as CVode does not reach 1e-12 where
 stops or links meet bristles. In co-simulation only a finer one counts."""

@@ -14,8 +14,6 @@ from stickslip.friction import Friction, FrictionLaw
 from stickslip.mechanisms import Mechanism, given_inputs, given_names, input_names
 from stickslip.quantities import Parametrised
 
-__all__ = ["TOLD", "Input", "told_from_outside", "with_inputs"]
-
 TOLD: Final = "contact_"
 """What drives that are contact inputs begin with."""
 
@@ -42,27 +40,7 @@ class Input(NamedTuple):
 def told_from_outside(
     mechanism: Mechanism, law: Friction, names: Sequence[str]
 ) -> tuple[Mechanism, tuple[str, ...]]:
-    """Return a mechanism whose contact inputs that are told from outside are drives.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or mapping of str to FrictionLaw
-        Its law; only that of a single contact may have contact inputs.
-    names : sequence of str
-        Drives and contact inputs that are to be told from outside.
-
-    Returns
-    -------
-    (Mechanism, tuple of str)
-        The mechanism, and the names of all drives that are told from outside.
-
-    Raises
-    ------
-    InputError
-        If the mechanism itself makes a contact input of one of the names.
-    """
+    """Return a mechanism whose contact inputs that are told from outside are drives."""
     found = list(names)
     for name in law.inputs if isinstance(law, FrictionLaw) else ():
         told = name in input_names(mechanism)
@@ -81,28 +59,7 @@ def told_from_outside(
 
 
 def with_inputs(mechanism: Mechanism, names: Sequence[str]) -> tuple[Mechanism, dict[str, Input]]:
-    """Return a mechanism whose drives of some names are told from outside.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What is driven.
-    names : sequence of str
-        Drives as the mechanism lists them, such as ``"torque-1"``, or paths of their places, such
-        as ``"links.0.torque"``. Drives that are there are replaced, others are added.
-
-    Returns
-    -------
-    (Mechanism, dict of str to Input)
-        The mechanism, and of each name that was given the drive that it stands for.
-
-    Raises
-    ------
-    InputError
-        If a drive is a prescribed motion, or is named twice.
-    UnknownNameError
-        If there is no such drive.
-    """
+    """Return a mechanism whose drives of some names are told from outside."""
     found: dict[str, Input] = {}
     for given in names:
         mechanism, one = _with_input(mechanism, given)

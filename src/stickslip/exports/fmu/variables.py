@@ -16,8 +16,6 @@ from stickslip.mechanisms import Mechanism, has_one_slip
 from stickslip.quantities import Quantity, parameters, shadow
 from stickslip.solver import column_units, path_units
 
-__all__ = ["Role", "Variable", "variables_of"]
-
 Role: TypeAlias = Literal[
     "independent",
     "input",
@@ -83,28 +81,7 @@ def variables_of(
     nominals: Sequence[float],
     inputs: Mapping[str, Input],
 ) -> tuple[Variable, ...]:
-    """Return the variables of an FMU.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What moves.
-    law : FrictionLaw or Laws
-        Friction of its contacts.
-    model : Model
-        Their equations.
-    y0 : sequence of float (n,)
-        Initial states [SI].
-    nominals : sequence of float (n,)
-        Size that each state has [SI].
-    inputs : mapping of str to Input
-        Drives that are told from outside, by the names of their variables.
-
-    Returns
-    -------
-    tuple of Variable
-        The variables, whose places are their value references.
-    """
+    """Return the variables of an FMU."""
     found = [Variable(name="time", role="independent", unit="s", description="Time")]
     for name, (drive, start) in inputs.items():
         found.append(

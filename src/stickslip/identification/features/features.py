@@ -18,22 +18,6 @@ from stickslip.identification.series.frequencies import frequency_of, refuse_wit
 from stickslip.identification.series.slip_detection import Slips, slips_of
 from stickslip.mechanisms import Mechanism, TowedBlock
 
-__all__ = [
-    "COMPARED",
-    "DRIFTS",
-    "FASTER",
-    "FEATURES",
-    "STEADY",
-    "Regime",
-    "StickSlipFeatures",
-    "by_features",
-    "evenly",
-    "features_of",
-    "refuse_uncertainties",
-    "towed",
-    "towed_load",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 Regime: TypeAlias = Literal["stick-slip", "inertial oscillation", "steady sliding"]
 
@@ -231,18 +215,6 @@ def features_of(measurement: Measurement, *, mechanism: Mechanism) -> StickSlipF
 def by_features(measurement: Measurement, route: str | None = None) -> bool:
     """Whether a measurement is compared by its features: as asked, or if it is a spring's force.
 
-    Parameters
-    ----------
-    measurement : Measurement
-        The record.
-    route : str, optional
-        Name of the route that was asked for; None if none was.
-
-    Returns
-    -------
-    bool
-        True if features are compared.
-
     Examples
     --------
     >>> record = Measurement(time=[0.0, 1.0, 2.0], spring_force=[0.1, 0.2, 0.3])
@@ -257,11 +229,6 @@ def by_features(measurement: Measurement, route: str | None = None) -> bool:
 
 def refuse_uncertainties(measurement: Measurement) -> None:
     """Refuse uncertainties of the mechanism, which fits to features do not propagate.
-
-    Raises
-    ------
-    InputError
-        If there are any.
 
     Examples
     --------
@@ -291,25 +258,7 @@ def towed_load(block: TowedBlock) -> float:
 
 
 def evenly(measurement: Measurement, block: TowedBlock) -> tuple[float, Array]:
-    """Return the time between samples [s] and the force over the load, sampled evenly.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        One record with time and spring_force [N].
-    block : TowedBlock
-        The towed block; its mass, stiffness and load are used.
-
-    Returns
-    -------
-    (float, array (n,))
-        Sampling interval [s], and the force over the normal force [1].
-
-    Raises
-    ------
-    InputError
-        If there are trials, time or force is missing, or there are too few samples.
-    """
+    """Return the time between samples [s] and the force over the load, sampled evenly."""
     if measurement.trials or measurement.time is None or measurement.spring_force is None:
         raise InputError(
             "features of stick-slip need one record with time and spring_force [N]. Convert a"

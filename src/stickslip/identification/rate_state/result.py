@@ -42,16 +42,6 @@ from stickslip.quantities import Quantity
 if TYPE_CHECKING:
     from stickslip.display import Drawing, Target
 
-__all__ = [
-    "Profile",
-    "RateStateFit",
-    "Window",
-    "bounds_met",
-    "inference_of",
-    "rate_of",
-    "result_of",
-]
-
 Array: TypeAlias = NDArray[np.float64]
 
 VELOCITY_STEPS = "rate-state"
@@ -271,20 +261,7 @@ class RateStateFit(Fit[RateState]):
 
 
 def free_of(slider: Slider, values: Array) -> NDArray[np.bool_]:
-    """Return which unknowns stand at no bound (p,); a state without effect has no distance either.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    values : array (p,)
-        Values of the unknowns.
-
-    Returns
-    -------
-    array (p,) of bool
-        False for what is held, at a bound, or without effect.
-    """
+    """Return which unknowns are at no bound (p,); a state without effect has no distance."""
     low, high = slider.free_parameters.limits()
     at = slider.free_parameters.coordinates(values)
     free = (at > low) & (at < high)
@@ -306,20 +283,7 @@ def bounds_met(fit: RateStateFit) -> tuple[str, ...]:
 
 
 def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
-    """Return covariances of the values (p,), from leaving out blocks of the record.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    best : ResidualJacobian
-        Residuals and slopes at the fitted values.
-
-    Returns
-    -------
-    Inference
-        Covariances (p, p), 0 for what stands at a bound.
-    """
+    """Return covariances of the values (p,), from leaving out blocks of the record."""
     scale = slider.free_parameters.slopes(slider.free_parameters.coordinates(best.values))
     scale[:, ~free_of(slider, best.values)] = 0.0
     return infer(best, scale, blocks=blocks_of(best))
@@ -328,23 +292,7 @@ def inference_of(slider: Slider, best: ResidualJacobian) -> Inference:
 def rate_of(
     slider: Slider, best: ResidualJacobian, inference: Inference | None = None
 ) -> tuple[float, float, float]:
-    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals.
-
-    Parameters
-    ----------
-    slider : Slider
-        The problem.
-    best : ResidualJacobian
-        Residuals and slopes at the fitted values.
-    inference : Inference, optional
-        Covariances there; computed if not given.
-
-    Returns
-    -------
-    tuple of float
-        a - b, less b_2 of a second state; half the width, infinite where none can be said; and the
-        standard error of independent residuals. The last two are 0 if all are held.
-    """
+    """Return a - b - b_2, half its 95 % interval, and its error of independent residuals."""
     rate = slider.law(best.values).rate
     row = np.zeros(len(best.values))
     row[[DIRECT, EVOLVED, SECOND]] = 1.0, -1.0, -1.0
@@ -366,28 +314,7 @@ def result_of(
     profile: Profile = NO_PROFILE,
     windows: tuple[Window, ...] = (),
 ) -> RateStateFit:
-    """Return what was found, with intervals and words.
-
-    Parameters
-    ----------
-    block : TowedBlock
-        The machine, as it was given.
-    measurement : Measurement
-        The whole record.
-    slider : Slider
-        The problem.
-    optimum : OptimizeResult
-        End of its search.
-    profile : Profile
-        Fits with other evolution effects, by which intervals are widened.
-    windows : tuple of Window
-        a - b by how much of the record is used.
-
-    Returns
-    -------
-    RateStateFit
-        Law, mechanism, estimates with intervals, and sentences.
-    """
+    """Return what was found, with intervals and words."""
     values, record = optimum.best.values, slider.record
     fitted = slider.predict(values, record.time)
     assert fitted is not None

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw
 from stickslip.quantities import parameters, shadow
 
-__all__ = ["deflection_slopes", "first_deflection"]
-
 Array = NDArray[np.float64]
 
 BEFORE = 0.02
@@ -27,20 +25,6 @@ def first_deflection(law: FrictionLaw, velocity: float, end: float) -> float:
 
     That of steady slip, or where this is slow, as much as the slip before can have built up. It
     changes smoothly with the law and with the velocity, so that searches can follow.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    velocity : float
-        First slip velocity of a segment [m/s].
-    end : float
-        Length of the segment [s].
-
-    Returns
-    -------
-    float
-        Deflection [m].
 
     Examples
     --------
@@ -57,24 +41,7 @@ def first_deflection(law: FrictionLaw, velocity: float, end: float) -> float:
 def deflection_slopes(
     law: FrictionLaw, velocity: float, end: float, paths: Sequence[str]
 ) -> tuple[Array, float]:
-    """Return how a first deflection changes with parameters (n,) and with the velocity [s].
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        A law with one bristle.
-    velocity : float
-        First slip velocity of a segment [m/s].
-    end : float
-        Length of the segment [s].
-    paths : sequence of str
-        Full paths; those that are not of the law change nothing.
-
-    Returns
-    -------
-    (array (n,), float)
-        Derivatives by the parameters [m per unit of each], and by the velocity [s].
-    """
+    """Return how a first deflection changes with parameters (n,) and with the velocity [s]."""
     if velocity == 0.0:
         return np.zeros(len(paths)), BEFORE * end
     values = {path: value for path, _, value in parameters(law, "friction")}

@@ -28,8 +28,6 @@ from stickslip.identification.travels.single_travel import room_for
 from stickslip.identification.travels.start_values import Start, starting_points
 from stickslip.quantities import Quantity, parameters
 
-__all__ = ["expected_fit", "fit_several"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 STEP = 1e-4
@@ -79,25 +77,6 @@ def fit_several(
     that trials share: what was set for each trial adds to its variance, what trials share moves
     them together. Where residuals give the errors of the readings, weights follow the ratio of
     both.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, and which of its parameters are free.
-    trials : sequence of Trial
-        The readings; repeats of one setting are simulated once.
-    starts : sequence of sequence of float, optional
-        Where searches begin; a scan of the parameters if not given.
-
-    Returns
-    -------
-    TravelFit
-        The fitted law, estimates with intervals, predicted travels.
-
-    Raises
-    ------
-    ConvergenceError
-        If no values are found with which every trial can be run.
     """
     problem = _Problem(model, trials)
     points = starting_points(model, trials) if starts is None else list(starts)
@@ -131,22 +110,7 @@ def fit_several(
 
 
 def expected_fit(model: TravelModel, trials: Sequence[Trial], values: Sequence[float]) -> TravelFit:
-    """Return the fit to travels that values of the free parameters give: its intervals to expect.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, and which of its parameters are free.
-    trials : sequence of Trial
-        Settings with standard errors and uncertainties; what was measured there is not looked at.
-    values : sequence of float
-        Values of the free parameters.
-
-    Returns
-    -------
-    TravelFit
-        The fit, with the predicted travels in place of measured ones.
-    """
+    """Return the fit to travels that given values lead to: its intervals to expect."""
     measured = model.travels(trials, values)
     pairs = zip(trials, measured.tolist(), strict=True)
     problem = _Problem(model, [replace(trial, travel=travel) for trial, travel in pairs])

@@ -17,8 +17,6 @@ from stickslip.identification.travels.propagation import covariance_of, propagat
 from stickslip.identification.travels.result import TravelFit
 from stickslip.quantities import Quantity, fields_of, parameters
 
-__all__ = ["INTERVALS", "fit_one", "room_for"]
-
 INTERVALS = {"rounding": "rounding range", "interval": "stated interval", "standard": "95 %"}
 """What the interval of an estimate is called, by the kind of uncertainty of the reading."""
 NORMAL_95 = 1.959963984540054
@@ -27,25 +25,7 @@ STEP = 1e-4
 
 
 def fit_one(model: TravelModel, trial: Trial) -> TravelFit:
-    """Find the value of the one free parameter that gives the travel, and those at its ends.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law with one free parameter.
-    trial : Trial
-        The reading [m] with its uncertainty.
-
-    Returns
-    -------
-    TravelFit
-        The fitted law, the estimate with its interval, the predicted travel.
-
-    Raises
-    ------
-    ConvergenceError
-        If no value of the parameter gives the travel.
-    """
+    """Find the value of the one free parameter that gives the travel, and those at its ends."""
     (path,) = model.free
     known = {name: (field, value) for name, field, value in parameters(model.law, "friction")}
     field, start = known[path]
@@ -122,22 +102,7 @@ def _estimate(
 
 
 def room_for(law: FrictionLaw, name: str, free: Collection[str] = ()) -> tuple[float, float]:
-    """Return the values a parameter may take while all that are not free stay as they are.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Gives the values of all other parameters.
-    name : str
-        Field of the law.
-    free : collection of str
-        Full paths of parameters that may move, too, and bound nothing.
-
-    Returns
-    -------
-    (float, float)
-        Lower and upper bound [SI].
-    """
+    """Return the values a parameter may take while all that are not free stay as they are."""
     quantities = fields_of(type(law))
     quantity = quantities[name]
     low, high = max(quantity.low, quantity.above or 0.0, 0.0), quantity.high

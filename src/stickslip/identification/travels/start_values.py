@@ -19,15 +19,6 @@ from stickslip.mechanisms import slip_of
 from stickslip.quantities import fields_of, parameters, vary
 from stickslip.simulation import ensemble, simulate
 
-__all__ = [
-    "Start",
-    "doubling_slope",
-    "required_of",
-    "starting_law",
-    "starting_points",
-    "with_known",
-]
-
 Start: TypeAlias = Sequence[float]
 """Values of the free parameters where a search begins."""
 Array: TypeAlias = NDArray[np.float64]
@@ -82,18 +73,6 @@ def starting_points(model: TravelModel, trials: Sequence[Trial]) -> list[Start]:
     over decades beside shares of it. A body that swings to and fro before it rests has travels that
     rise and fall with the level, and least squares would stay on the branch where it begins: there
     levels are scanned densely.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, whose values are the centre of the scan, and its free parameters.
-    trials : sequence of Trial
-        Several travels.
-
-    Returns
-    -------
-    list of sequence of float (p,)
-        Points, the best first.
     """
     if any(map(is_rig, model.free)):
         return _with_rig(model, trials)
@@ -169,22 +148,7 @@ def _least(model: TravelModel, path: str, centre: float) -> float:
 
 
 def doubling_slope(model: TravelModel, trials: Sequence[Trial], values: Start) -> float:
-    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run.
-
-    Parameters
-    ----------
-    model : TravelModel
-        The law, whose first free parameter is a level.
-    trials : sequence of Trial
-        Travels, of which the longest one is run.
-    values : sequence of float (p,)
-        Values of the free parameters [SI].
-
-    Returns
-    -------
-    float
-        Viscous coefficient [N s/m].
-    """
+    """Return the slope [N s/m] that doubles the friction of a law at the largest speed of a run."""
     trial = max(trials, key=lambda one: abs(one.travel))
     law = model.with_values(values)
     end = trial.until(model.t_end)
@@ -301,23 +265,6 @@ def required_of(law: type[FrictionLaw]) -> tuple[str, ...]:
 def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
     """Return a law of that type with ordinary values for each parameter it needs.
 
-    Parameters
-    ----------
-    law : type
-        A friction law.
-    load : float
-        Normal force [N]; start values that are not per unit load scale with it.
-
-    Returns
-    -------
-    FrictionLaw
-        The law with start values.
-
-    Raises
-    ------
-    InputError
-        If a parameter that the law needs has no range.
-
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -339,18 +286,6 @@ def starting_law(law: type[FrictionLaw], load: float = 1.0) -> FrictionLaw:
 
 def with_known(law: FrictionLaw, known: Mapping[str, float] | None) -> FrictionLaw:
     """Return a law with the values that are known, by name.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law whose values are replaced.
-    known : mapping of str to float or None
-        Values [SI] by name of the field; None or empty for none.
-
-    Returns
-    -------
-    FrictionLaw
-        A copy of the law.
 
     Examples
     --------

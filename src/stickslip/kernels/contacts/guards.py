@@ -58,15 +58,6 @@ from stickslip.kernels.state_layout import (
     Y,
 )
 
-__all__ = [
-    "LEAST_PIVOT",
-    "contact_guards",
-    "contacts_are_linear",
-    "first_contact_guard",
-    "first_own_switch",
-    "law_flags",
-]
-
 LEAST_PIVOT = 1e-6
 """Determinant of the reactions at which a run ends, 1 being that without friction."""
 
@@ -82,28 +73,7 @@ def first_own_switch(whole: Wholes) -> int:
 
 
 def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write all guards at a state.
-
-    Reads: `at`, PIVOT, FRICTIONLESS, WALLS, LAW_ROWS, SLIP_FACTORS, HELD_SLIPS, HELD_NORMALS, MASS,
-    CHOLESKY, LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, REACTION_ROWS,
-    LOOPS, FOLLOWED, BORNE, FLAGS, MODES, LAW_FLAGS, OPEN, ASKED, FOLLOWERS.
-    Writes: `to`, PIVOT, LAW_ROWS, FORCE, MASS, CHOLESKY, ACCELERATION, NEEDED, LEVELS, FRICTION,
-    LOAD, FRICTION_CONSTANT, FRICTION_FACTOR, LEVEL_CONSTANT, LEVEL_FACTOR, DAMPING, BRISTLE_RATES,
-    LAW_VALUES, REACTION_ROWS, MOTION_POINT, PROJECTED, BORNE, SHARES, ASKED.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
-    to : int
-        Place of the results (N_GUARDS,).
-    """
+    """Write all guards at a state."""
     n, modes = whole[N_PAIRS], whole[MODES]
     assemble(t, w, whole, at)
     for i in range(n):
@@ -134,11 +104,7 @@ def contact_guards(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None
 
 
 def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write what ends a run as it falls below 0, at a state of which everything is worked out.
-
-    Reads: `at`, PIVOT, ACCELERATION, FRICTION, FLAGS.
-    Writes: `to`, MOTION_POINT.
-    """
+    """Write what ends a run as it falls below 0, at a state of which everything is worked out."""
     pivots = 1 if whole[N_REACTIONS] > 0 else 0
     if pivots > 0:
         w[to] = w[PIVOT] - LEAST_PIVOT
@@ -148,23 +114,7 @@ def limits_at(t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
 
 
 def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
-    """Whether all equations are affine in states and time in the modes at hand.
-
-    Reads: TIME, Y, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: LAW_ROWS, LAW_VALUES.
-
-    Parameters
-    ----------
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-
-    Returns
-    -------
-    bool
-        Whether the exact series holds.
-    """
+    """Whether all equations are affine in states and time in the modes at hand."""
     if not whole[AFFINE]:
         return False
     linear = True
@@ -180,11 +130,7 @@ def contacts_are_linear(w: Vector, whole: Wholes) -> bool:
 
 
 def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: int) -> None:
-    """Write the guards of one contact: its law's switches, its load.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOAD, LOOPS, MODES, LAW_FLAGS, OPEN.
-    Writes: `to`, LAW_ROWS, LAW_VALUES.
-    """
+    """Write the guards of one contact: its law's switches, its load."""
     switches = whole[LAW_SWITCHES]
     for j in range(switches + 1):
         w[to + j] = UNWATCHED
@@ -201,11 +147,7 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
 
 
 def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
-    """Whether a contact's law has switches, which the series of exact modes does not watch.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS.
-    Writes: LAW_ROWS, LAW_VALUES.
-    """
+    """Whether a contact's law has switches, which the series of exact modes does not watch."""
     if whole[LAW_SWITCHES] == 0:
         return False
     law_margins(contact, whole[whole[LAW_FLAGS] + contact], t, w, whole, at, math.nan)
@@ -215,11 +157,7 @@ def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> b
 def law_margins(
     contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int, absent: float
 ) -> None:
-    """Write the margins of the switches of a contact's law, positive where they hold.
-
-    Reads: `at`, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES.
-    Writes: LAW_ROWS, LAW_VALUES.
-    """
+    """Write the margins of the switches of a contact's law, positive where they hold."""
     coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
     row = whole[whole[LAW_ROWS] + contact]
@@ -237,20 +175,6 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
 
     The flags of what slipped before turn only where a margin has jumped beyond rounding: at a
     threshold, the next step shows to which side it is left.
-
-    Reads: `at`, REACHED, LAW_ROWS, SLIP_FACTORS, LOOPS, MODES, LAW_FLAGS, BEFORE.
-    Writes: LAW_ROWS, LAW_VALUES, LAW_FLAGS.
-
-    Parameters
-    ----------
-    t : float
-        Time [s].
-    w : array (SIZE,)
-        Vector of the run.
-    whole : array (WHOLES,)
-        Whole numbers of the run.
-    at : int
-        Place in `w` of the state.
     """
     switches = whole[LAW_SWITCHES]
     for c in range(whole[N_CONTACTS] if switches > 0 else 0):

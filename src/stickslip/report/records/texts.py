@@ -9,13 +9,6 @@ from stickslip.formatting import rounded
 from stickslip.identification import Estimate
 from stickslip.selection import RecordCandidate, RecordVerdict
 
-__all__ = [
-    "paired",
-    "rival_of",
-    "symbols_of",
-    "to_digits",
-]
-
 
 def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
     """Return what the chosen law is compared with: the reference, or the next best law."""
@@ -28,21 +21,7 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
 
 
 def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
-    """Return the difference of two losses over its standard error, from blocks in pairs.
-
-    Parameters
-    ----------
-    other : RecordCandidate
-        A candidate.
-    best : RecordCandidate
-        The candidate it is compared with.
-
-    Returns
-    -------
-    float or None
-        Mean difference of the losses of held-out blocks over its standard error; None if the blocks
-        cannot be paired, or all differences are equal.
-    """
+    """Return the difference of two losses over its standard error, from blocks in pairs."""
     if other.validation is None or best.validation is None:
         return None
     one, two = other.validation.losses, best.validation.losses
@@ -60,18 +39,5 @@ def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:
 
 
 def to_digits(value: float, estimate: Estimate) -> str:
-    """Return a value to the digits of an estimate, such as what half of a record gives for it.
-
-    Parameters
-    ----------
-    value : float
-        The value, in the unit of the estimate.
-    estimate : Estimate
-        The estimate.
-
-    Returns
-    -------
-    str
-        The number, ending where the estimate does; three digits of it where that has no bound.
-    """
+    """Return a value to the digits of an estimate, such as what half of a record gives for it."""
     return rounded(value, estimate.half_width if estimate.bounded else math.inf)
