@@ -70,6 +70,7 @@ INSIDE = {
     "rig_toml": "rigs.rig_writer",
     "rows_of": "slicing",
     "scale_of": "travels",
+    "sentences_of": "checking.finding",
     "spread_of": "estimates",
     "step_of": "differentiation",
     "unit_at_unit_load": "estimates",

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from stickslip.experiments import Checks
+from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import (
     EstimateText,
     Scale,
@@ -169,7 +169,7 @@ def _settles(fit: FeatureFit) -> tuple[str, ...]:
 def _seen(features: StickSlipFeatures) -> tuple[str, ...]:
     """Return what the record settles although no law has its features: these themselves."""
     if features.slips > 1:
-        return tuple(line for line in features.sentences if "slips," in line)
+        return sentences_of(features.findings, "slips")
     return (
         f"The force oscillates at {quantity(features.frequency, 'Hz')} about a mean of"
         f" {number(features.mean)} of the load, with a standard deviation of"
@@ -186,14 +186,14 @@ def _cannot_tell(
             f"Which law: {_titles(equal)} can reproduce the same frequency, mean and standard"
             " deviation. Three features determine three numbers."
         )
-    lines += [line for line in features.sentences if "cannot explain" in line or "drifts" in line]
+    lines += sentences_of(features.findings, "scatter", "drift")
     if any(one.path == MASS for one in fit.estimates):
         lines.append(
             "Why the effective mass differs: a spring stiffer than stated, or a rocking body, has"
             " the same effect."
         )
     elif features.frequency > FASTER * features.natural_frequency:
-        lines += [line for line in features.sentences if "effective mass" in line]
+        lines += sentences_of(features.findings, "frequency")
     lines += [BIASED, UNMEASURED]
     return tuple(lines[:MOST])
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.experiments import Checks
+from stickslip.experiments import Checks, sentences_of
 from stickslip.formatting import Scale, capital, joined, quantity, ratio, significant, span
 from stickslip.friction import RATE_STATE_FORMS
 from stickslip.identification import RateStateFit
@@ -192,8 +192,8 @@ def _cannot_tell(
         for e in fit.estimates
         if e.path in DISTANCES and e.reason
     ]
-    lines += [line for line in fit.sentences if "depends on the length of record" in line]
-    lines += [line for line in fit.sentences if "drifts by" in line]
+    lines += sentences_of(fit.findings, "length")
+    lines += sentences_of(fit.findings, "drift")
     if fit.over_scatter > STRUCTURE:
         lines.append(
             "What else acts: the residuals are autocorrelated, with an effective sample size of"

@@ -20,6 +20,7 @@ from stickslip.identification.features.features import (
     FEATURES,
     StickSlipFeatures,
     features_of,
+    findings_of,
     towed_load,
 )
 from stickslip.identification.features.problem import SETTLING
@@ -38,7 +39,6 @@ FLAT = 0.1
 """A parameter takes part in a change that no feature shows if its share is above this."""
 TOLD = 0.01
 """Singular values below this share of the largest are such changes."""
-WHOLE, PART = "The record drifts", "The fitted part of the record drifts"
 EDGE = 1e-6
 """Logarithms closer than that to an end of their range are at it."""
 MISSED = 0.05
@@ -221,7 +221,8 @@ def sentences_of(
     errors: Mapping[str, float],
 ) -> tuple[str, ...]:
     """Return what can be said of a fit, in words."""
-    said = [line.replace(WHOLE, PART) if held else line for line in observed.sentences]
+    part = "fitted part of the record" if held else "record"
+    said = [str(one) for one in findings_of(observed, part)]
     if held is not None and abs(held.mean / observed.mean - 1.0) > DRIFTS:
         said.append(
             f"The record drifts: the mean F/N is {number(observed.mean)} in the fitted part and"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from stickslip.display import plots
-from stickslip.experiments import LawEstimates, Measurement
+from stickslip.experiments import Finding, LawEstimates, Measurement, sentences_of
 from stickslip.formatting import estimate as estimated
 from stickslip.formatting import (
     fixed,
@@ -121,8 +121,8 @@ class RateStateFit(Fit[RateState]):
     """Whether the record tells a and b apart."""
     windows: tuple[Window, ...]
     """a - b by how much of the record after the last step is used, all of it last."""
-    sentences: tuple[str, ...]
-    """What can be said, in words."""
+    findings: tuple[Finding, ...]
+    """What can be said: of speeds, ``"rate"``, ``"separation"``, ``"distance"``, ``"drift"``..."""
     time: Array
     """Times of the samples used (n,) [s], from their first on."""
     measured: Array
@@ -218,6 +218,11 @@ class RateStateFit(Fit[RateState]):
             levels="per load",
             largest_speed=float(self.problem.record.path.lasting.max()),
         )
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings in words."""
+        return sentences_of(self.findings)
 
     @override
     def __str__(self) -> str:
@@ -335,7 +340,7 @@ def result_of(
         correlation=_correlation(slider, optimum.best, profile) if both else 0.0,
         separable=separable,
         windows=windows,
-        sentences=(),
+        findings=(),
         time=record.time,
         measured=record.coefficient,
         fitted=fitted,
@@ -344,7 +349,7 @@ def result_of(
         optimum=optimum,
         inference=inference,
     )
-    return replace(fit, sentences=_sentences(fit, optimum), remarks=_remarks(fit))
+    return replace(fit, findings=_findings(fit, optimum), remarks=_remarks(fit))
 
 
 def blocks_of(best: ResidualJacobian) -> int:
@@ -442,41 +447,47 @@ def _hull(value: float, half_width: float, others: Array) -> tuple[float, float]
     return float(low), float(high)
 
 
-def _sentences(fit: RateStateFit, found: OptimizeResult) -> tuple[str, ...]:
-    path, law, rate = fit.problem.record.path, fit.law, " − ".join(fit.rate_symbols)
-    said = [f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}."]
-    if fit.rate.reason != HELD:
-        said.append(_about_rate(fit.rate, rate))
+def _findings(fit: RateStateFit, found: OptimizeResult) -> tuple[Finding, ...]:
+    path, rate = fit.problem.record.path, " − ".join(fit.rate_symbols)
     fitted = {e.path: e for e in fit.estimates}
+    said = [
+        ("speeds", f"The load point moves at {joined(quantities(path.lasting.tolist(), 'm/s'))}.")
+    ]
+    if fit.rate.reason != HELD:
+        said.append(("rate", _about_rate(fit.rate, rate)))
     if PATHS[0] in fitted and PATHS[1] in fitted:
-        correlation = fixed(fit.correlation, 2)
-        if fit.separable and law.states:
-            distances = joined([quantity(distance, "m") for _, distance in law.states])
-            said.append(
-                f"a and b are told apart (correlation {correlation}): friction changes at once, and"
-                f" settles over {distances}."
-            )
-        else:
-            said.append(
-                f"a and b are not separable on this record (correlation {correlation}): only {rate}"
-                " is known."
-            )
+        said.append(("separation", _about_separation(fit, rate)))
     said += [
-        f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}."
+        ("distance", f"{fitted[path].quantity.symbol} is not bounded: {fitted[path].reason}.")
         for path in (PATHS[EVOLVED + 1], *PATHS[STRESS:])
         if path in fitted and fitted[path].reason
     ]
     if fit.drift:
-        said.append(
+        text = (
             f"Friction drifts by {signed(1e-3 * fit.drift, 2)} per mm of the load point beside the"
             f" law; {rate} and a drift trade against each other."
         )
-    said += _about_windows(fit.windows, rate)
+        said.append(("drift", text))
+    said += [("length", line) for line in _about_windows(fit.windows, rate)]
     if found.agreeing == 1 and len(found.costs) > 1:
-        said.append(f"Only one of {len(found.costs)} starts came to the least cost.")
+        said.append(("search", f"Only one of {len(found.costs)} starts came to the least cost."))
     if found.cancelled:
-        said.append("The search was stopped before its end.")
-    return tuple(said)
+        said.append(("search", "The search was stopped before its end."))
+    return tuple(Finding(kind=kind, sentence=sentence) for kind, sentence in said)
+
+
+def _about_separation(fit: RateStateFit, rate: str) -> str:
+    correlation = fixed(fit.correlation, 2)
+    if fit.separable and fit.law.states:
+        distances = joined([quantity(distance, "m") for _, distance in fit.law.states])
+        return (
+            f"a and b are told apart (correlation {correlation}): friction changes at once, and"
+            f" settles over {distances}."
+        )
+    return (
+        f"a and b are not separable on this record (correlation {correlation}): only {rate} is"
+        " known."
+    )
 
 
 def _about_rate(rate: Estimate, symbols: str) -> str:
