@@ -31,6 +31,7 @@ from stickslip.identification import (
     RouteName,
     covers,
     law_quantities,
+    refuse_of_laws,
 )
 from stickslip.quantities import Quantity, full_path
 from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
@@ -231,6 +232,8 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
             raise InputError(
                 f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
             )
+        if law is None:
+            refuse_of_laws([name.strip()], known)
         path = full_path(name.strip(), known, "parameter in --fixed")
         try:
             found[path] = read_number(_number(value.strip()), known[path])
@@ -273,7 +276,16 @@ def watching(
     def text(error: float) -> str:
         return found.route.residual_text(error, found.measurement, found.options)
 
-    with Interrupts() as interrupts, Searching(names, text, interrupts, at_most=at_most) as bar:
+    with (
+        Interrupts() as interrupts,
+        Searching(
+            names,
+            text,
+            interrupts,
+            at_most=at_most,
+            longest_first=found.route.longest_first,
+        ) as bar,
+    ):
         yield bar
 
 

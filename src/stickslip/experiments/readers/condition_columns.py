@@ -45,7 +45,14 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
     """Return the column of each condition, by name, with its unit if the column has one."""
     found = {}
     for name in columns:
-        own = next((key for key, header in frame.names.items() if name in (key, header)), None)
+        own = next(
+            (
+                key
+                for key, header in frame.names.items()
+                if name in (key, header, header.partition("[")[0].strip())
+            ),
+            None,
+        )
         if own is None:
             raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
         unit = frame.units.get(own)
