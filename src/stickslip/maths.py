@@ -27,6 +27,11 @@ __all__ = [
     "where",
 ]
 
+NO_COMPARISON = (
+    "where chooses by a comparison, and got a value: write where(x > 0.0, yes, no) instead of"
+    " where(x, yes, no)."
+)
+
 Scalar: TypeAlias = Any
 """A float, an array or a symbol. Equations are generic in it, which the type system cannot say."""
 
@@ -162,6 +167,11 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
     float or array
         The branch that the condition chooses, entry by entry for arrays.
 
+    Raises
+    ------
+    InputError
+        If the condition is a number, not a comparison.
+
     Examples
     --------
     >>> where(1.0 < 2.0, 3.0, 4.0)
@@ -173,6 +183,8 @@ def where(condition: Any, yes: Scalar, no: Scalar, events: tuple[str, str] | Non
         return condition.__maths__("where", yes, no, events)
     import numpy as np
 
+    if np.asarray(condition).dtype != bool:
+        raise InputError(NO_COMPARISON)
     return np.where(condition, yes, no)
 
 

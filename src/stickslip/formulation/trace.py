@@ -16,6 +16,7 @@ import symengine as se
 from typing_extensions import override
 
 from stickslip.errors import TracingError
+from stickslip.maths import NO_COMPARISON
 
 LONGEST = 2000
 """Characters of an expression beyond which it is not expanded to look for cancellations."""
@@ -224,6 +225,8 @@ class Traced:
         if name == "latched":
             margin, hold, yes, no = map(expression, arguments)
             return self._new(self.board.choose(margin, yes, no, hold=hold))
+        if name == "where":
+            raise TracingError(NO_COMPARISON)
         if name == "sign":
             return self._new(self.board.choose(self.expr, se.Integer(1), se.Integer(-1)))
         return self._new(getattr(se, name)(self.expr))

@@ -14,6 +14,7 @@ from stickslip.kernels.state_layout import (
     EVENTS,
     GROSS,
     LOST,
+    N_COORDINATES,
     N_STATES,
     NUMBERS,
     POLYNOMIAL,
@@ -66,6 +67,14 @@ def energy_at(t: float, w: Vector, whole: Wholes) -> float:
     return w[values]
 
 
+def potential_at(t: float, w: Vector, whole: Wholes) -> float:
+    """Return the energy of the state in Y at rest, where it is left."""
+    n = whole[N_COORDINATES]
+    for i in range(n, 2 * n):
+        w[whole[Y] + i] = 0.0
+    return energy_at(t, w, whole)
+
+
 def keep_evidence(
     at: int, w: Vector, whole: Wholes, table: Vector, log: Vector, evidence: Vector
 ) -> None:
@@ -76,9 +85,10 @@ def keep_evidence(
     for i in range(n):
         w[end + i] = state_seen(y, i, w, whole)
     last = energy_at(w[TIME], w, whole)
+    size = max(abs(last), w[GROSS], last - potential_at(w[TIME], w, whole))
     restore_start(log, 0, table, w, whole)
     first = energy_at(log[0], w, whole)
-    size = max(abs(first), abs(last), w[GROSS])
+    size = max(abs(first), size, first - potential_at(log[0], w, whole))
     mismatch = abs(last - first - w[SUPPLIED] + w[TAKEN] + w[LOST])
     evidence[at] = mismatch / size if mismatch != 0.0 else 0.0  # what is no number stays none
     evidence[at + 1] = w[VIOLATION]

@@ -240,19 +240,24 @@ def start_on_thresholds(w: Vector, whole: Wholes) -> None:
     One that begins on its threshold is left to the side to which it goes, and that must not be what
     a difference of places leaves.
     """
-    n, slopes, guards = whole[N_STATES], whole[SLOPES], whole[N_GUARDS]
-    first = whole[FIRST_LIMIT] - whole[N_SWITCHES]
+    guards, first = whole[N_GUARDS], whole[FIRST_LIMIT] - whole[N_SWITCHES]
     if whole[N_SWITCHES] == 0:
         return
-    guard_slopes(w[TIME], w, whole, whole[Y], slopes)
+    guard_slopes(w[TIME], w, whole, whole[Y], whole[SLOPES])
     for guard in range(first, whole[FIRST_LIMIT]):
-        size = 0.0
-        for i in range(n):
-            size += abs(w[slopes + guard * (n + 1) + i] * w[whole[Y] + i])
-        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * PLACED * size else 0):
+        rounding = rounding_of_places(guard, w, whole)
+        for s in range(SAMPLES + 1 if w[whole[REACHED] + guard] <= AWAY * rounding else 0):
             at = whole[SAMPLED] + s * guards + guard
-            if abs(w[at]) <= PLACED * size:
+            if abs(w[at]) <= rounding:
                 w[at] = 0.0
+
+
+def rounding_of_places(guard: int, w: Vector, whole: Wholes) -> float:
+    """Return the rounding of a switch by that of the state, where slopes of guards are at hand."""
+    n, size = whole[N_STATES], 0.0
+    for i in range(n):
+        size += abs(w[whole[SLOPES] + guard * (n + 1) + i] * w[whole[Y] + i])
+    return PLACED * size
 
 
 def first_violation(t: float, h: float, w: Vector, whole: Wholes) -> int:
@@ -389,8 +394,10 @@ def coarseness(t: float, h: float, w: Vector, whole: Wholes) -> float:
 
 
 def stays(guard: int, w: Vector, whole: Wholes) -> bool:
-    """Whether a guard has not come nearer to zero in a step at whose end it was to be there."""
+    """Whether a guard just above its threshold comes no nearer in a step that was to end there."""
     at, largest = whole[SAMPLED] + guard, 0.0
+    if not 0.0 < w[at] <= AWAY * rounding_of_places(guard, w, whole):
+        return False
     for s in range(SAMPLES + 1):
         largest = max(largest, w[at + s * whole[N_GUARDS]])
     return w[at + SAMPLES * whole[N_GUARDS]] > 0.5 * largest

@@ -8,9 +8,11 @@ from stickslip.kernels.enums import EXACT, STEP_TOO_SMALL, STIFF
 from stickslip.kernels.error_scale import VANISHED
 from stickslip.kernels.guard_roots import (
     EARLY,
+    NEGLIGIBLE,
     NO_GUARD,
     coarseness,
     first_violation,
+    guard_size,
     is_held,
     is_speed,
     note_sizes,
@@ -174,8 +176,10 @@ def retry_length(guard: int, h: float, stop: float, w: Vector, whole: Wholes) ->
     if guard != NO_GUARD and 0.0 < fraction < OVERSHOT:
         if t + 0.25 * fraction * h > t:
             return BEYOND * fraction * h
-        # what is at rest begins with the errors that others leave in the dense output
-        if w[whole[SAMPLED] + guard] == 0.0:
+        # what is at rest begins with the errors that others leave in the dense output, and what is
+        # far from its threshold does not fall within the rounding of the time
+        begins = w[whole[SAMPLED] + guard]
+        if begins == 0.0 or begins > NEGLIGIBLE * guard_size(guard, w, whole):
             return shorter_start(h, stop, w)
     return 0.0
 

@@ -1,11 +1,14 @@
 """Which stepper a mode takes: its exact series, DOP853, or Rodas5P where it is stiff."""
 
+import math
+
 from stickslip.kernels.backend import Vector, Wholes
 from stickslip.kernels.enums import EXACT, SMOOTH, STIFF
 from stickslip.kernels.error_scale import size_of
 from stickslip.kernels.model_interface import jacobian, linear
 from stickslip.kernels.rodas5p import rodas_step
 from stickslip.kernels.state_layout import (
+    DENSE,
     HAS_BRISTLES,
     MATRIX,
     MODE,
@@ -33,6 +36,9 @@ PROBES = 8
 """Stretches that are tried, each shorter by the same factor."""
 PROBED = 1e-9
 """Size of a state over its change in that stretch, at least."""
+BEYOND_HALF = 1e6
+"""Change of a state in that stretch, over that in half of it, beyond which neither tells its size:
+friction may grow exponentially at speeds against the mode, which stages of long steps reach."""
 BLURRED = 4e4
 """Time over that stretch at which its rounding blurs all that a growing load does in it.
 
@@ -89,6 +95,7 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     slip = whole[SLIP]
     y = whole[Y]
     mode = whole[MODE]
+    half = whole[DENSE]
     missing = False
     for i in range(n):
         missing = missing or w[scale + i] == 0.0
@@ -98,7 +105,13 @@ def probe_sizes(stop: float, w: Vector, whole: Wholes) -> None:
     trials = 0
     while missing and trials < PROBES and w[TIME] + h > w[TIME]:
         trials += 1
+        rodas_step(w[TIME], 0.5 * h, w, whole, 1.0)
+        for i in range(n):
+            w[half + i] = abs(w[y1 + i] - w[y + i])
         error = rodas_step(w[TIME], h, w, whole, 1.0)
+        for i in range(n):
+            if w[scale + i] == 0.0 and abs(w[y1 + i] - w[y + i]) > BEYOND_HALF * w[half + i]:
+                error = math.inf
         if error <= 1.0 and w[y1 + slip] * whole[MODE] >= 0.0:
             blurred = abs(w[TIME]) / (BLURRED * h)
             share = max(PROBED, min(1.0, blurred * blurred))

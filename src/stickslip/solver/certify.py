@@ -154,11 +154,12 @@ def _warning(name: str, share: float) -> str:
 
 
 def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
-    """Return energies and works, and their mismatch over the energies and all work done."""
-    start, end = _energies(playback, w)
+    """Return energies and works, and their mismatch over all energies and all work done."""
+    (start, still), (end, at_rest) = _energies(playback, w)
     supplied, taken = float(w[SUPPLIED]), float(w[TAKEN])
     lost = float(w[LOST])
-    size = max(abs(start), abs(end), float(w[GROSS]))
+    # of what falls freely, the sum of both energies may be rounding alone
+    size = max(abs(start), abs(end), float(w[GROSS]), start - still, end - at_rest)
     mismatch = abs(end - start - supplied + taken + lost)
     return {
         "energy_error": mismatch / size if mismatch != 0 else 0.0,  # what is no number stays none
@@ -170,16 +171,19 @@ def _books(playback: Playback, w: Sequence[float]) -> dict[str, float]:
     }
 
 
-def _energies(playback: Playback, w: Sequence[float]) -> list[float]:
-    """Return the energies at the start of the first row and at the end of the last."""
+def _energies(playback: Playback, w: Sequence[float]) -> list[list[float]]:
+    """Return the energies at the start of the first row and at the end of the last, and at rest."""
     rows, n, y = playback.rows, len(playback.model.states), playback.runner.header[Y]
     states = rows[0, ROW_DENSE + 1 : ROW_DENSE + 1 + n], np.asarray(w[y : y + n])
     equations = Equations(playback.model, playback.inputs)
+    coordinates = playback.runner.header[N_COORDINATES]
     found = []
     for row, t, state in zip((rows[0], rows[-1]), playback.span(), states, strict=True):
         equations.load(int(row[5]))
-        (energy,) = equations("energy", 0, int(row[4]), t, state.tolist())
-        found.append(float(energy))
+        rest = state.copy()
+        rest[coordinates : 2 * coordinates] = 0.0
+        energies = [equations("energy", 0, int(row[4]), t, y.tolist())[0] for y in (state, rest)]
+        found.append([float(energy) for energy in energies])
     return found
 
 

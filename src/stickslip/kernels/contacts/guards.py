@@ -17,11 +17,12 @@ from stickslip.kernels.contacts.assembly import (
     assemble,
     blur,
     put_motion,
+    set_row,
     side_of,
 )
 from stickslip.kernels.contacts.stops import stop_guards
 from stickslip.kernels.directions import slip_rate_along
-from stickslip.kernels.enums import BACKWARD, FORWARD, HELD_FAST
+from stickslip.kernels.enums import BACKWARD, FORWARD, FREE, HELD_FAST
 from stickslip.kernels.equations import LAW_MARGINS, LIMITS, MARGINS, evaluate
 from stickslip.kernels.guard_roots import UNWATCHED
 from stickslip.kernels.mode_transitions import UNMOVED
@@ -34,7 +35,6 @@ from stickslip.kernels.state_layout import (
     FLAGS,
     KINDS,
     LAW_FLAGS,
-    LAW_ROWS,
     LAW_SWITCHES,
     LAW_VALUES,
     LEVELS,
@@ -52,7 +52,6 @@ from stickslip.kernels.state_layout import (
     PIVOT,
     REACHED,
     REACTS,
-    SLIP_FACTORS,
     SLIPS,
     TIME,
     Y,
@@ -158,11 +157,8 @@ def law_margins(
     contact: int, flags: int, t: float, w: Vector, whole: Wholes, at: int, absent: float
 ) -> None:
     """Write the margins of the switches of a contact's law, positive where they hold."""
-    coordinate = whole[whole[SLIPS] + contact]
     side = side_of(contact, w, whole, at)
-    row = whole[whole[LAW_ROWS] + contact]
-    speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
-    w[row] = side * speed
+    row = set_row(contact, side, w, whole, at)
     kind = whole[whole[KINDS] + contact]
     values = whole[LAW_VALUES]
     for j in range(whole[LAW_SWITCHES]):
@@ -171,19 +167,20 @@ def law_margins(
 
 
 def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
-    """Set the flags of all laws whose contacts slip, nested switches included.
+    """Set the flags of all laws, nested switches included.
 
     The flags of what slipped before turn only where a margin has jumped beyond rounding: at a
-    threshold, the next step shows to which side it is left.
+    threshold, the next step shows to which side it is left. Those of what is held are as at rest,
+    for decisions ask with which friction it would begin to slip.
     """
     switches = whole[LAW_SWITCHES]
     for c in range(whole[N_CONTACTS] if switches > 0 else 0):
         i = whole[whole[SLIPS] + c]
         mode = whole[whole[MODES] + i]
-        if mode not in (FORWARD, BACKWARD):
+        if mode == FREE:
             continue
         share = UNMOVED
-        if mode != whole[whole[BEFORE] + i]:
+        if mode == HELD_FAST or mode != whole[whole[BEFORE] + i]:
             whole[whole[LAW_FLAGS] + c] = 0
             share = 0.0
         reached = whole[REACHED] + first_contact_guard(whole) + c * (switches + 1)

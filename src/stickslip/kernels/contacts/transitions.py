@@ -219,6 +219,7 @@ def settle_modes(w: Vector, whole: Wholes) -> None:
     for i in range(whole[N_DIRECTIONS]):
         held = whole[whole[MODES] + i] == HELD_FAST
         whole[whole[CANDIDATES] + i] = 1 if held else 0
+    law_flags(w[TIME], w, whole, whole[Y])
     solved = decide(w, whole)
     # loads that are given leave one answer; what trials without it left falls by its guard at once
     if whole[N_REACTIONS] > 0 and (not solved or w[PIVOT] < LEAST_PIVOT):
