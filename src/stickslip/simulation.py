@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.errors import InputError, SimulationError, UnknownNameError
 from stickslip.formatting import quantity
-from stickslip.formulation import refuse_inputs_of_parts
 from stickslip.friction import (
     Friction,
     FrictionLaw,
@@ -258,7 +257,6 @@ def check_pair(mechanism: object, law: object) -> "FrictionLaw | Laws | PrintedF
             f" got {law!r}."
         )
     found = assigned(names, law)
-    refuse_inputs_of_parts(mechanism, found)
     own = dict(found.members) if isinstance(found, Laws) else dict.fromkeys(names, found)
     for contact, one in own.items():
         _check_inputs(mechanism, contact, one)

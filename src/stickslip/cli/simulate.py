@@ -38,7 +38,7 @@ from stickslip.documents import document, write_file, write_folder
 from stickslip.errors import InputError, ParameterError, StickslipError
 from stickslip.experiments import Measurement, Rig, bristle_remark, extrapolations
 from stickslip.formatting import Scale, fixed, number, printable, residue, scale_of, within
-from stickslip.friction import PRINTED_FORMS, FrictionLaw
+from stickslip.friction import PRINTED_FORMS, Friction, assigned, law_of
 from stickslip.identification import RecordSettings, inside, with_inputs
 from stickslip.mechanisms import Mechanism, cycle_or_none, has_one_slip, input_names
 from stickslip.quantities import fields_of, named
@@ -247,9 +247,16 @@ def _ran_law(rig: Rig, chosen: ChosenLaw, settings: Settings) -> Ran:
     )
 
 
-def _told(rig: Rig, law: FrictionLaw) -> Rig:
-    """Return a rig that tells a law what only its first record has of contact inputs."""
-    lacking = set(law.inputs).difference(input_names(rig.mechanism))
+def _told(rig: Rig, friction: Friction) -> Rig:
+    """Return a rig that tells its laws what only its first record has of contact inputs."""
+    names = tuple(one.name for one in rig.mechanism.contacts())
+    laws = assigned(names, friction)
+    lacking = {
+        name
+        for contact in names
+        for name in getattr(law_of(contact, laws), "inputs", ())
+        if name not in input_names(rig.mechanism, contact)
+    }
     if not lacking or rig.measurement is None:
         return rig
     record = rig.measurement.records()[0]
@@ -413,6 +420,7 @@ def _ran_by_contact(
     if rig.measurement is not None:
         note("The prediction was not compared with what was measured: that takes one contact.")
     friction = friction_of(chosen)
+    rig = _told(rig, friction)
     t_end = rig.t_end if settings.t_end is None else settings.t_end
     run = simulate(
         rig.mechanism,

@@ -36,15 +36,16 @@ PYTHON: Final = Syntax(
 )
 
 
-def program(functions: Mapping[str, Cases], parameters: Collection[int]) -> tuple[str, int]:
+def program(
+    functions: Mapping[str, Cases], parameters: Collection[int], first: int
+) -> tuple[str, int]:
     """Return the text of functions, and how many constants they read.
 
-    Functions of parameters alone, such as the sine of an incline, become constants behind the
+    Functions of parameters alone, such as the sine of an incline, become constants behind all
     parameters: ``constants`` writes them, once for a run. What only one side of a switch needs is
     left where it is.
     """
     everything = [e for cases in functions.values() for case in cases.values() for e in case]
-    first = max(parameters, default=0) + 1
     calls = _calls_of(everything, {f"p{i}" for i in parameters})
     if calls:
         found = {e: se.Symbol(f"p{first + i}") for i, e in enumerate(calls)}

@@ -285,7 +285,13 @@ ASKED = 145
 CONSTANTS = 146
 """Place in `w` of what the equations need of parameters alone; 0 if there is nothing."""
 
-HEADER = 147
+# Contact inputs of laws, which stand behind the loads: how many there are; places in `whole` of the
+# index of the first that each contact's law has, and of how many it has.
+N_INPUTS = 147
+INPUTS = 148
+INPUT_COUNTS = 149
+
+HEADER = 150
 """Length of state, sizes and places; tables stand behind it, that of the hard stops first:
 coordinate and side of each."""
 

@@ -9,7 +9,8 @@ from typing import Annotated, ClassVar, NamedTuple, Self, final
 from typing_extensions import override
 
 from stickslip.drives import Drive, Profile
-from stickslip.errors import InputError
+from stickslip.errors import InputError, SimulationError
+from stickslip.formatting import quantity
 from stickslip.formulation import formulate
 from stickslip.friction import (
     Coulomb,
@@ -35,6 +36,16 @@ STAND_IN = Coulomb(kinetic_coefficient=0.0)
 def limits_of(mechanism: Mechanism) -> tuple[str, ...]:
     """Return what ends runs of a mechanism."""
     return formulate(mechanism, STAND_IN).limits
+
+
+def check_within(margins: Mapping[str, float], t: float) -> None:
+    """Refuse to step on where a law has no meaning, as with a factor with which friction drives."""
+    for name, margin in margins.items():
+        if not margin >= 0.0:
+            raise SimulationError(
+                f"at t = {quantity(t, 's', 6)}, {name}, where fixed steps do not end a run: use"
+                " EventDriven(), or a law whose factors stay above that."
+            )
 
 
 @final
@@ -265,6 +276,7 @@ class Diagram(BlockDiagram):
             (contact,) = self.mechanism.contacts()
             told = self.mechanism.contact_inputs(t, q, q_dot, drives)
             state.law = bound(law, of_contact(told, contact.name))
+            check_within({name: float(one) for name, one in state.law.limits().items()}, t)
         return state.law
 
     @cached_property

@@ -13,6 +13,7 @@ from stickslip.errors import InputError
 from stickslip.experiments.rigs.validation_errors import place
 from stickslip.friction import (
     FrictionLaw,
+    curves_beside,
     is_composition,
     law_type,
     laws,
@@ -64,7 +65,7 @@ def imported(
     mechanism = found.pop("mechanism.type", None)
     own: dict[str, type[FrictionLaw]] = {}
     tables: dict[str, str] = {}
-    for where, table, law in _composed(raw, file, overridden):
+    for where, table, law in _composed(raw, file, beside, overridden):
         tables[f"{where}.{table}"] = f"{where}.{law.name}"
         if law.name not in laws():
             own[law.name] = law
@@ -81,7 +82,7 @@ def imported(
 
 
 def _composed(
-    raw: dict[str, Any], file: str, overridden: Collection[str]
+    raw: dict[str, Any], file: str, beside: Path | None, overridden: Collection[str]
 ) -> Iterator[tuple[str, str, type[FrictionLaw]]]:
     """Put tables of composed laws under the names of these; yield where, both names and law."""
     friction = raw.get("friction")
@@ -102,7 +103,7 @@ def _composed(
                     f"{where}.law must be a text such as 'level + viscous', got {text!r}."
                 )
             try:
-                kind = law_type(text)
+                kind = law_type(text if beside is None else curves_beside(text, beside))
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
             other = tables.pop(kind.name, {}) if kind.name != name else {}

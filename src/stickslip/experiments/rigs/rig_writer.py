@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Iterator, Mapping
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from stickslip.drives import DRIVES, PROFILES, Drive, Profile, Sum
 from stickslip.experiments.estimates import LawEstimates
@@ -63,8 +63,10 @@ def rig_toml(
     return lost + tomlkit.dumps(document)
 
 
-def _contact_input(value: Drive | float) -> object:
-    """Return a contact input as a number, or the tables of a drive."""
+def _contact_input(value: Drive | float | Mapping[str, Any]) -> object:
+    """Return a contact input as a number, or the tables of a drive; those of a contact by name."""
+    if isinstance(value, Mapping):
+        return {name: _contact_input(one) for name, one in value.items()}
     return _drives(value) if isinstance(value, Drive) else value
 
 

@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from stickslip.contact_inputs import CONTACT_INPUTS
 from stickslip.experiments.measurement import BY_JOINT, QUANTITIES
 from stickslip.experiments.readers.reader_options import MOTORS
-from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table
+from stickslip.experiments.rigs.law_tables import NONE, FrictionTable, friction_table, python_name
 from stickslip.experiments.rigs.rig_models import Number, Table, choice, drive_tables, table_of
 from stickslip.experiments.rigs.robots import URDF, UrdfTable
 from stickslip.experiments.units import read_gain
@@ -319,13 +319,21 @@ class ContactTable(Table):
 
 
 @functools.cache
-def contact_table() -> type[ContactTable]:
-    """Return the table of the contact with its inputs."""
+def contact_table(contacts: tuple[str, ...] = ()) -> type[ContactTable]:
+    """Return the table of the contact with its inputs, and a table of each of several contacts."""
     fields: dict[str, Any] = {
         name: (_contact_input(name), Field(default=None, description=known.meaning))
         for name, known in CONTACT_INPUTS.items()
     }
-    return create_model("Contact", __base__=ContactTable, **fields)
+    found = create_model("Contact", __base__=ContactTable, **fields)
+    if len(contacts) < 2:
+        return found
+    own: dict[str, Any] = {
+        python_name(name, "contact"): (found | None, Field(default=None, alias=name))
+        for name in contacts
+        if name not in CONTACT_INPUTS
+    }
+    return create_model("Contacts", __base__=found, **own)
 
 
 class RigTable(Table):
@@ -369,7 +377,7 @@ def rig_table(
     tables = {name: table_of(cls, name, VARY, measured=True) for name, cls in known.items()}
     options = choice({**tables, URDF: UrdfTable})
     friction = friction_table(laws, contacts)
-    contact = contact_table()
+    contact = contact_table(tuple(name for name, _ in contacts))
     return create_model(
         "Rig",
         __base__=RigTable,
@@ -385,6 +393,8 @@ def json_schema() -> dict[str, Any]:
     # contacts depend on the mechanism: what is no key of [friction] may be the name of one
     friction = schema["$defs"]["Friction"]
     friction["additionalProperties"] = {"anyOf": [{"$ref": "#/$defs/Friction"}, {"const": NONE}]}
+    contact = schema["$defs"]["Contact"]
+    contact["additionalProperties"] = {"$ref": "#/$defs/Contact"}
     _drop_nulls(schema)
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     return {**dialect, **schema, "title": "stickslip rig file"}

@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
-from stickslip.identification.contact_inputs import recorded_inputs
+from stickslip.identification.contact_inputs import joint_inputs
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
     FrictionSamples,
@@ -196,8 +196,8 @@ class _Piece:
     """Slopes of that (n, m, k)."""
     loads: Array
     """Load of the contact of each joint (n, m); 1 where nothing rubs."""
-    inputs: Mapping[str, Array]
-    """Contact inputs of the record (n,), which all joints share."""
+    inputs: Sequence[Mapping[str, Array]]
+    """Contact inputs of each joint (n,), by name."""
 
     @property
     def span(self) -> float:
@@ -264,7 +264,17 @@ class _Piece:
             taken_at_rest=resting,
             slopes_at_rest=resting_slopes,
             loads=_loads(mechanism, time, places, rates),
-            inputs=recorded_inputs(record, time),
+            inputs=joint_inputs(
+                mechanism,
+                {along: one.name for along, one in contacts_along(mechanism).items()},
+                record,
+                time,
+                places,
+                rates,
+                applied[inside],
+                fitted=torques.linear,
+                zeros=torques.by_position,
+            ),
         )
 
     def stretch(
@@ -284,7 +294,7 @@ class _Piece:
                 velocity=motion.velocity[picked],
                 load=self.loads[picked, i],
                 travel=np.diff(motion.position[picked]),
-                inputs={name: x[picked] for name, x in self.inputs.items()},
+                inputs={name: x[picked] for name, x in self.inputs[i].items()},
             ),
             friction=smoothed(self.applied[:, i] - self.taken[:, i], passed)[picked],
             segment=np.where(kept, numbers, -1)[picked],

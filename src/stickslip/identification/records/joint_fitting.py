@@ -21,6 +21,7 @@ from stickslip.friction import (
     given_to,
     specification,
 )
+from stickslip.identification.contact_inputs import check_inputs
 from stickslip.identification.estimation.containment import (
     FittedLaw,
     reachable,
@@ -424,6 +425,14 @@ class JointFitter:
             contact = contacts.get(coordinate, "")
             further: tuple[Array, ...] = ()
             whole, some = (motion.stretches[n][i] for n in (samples, min(samples, SOME)))
+            check_inputs(
+                asked.laws.get(contact),
+                asked.mechanism,
+                self.measurement,
+                [k for k in whole[0].path.inputs if all(k in s.path.inputs for s in whole)],
+                contact=contact,
+                fitted=torques.linear,
+            )
             if near is not None and contact != changed:
                 one = _kept(near, coordinate, whole, first)
             else:

@@ -54,6 +54,8 @@ from stickslip.kernels.state_layout import (
     HELD_NORMALS,
     HELD_SLIPS,
     HOLDS,
+    INPUT_COUNTS,
+    INPUTS,
     IS_TURNED,
     KINDS,
     LAW_BRISTLES,
@@ -163,8 +165,12 @@ def set_row(contact: int, side: int, w: Vector, whole: Wholes, at: int) -> int:
         speed = w[whole[SLIP_FACTORS] + contact] * slip_rate_along(coordinate, at, w, whole)
         w[row] = side * speed
     bristle = whole[whole[BRISTLES] + contact]
+    place = row + whole[whole[LAW_BRISTLES] + contact]
+    inputs = whole[whole[INPUT_COUNTS] + contact]
+    for k in range(inputs):
+        first = whole[LOAD] + whole[N_CONTACTS] + whole[whole[INPUTS] + contact]
+        w[place - inputs + k] = w[first + k]
     if bristle >= 0:
-        place = row + whole[whole[LAW_BRISTLES] + contact]
         for k in range(whole[whole[BRISTLE_COUNTS] + contact]):
             w[place + k] = w[at + 2 * whole[N_COORDINATES] + bristle + k]
         w[place + whole[whole[BRISTLE_COUNTS] + contact]] = w[whole[LOAD] + contact]

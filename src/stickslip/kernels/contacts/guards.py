@@ -3,9 +3,9 @@
 Each coordinate has two: while it slips, its speed in the direction of its mode; while it is held,
 the level ahead less the needed friction, and the level back plus it. So have closing slips, and the
 cuts of loops, which stand for their directions while these are held. Then each contact has its
-law's switches, as far as it slips, and its load; then come the mechanism's own switches, what ends
-the run, which is the determinant of the reactions' equations and the mechanism's own limits, and
-the distances from hard stops.
+law's switches, as far as it slips or has contact inputs, and its load; then come the mechanism's
+own switches, what ends the run, which is the determinant of the reactions' equations and the
+mechanism's own limits, and the distances from hard stops.
 """
 
 import math
@@ -33,6 +33,7 @@ from stickslip.kernels.state_layout import (
     CONSTANT_LOADS,
     FIRST_LIMIT,
     FLAGS,
+    INPUT_COUNTS,
     KINDS,
     LAW_FLAGS,
     LAW_SWITCHES,
@@ -137,12 +138,22 @@ def own_guards(contact: int, t: float, w: Vector, whole: Wholes, at: int, to: in
         load = w[whole[LOAD] + contact]
         w[to + switches] = -load if whole[whole[OPEN] + contact] else load
     mode = whole[whole[MODES] + whole[whole[SLIPS] + contact]]
-    if switches > 0 and mode in (FORWARD, BACKWARD):
+    if switches > 0 and watches(contact, mode, whole):
         flags = whole[whole[LAW_FLAGS] + contact]
         law_margins(contact, flags, t, w, whole, at, UNWATCHED)
         for j in range(switches):
             margin = w[whole[LAW_VALUES] + j]
             w[to + j] = margin if flags & (1 << j) else -margin
+
+
+def watches(contact: int, mode: int, whole: Wholes) -> bool:
+    """Whether the switches of a contact's law may turn in a mode of its coordinate.
+
+    At rest those turn that depend on contact inputs, such as the sign of a torque.
+    """
+    if mode == HELD_FAST:
+        return whole[whole[INPUT_COUNTS] + contact] > 0
+    return mode in (FORWARD, BACKWARD)
 
 
 def has_switches(contact: int, t: float, w: Vector, whole: Wholes, at: int) -> bool:
@@ -180,7 +191,8 @@ def law_flags(t: float, w: Vector, whole: Wholes, at: int) -> None:
         if mode == FREE:
             continue
         share = UNMOVED
-        if mode == HELD_FAST or mode != whole[whole[BEFORE] + i]:
+        kept = mode == whole[whole[BEFORE] + i]
+        if not kept or (mode == HELD_FAST and not watches(c, mode, whole)):
             whole[whole[LAW_FLAGS] + c] = 0
             share = 0.0
         reached = whole[REACHED] + first_contact_guard(whole) + c * (switches + 1)

@@ -20,7 +20,7 @@ from stickslip.kernels.contacts.assembly import (
     side_of,
 )
 from stickslip.kernels.contacts.factors import factorise, solve_free
-from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch
+from stickslip.kernels.contacts.guards import first_contact_guard, first_own_switch, watches
 from stickslip.kernels.contacts.loops import cut_levels
 from stickslip.kernels.contacts.stops import stopped_side
 from stickslip.kernels.directions import combined, factor_of, slip_rate_along, spread
@@ -48,6 +48,8 @@ from stickslip.kernels.state_layout import (
     FRICTION_SLOPES,
     HELD_SLIPS,
     HOLDS,
+    INPUT_COUNTS,
+    INPUTS,
     KEPT,
     KINDS,
     LAW_BRISTLES,
@@ -70,6 +72,7 @@ from stickslip.kernels.state_layout import (
     N_DIRECTIONS,
     N_GUARDS,
     N_HELD,
+    N_INPUTS,
     N_PAIRS,
     N_REACTIONS,
     N_STATES,
@@ -143,13 +146,17 @@ def margin_slope(contact: int, which: int, k: int, w: Vector, whole: Wholes) -> 
 
 
 def own_slope(contact: int, at: int, k: int, w: Vector, whole: Wholes) -> float:
-    """Return a slope along a variable from those along speed, parameters and bristles of a law."""
+    """Return a slope along a variable from those along what stands in the row of a law."""
     n, bristle = whole[N_COORDINATES], whole[whole[BRISTLES] + contact]
     total = 0.0
     if bristle >= 0:
         first = 2 * n + bristle
         if first <= k < first + whole[whole[BRISTLE_COUNTS] + contact]:
             total += w[at + whole[whole[LAW_BRISTLES] + contact] + k - first]
+    inputs, own_inputs = whole[whole[INPUT_COUNTS] + contact], whole[whole[INPUTS] + contact]
+    for i in range(inputs):
+        slope = w[whole[PART_COLUMN] + inputs_of_column(whole) + own_inputs + i]
+        total += w[at + whole[whole[LAW_BRISTLES] + contact] - inputs + i] * slope
     place = whole[whole[VARIABLE_PLACES] + k] - whole[whole[LAW_ROWS] + contact]
     if 0 < place < whole[whole[LAW_BRISTLES] + contact]:
         total += w[at + place]
@@ -205,7 +212,7 @@ def along(k: int, w: Vector, whole: Wholes) -> None:
 def part_column(k: int, w: Vector, whole: Wholes) -> None:
     """Write the slopes of all parts along a variable."""
     column = whole[PART_COLUMN]
-    for i in range(stops_of_column(whole) + whole[N_WALLS] * whole[WALL_COLUMNS]):
+    for i in range(inputs_of_column(whole) + whole[N_INPUTS]):
         w[column + i] = 0.0
     for j in range(whole[whole[PART_STARTS] + k], whole[whole[PART_STARTS] + k + 1]):
         w[column + whole[whole[PART_ROWS] + j]] = w[whole[PART_SLOPES] + j]
@@ -215,6 +222,11 @@ def stops_of_column(whole: Wholes) -> int:
     """Return the first row of the parts that is of a hard stop; margins of switches end there."""
     held, contacts = whole[N_HELD], whole[N_CONTACTS]
     return whole[N_COORDINATES] + held + 2 * contacts * (1 + held) + whole[N_SWITCHES]
+
+
+def inputs_of_column(whole: Wholes) -> int:
+    """Return the first row of the parts that is a contact input; hard stops end there."""
+    return stops_of_column(whole) + whole[N_WALLS] * whole[WALL_COLUMNS]
 
 
 def respond(k: int, w: Vector, whole: Wholes) -> None:
@@ -372,7 +384,7 @@ def guard_slopes_along(
             if not whole[CONSTANT_LOADS] or whole[whole[REACTS] + c]:
                 load = w[whole[LOAD_SLOPES] + c]
                 w[to + row * count + j] = -load if whole[whole[OPEN] + c] else load
-            if whole[whole[MODES] + whole[whole[SLIPS] + c]] in (FORWARD, BACKWARD):
+            if watches(c, whole[whole[MODES] + whole[whole[SLIPS] + c]], whole):
                 for s in range(whole[LAW_SWITCHES]):
                     sign = 1.0 if whole[whole[LAW_FLAGS] + c] & (1 << s) else -1.0
                     slope = margin_slope(c, s, k, w, whole)
