@@ -70,6 +70,24 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
     return None
 
 
+def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[str]]]:
+    """Yield the compositions one step simpler than a law, and which of its parameters each lacks.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> for term, gone in one_step_simpler(law("dahl(level) + drag")):
+    ...     print(term, sorted(gone))
+    level + drag ['bristle_stiffness', 'yield_exponent']
+    dahl(level) ['quadratic_coefficient']
+    """
+    if kind.made_of is None:
+        return
+    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
+    for term, values, limits in _reductions(kind.made_of.term):
+        yield term, frozenset(fields[one] for one in (*values, *limits) if one in fields)
+
+
 @functools.cache
 def _below(kind: type[FrictionLaw]) -> Mapping[str, tuple[Values, tuple[str, ...]]]:
     """Return by composition what leads from a law to each simpler one, on the shortest way."""

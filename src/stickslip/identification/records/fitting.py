@@ -12,7 +12,7 @@ from stickslip.drives import SampledSwing
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, number, percent, quantity
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import FrictionLaw, containment_of, simpler_laws
 from stickslip.identification.contact_inputs import (
     as_informed,
     check_inputs,
@@ -79,6 +79,10 @@ WIDENINGS = 3
 """How often at most."""
 WORTH = 0.02
 """Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
+CONTINUED = 4
+"""How often at most a search goes on from its best end where a law has a memory ..."""
+LEFT = 1e-3
+"""... as long as that takes off this share of the cost."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -241,9 +245,12 @@ def _searched(
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
-    nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
+    few = ready.problem.few or ready.problem
+    nested = starts_from(kind, few.free_parameters, contained, ready.load, few)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, wanted.settings, watch, rival)
+    if kind.states and not found.hopeless:
+        found = _to_the_end(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -286,50 +293,83 @@ def choice_of(
 def _simpler_fits(
     way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
 ) -> tuple[FittedLaw, ...]:
-    """Fit the laws that a law contains at first hand, and those that they contain.
+    """Fit the laws that a law contains, with a name or without, the simplest first.
 
-    The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
-    linear regression as part of the next.
+    Of each, what is looked for and what is held is that of the law. Those that contain nothing are
+    left out: Coulomb friction alone, say, is found by linear regression as part of the next.
     """
-    known = laws()
-    found: dict[str, FittedLaw] = {}
+    kind = _kind_of(wanted.law)
+    free = set(kind.fit_order if wanted.free is None else ())
+    for name in wanted.free or ():
+        free |= set(kind.fit_order) if name == LAW else {name.rpartition(".")[2]}
+    held = dict(wanted.known or {})
+    if not isinstance(wanted.law, type):
+        held |= {name: getattr(wanted.law, name) for name in fields_of(kind) if name not in free}
+    found: dict[frozenset[str], FittedLaw] = {}
 
-    def add(name: str) -> None:
-        simpler = known.get(name)
-        if simpler is None or not simpler.contained or name in found:
-            return
-        for one in simpler.contained:
-            add(one.law)
-        plain = replace(
-            wanted,
-            law=simpler,
-            free=[field for field in simpler.fit_order if not _is_shape(simpler, field)],
-            known=None,
-            settings=replace(wanted.settings, starts=1),
-        )
-        try:
-            ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
-        except (ConvergenceError, InputError):
-            return
-        values = dict(
-            zip(ready.problem.free_parameters.paths, end.best.values.tolist(), strict=True)
-        )
-        friction = {path: v for path, v in values.items() if path.startswith("friction.")}
-        found[name] = FittedLaw(
-            law=vary(ready.start, "friction", friction),
-            values=values,
-            cost=end.best.cost,
-            rows=len(end.best.residual),
-        )
+    def add(richer: type[FrictionLaw], free: Mapping[str, str], held: Mapping[str, float]) -> None:
+        """Add what a law contains of which some fields are free, by those of the law asked for."""
+        for simpler in simpler_laws(richer, free):
+            how = containment_of(richer, simpler)
+            if how is None or not simpler.contained:
+                continue
+            own = {field: to for field, to in how.values.items() if isinstance(to, str)}
+            left = {to: free[field] for field, to in own.items() if field in free}
+            kept = {to: held[field] for field, to in own.items() if held.get(field) is not None}
+            # the same may have two names: with an exponent that is held at 1, and without
+            key = frozenset(left.values())
+            if key in found:
+                continue
+            add(simpler, left, kept)
+            asked = replace(
+                wanted,
+                law=simpler,
+                free=list(left),
+                known=kept,
+                settings=replace(wanted.settings, starts=1),
+            )
+            one = _fitted_law(way, asked, tuple(found.values()), watch)
+            if one is not None:
+                found[key] = one
 
-    for one in _kind_of(wanted.law).contained:
-        add(one.law)
+    add(kind, {name: name for name in free}, held)
     return tuple(found.values())
 
 
-def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
-    """Whether a parameter is an exponent, which the contained law has at its default."""
-    return fields_of(kind)[name].structural
+def _fitted_law(
+    way: RecordRouteName,
+    wanted: ProblemRequest,
+    contained: Sequence[FittedLaw],
+    watch: Watch | None,
+) -> FittedLaw | None:
+    """Return how the search of a law ends; None if it cannot be fitted."""
+    try:
+        ready, end, _ = _searched(way, wanted, contained, watch)
+    except (ConvergenceError, InputError):
+        return None
+    paths = ready.problem.free_parameters.paths
+    values = dict(zip(paths, end.best.values.tolist(), strict=True))
+    friction = {path: v for path, v in values.items() if path.startswith("friction.")}
+    return FittedLaw(
+        law=vary(ready.start, "friction", friction),
+        values=values,
+        cost=end.best.cost,
+        rows=len(end.best.residual),
+    )
+
+
+def _to_the_end(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> OptimizeResult:
+    """Return a search that goes on from its best end as long as that is worth it.
+
+    Parameters of memories make long and bent valleys, in which a descent comes slowly.
+    """
+    for _ in range(CONTINUED):
+        again = _best_of(ready, found, [found.best.values], watch)
+        gained = again.best.cost < (1.0 - LEFT) * found.best.cost
+        found = replace(again, costs=found.costs, values=found.values)
+        if found.cancelled or not gained:
+            break
+    return found
 
 
 def _best_of(
