@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from stickslip.friction import FrictionLaw
-from stickslip.identification import TravelFit, TravelModel, Trial, fit_trials
+from stickslip.identification import TravelFit, TravelModel, Trial, law_from
 
 FLOOR = 0.05
 """A simpler law may be worse by this share, if that is also within one standard error."""
@@ -27,7 +27,7 @@ def held_out_errors(
     errors: dict[int, float] = {}
     for setting in dict.fromkeys(trial.setting for trial in trials):
         others = [trial for trial in trials if trial.setting != setting]
-        fitted = fit_trials(law, others, free=free, starts=[start], t_end=t_end, watch=watch).law
+        fitted = law_from(TravelModel(law, free, t_end, watch), others, start)
         left_out = [i for i, trial in enumerate(trials) if trial.setting == setting]
         predicted = TravelModel(fitted, (), t_end, watch).travels([trials[i] for i in left_out], ())
         errors |= {

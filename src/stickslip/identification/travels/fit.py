@@ -15,10 +15,10 @@ from stickslip.identification.travels.model import (
     under_cycles,
 )
 from stickslip.identification.travels.result import TravelFit
-from stickslip.identification.travels.several_travels import fit_several
-from stickslip.identification.travels.single_travel import fit_one
+from stickslip.identification.travels.several_travels import fit_readings
 from stickslip.identification.travels.start_values import (
     Start,
+    nuisances_of,
     starting_law,
     with_known,
 )
@@ -57,7 +57,10 @@ def fit_travels(
     trials = trials_of(chosen.mechanism, measurement, t_end)
     check_rig(trials, chosen.unknown)
     free = _travel_paths(start, trials, chosen.free, chosen.known, chosen.unknown)
-    found = fit_trials(start, trials, free=free, t_end=t_end, watch=progress)
+    nuisances = []
+    if isinstance(given, type) and not chosen.unknown and len({t.setting for t in trials}) > 1:
+        nuisances = nuisances_of(given, free, chosen.known)
+    found = fit_trials(start, trials, free=free, nuisances=nuisances, t_end=t_end, watch=progress)
     check_rest(found, t_end)
     return found
 
@@ -123,6 +126,7 @@ def fit_trials(
     *,
     free: Sequence[str] | None = None,
     starts: Sequence[Start] | None = None,
+    nuisances: Sequence[str] = (),
     t_end: float = 10.0,
     watch: Callable[[int], object] | None = None,
 ) -> TravelFit:
@@ -143,11 +147,7 @@ def fit_trials(
             f"{count(len(trials), 'travel')} cannot determine {len(names)} parameters: vary fewer"
             f" of {', '.join(names)}, or measure more trials."
         )
-    model = TravelModel(law, names, t_end, watch)
-    if len(trials) == 1:
-        return fit_one(model, trials[0])
-    compile_for(trials, [law])
-    return fit_several(model, trials, starts)
+    return fit_readings(TravelModel(law, names, t_end, watch), trials, starts, nuisances)
 
 
 def check_rest(fit: TravelFit, t_end: float) -> None:

@@ -11,14 +11,15 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ConvergenceError, InputError, ParameterError
+from stickslip.errors import ConvergenceError, InputError, ParameterError, SimulationError
 from stickslip.experiments import QUANTITIES, Measurement, canonical, check_uncertainty, scale_of
 from stickslip.formatting import number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import with_inputs
 from stickslip.mechanisms import WHOLE, Mechanism, Motor, cycle_of, repeats, slip_of
 from stickslip.quantities import parameters, vary
-from stickslip.simulation import simulate
+from stickslip.simulation import ensemble, simulate
+from stickslip.solver import Samples
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -317,6 +318,38 @@ class TravelModel:
             if trial.run not in found:
                 found[trial.run] = self.travel(trial, values)
         return np.array([found[trial.run] for trial in trials])
+
+    def table(self, trials: Sequence[Trial], rows: Array) -> Array:
+        """Return the travels of each trial for many values at once, by ensembles."""
+        if any(map(is_rig, self.free)) or not self.free:
+            return np.array([self._travels_or_nan(trials, row.tolist()) for row in rows])
+        columns = dict(zip(self.free, rows.T, strict=True))
+        found: dict[Hashable, Array] = {}
+        for trial in trials:
+            if trial.run in found:
+                continue
+            slip, end = slip_of(trial.mechanism), trial.until(self.t_end)
+            runs = ensemble(
+                trial.mechanism,
+                self.law,
+                columns,
+                t_end=end,
+                outputs={slip: Samples(slip, (0.0, end))},
+                y0=trial.start(self.law),
+            )
+            made = np.array([status.complete for status in runs.status])
+            ends = np.where(made[:, None], runs[slip], math.nan)
+            found[trial.run] = ends[:, 1] - ends[:, 0]
+            self.runs += len(rows)
+            if self.watch is not None:
+                self.watch(self.runs)
+        return np.stack([found[trial.run] for trial in trials], axis=1)
+
+    def _travels_or_nan(self, trials: Sequence[Trial], values: Sequence[float]) -> Array:
+        try:
+            return self.travels(trials, values)
+        except (SimulationError, ParameterError):
+            return np.full(len(trials), math.nan)
 
     def check_rest(
         self, trials: Sequence[Trial], values: Sequence[float], errors: Sequence[float] | Array
