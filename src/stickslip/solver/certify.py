@@ -40,8 +40,6 @@ from stickslip.solver.dense_output import Playback
 from stickslip.solver.evaluator import Equations
 from stickslip.trajectory import Certificate
 
-__all__ = ["certify", "passes"]
-
 VIOLATION_LIMIT = 1e-9
 ENERGY_LIMIT = 1e-8
 """Steps of relative error 1e-12 add up over a long run, and rounding over a longer one."""
@@ -63,20 +61,7 @@ def energy_limit_at(tolerance: float) -> float:
 
 
 def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]:
-    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more).
-
-    Parameters
-    ----------
-    evidence : array (n, 3 or more)
-        Energy error, guard violation and event residual of each run, then columns that are ignored.
-    tolerance : float
-        Relative tolerance of the runs.
-
-    Returns
-    -------
-    array (n,)
-        True where all three are within their limits; False where one is NaN.
-    """
+    """Return whether each run of a batch (n,) passes, from its evidence (n, 3 or more)."""
     limits = np.array([energy_limit_at(tolerance), VIOLATION_LIMIT, RESIDUAL_LIMIT])
     return np.asarray((evidence[:, :3] <= limits).all(axis=1))
 
@@ -84,24 +69,7 @@ def passes(evidence: NDArray[np.float64], tolerance: float) -> NDArray[np.bool_]
 def certify(
     playback: Playback, w: Sequence[float], whole: Sequence[int], tolerance: float
 ) -> Certificate:
-    """Check energy, guards, events and stick of a finished run.
-
-    Parameters
-    ----------
-    playback : Playback
-        The recorded run.
-    w : sequence of float (SIZE,)
-        Vector of the run at its end.
-    whole : sequence of int (WHOLES,)
-        Whole numbers of the run at its end.
-    tolerance : float
-        Relative tolerance of the run.
-
-    Returns
-    -------
-    Certificate
-        Evidence, margins of the limits, and what is wrong in words.
-    """
+    """Check energy, guards, events and stick of a finished run."""
     books = _books(playback, w)
     energy_error = books["energy_error"]
     violation, residual = float(w[VIOLATION]), float(w[RESIDUAL])

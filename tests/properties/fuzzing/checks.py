@@ -19,14 +19,6 @@ from stickslip.kernels.enums import UNLOADED
 from stickslip.mechanisms import MatrixMechanism
 from stickslip.results import Status, Trajectory
 
-__all__ = [
-    "CHECKS",
-    "Evidence",
-    "agrees_with_a_coarser_run",
-    "is_the_same_in_the_other_tier",
-    "violations",
-]
-
 ROUNDED = 1e-11
 """What a force or an energy may be off while a mode lasts, relative to its size in the run."""
 LOCATED = 1e-9
