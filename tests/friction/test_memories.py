@@ -24,7 +24,7 @@ from stickslip import (
 from stickslip.drives import Sine
 from stickslip.errors import InputError
 from stickslip.friction import law
-from stickslip.identification.force_map.bristle_integration import Path, follow
+from stickslip.identification.estimation.bristle_integration import Path, follow
 from stickslip.maths import Latches, latched
 
 CURVE = {

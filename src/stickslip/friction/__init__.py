@@ -100,6 +100,7 @@ INSIDE = {
     "listed": "registry",
     "rungs": "ladder",
     "said_of": "classes",
+    "simpler_laws": "registry",
 }
 """Names that other subpackages use, and that are not part of the public interface."""
 

@@ -23,7 +23,7 @@ from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import fields_of
 
-__all__ = ["Contained", "containment_of"]
+__all__ = ["Contained", "containment_of", "one_step_simpler"]
 
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
@@ -83,6 +83,34 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
             fixed = {n: v for n, v in found.values.items() if not isinstance(v, str)}
             return found if all(known[n].allows(v) for n, v in fixed.items()) else None
     return None
+
+
+def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[str]]]:
+    """Yield the compositions one step simpler than a law, and which of its parameters each lacks.
+
+    Parameters
+    ----------
+    kind : type
+        Type of the law.
+
+    Yields
+    ------
+    (Term, frozenset of str)
+        None of a law that is not composed of parts.
+
+    Examples
+    --------
+    >>> from stickslip.friction import law
+    >>> for term, gone in one_step_simpler(law("dahl(level) + drag")):
+    ...     print(term, sorted(gone))
+    level + drag ['bristle_stiffness', 'yield_exponent']
+    dahl(level) ['quadratic_coefficient']
+    """
+    if kind.made_of is None:
+        return
+    fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
+    for term, values, limits in _reductions(kind.made_of.term):
+        yield term, frozenset(fields[one] for one in (*values, *limits) if one in fields)
 
 
 @functools.cache

@@ -1,8 +1,9 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
+import contextlib
 import functools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -13,10 +14,11 @@ from stickslip.friction import LAW_MODULES
 from stickslip.friction import named as entries
 from stickslip.friction.base import FrictionLaw
 from stickslip.friction.classes import CATALOGUE, Entry, class_of
+from stickslip.friction.containment import one_step_simpler
 from stickslip.friction.notation import Term, read
 from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
-from stickslip.quantities import gathered, named, own_classes
+from stickslip.quantities import fields_of, gathered, named, own_classes
 
 __all__ = [
     "LAWS",
@@ -27,6 +29,7 @@ __all__ = [
     "law_type",
     "laws",
     "listed",
+    "simpler_laws",
     "special_specifications",
     "specification",
 ]
@@ -63,6 +66,8 @@ class _Lazy(Mapping[str, type[FrictionLaw]]):
 LAWS: Mapping[str, type[FrictionLaw]] = _Lazy()
 """The laws that come with the package, by kebab-case name."""
 
+LINEAR = frozenset({"level", "level+", "level-", "force", "slope", "slope+", "slope-", "drag"})
+"""Scales of parameters in which friction is linear."""
 PLAIN_DAHL = ("kinetic_coefficient", "bristle_stiffness", "viscous_coefficient")
 
 
@@ -272,6 +277,40 @@ def contained_laws(kind: type[FrictionLaw]) -> tuple[str, ...]:
     ('dahl', 'stribeck', 'coulomb-viscous', 'viscous', 'coulomb')
     """
     return tuple(dict.fromkeys(_walk(kind)))
+
+
+def simpler_laws(
+    kind: type[FrictionLaw], free: Collection[str] | None = None
+) -> tuple[type[FrictionLaw], ...]:
+    """Return the laws that a type of law contains at first hand, with a name and without.
+
+    Parameters
+    ----------
+    kind : type
+        Type of the richer law.
+    free : collection of str, optional
+        What is looked for of it; its `fit_order` if not given. Laws without a name that only lack a
+        level or a slope, or what is held, are left out: linear regression finds those.
+
+    Returns
+    -------
+    tuple of type
+        Types of the simpler laws.
+
+    Examples
+    --------
+    >>> [one.name for one in simpler_laws(law("dahl(level + lorentz) + viscous"))]
+    ['hess-soom', 'dahl', 'dahl(level) + viscous']
+    """
+    known, fields = laws(), fields_of(kind)
+    names = kind.fit_order if free is None else free
+    searched = {name for name in names if name in fields and fields[name].scale not in LINEAR}
+    found = [known[one.law] for one in kind.contained if one.law in known]
+    for term, gone in one_step_simpler(kind):
+        if searched & gone:
+            with contextlib.suppress(InputError):  # parts that cannot stand together
+                found.append(class_of(term))
+    return tuple(dict.fromkeys(found))
 
 
 def _walk(kind: type[FrictionLaw]) -> Iterator[str]:

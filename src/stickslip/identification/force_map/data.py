@@ -14,7 +14,7 @@ from stickslip.experiments import Measurement, noise_of, step_of, usual_top_spee
 from stickslip.formatting import joined, number, quantity
 from stickslip.friction import FrictionLaw
 from stickslip.identification.contact_inputs import inputs_along
-from stickslip.identification.force_map.bristle_integration import Path
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.sensor_response import PROMPT, SensorResponse
 from stickslip.mechanisms import Mechanism, normal_of, only_contact
 from stickslip.quantities import vary

@@ -22,8 +22,8 @@ from stickslip.experiments import (
     usual_top_speed,
 )
 from stickslip.identification.contact_inputs import inputs_along
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameters
-from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     FINEST,
     QUIET,

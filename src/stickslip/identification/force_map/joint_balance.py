@@ -13,13 +13,13 @@ from stickslip.experiments import Measurement, between_gaps
 from stickslip.formatting import joined
 from stickslip.formulation import JointTorques
 from stickslip.identification.contact_inputs import recorded_inputs
+from stickslip.identification.estimation.bristle_integration import Path
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.problem import (
     FrictionSamples,
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.force_map.bristle_integration import Path
 from stickslip.identification.force_map.data import (
     SEGMENTS,
     MotionSegment,

@@ -10,7 +10,8 @@ from typing_extensions import override
 
 from stickslip.errors import ParameterError
 from stickslip.experiments import Measurement
-from stickslip.friction import FrictionLaw, bound
+from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.bristle_integration import balancing, displaced, follow
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import MOVED, PerturbedLaws
 from stickslip.identification.estimation.problem import (
@@ -18,7 +19,6 @@ from stickslip.identification.estimation.problem import (
     RecordProblem,
     ResidualJacobian,
 )
-from stickslip.identification.force_map.bristle_integration import displaced, follow
 from stickslip.identification.force_map.data import MotionSegment
 
 __all__ = ["ForceMap", "moved", "spanned"]
@@ -415,7 +415,8 @@ def _with_memory(
 ) -> tuple[Array, Array, float]:
     """Return friction along a motion (n, copies), bristles (b, n, copies), and their nudge."""
     if before is None:
-        start = _first_state(own, one, offset)
+        wanted = float(one.friction[0]) - offset
+        start = balancing(own.base, one.path, wanted, own.bristles)[:, 0]
         guess = follow(own.base, one.path, start[:, None])[..., 0]
     else:
         start, guess = before.near(change), before.states
@@ -432,24 +433,6 @@ def _extended(states: Array, count: int) -> Array:
     """Return states (b, count), the last one repeated where there are fewer."""
     rows = np.minimum(np.arange(count), states.shape[1] - 1)
     found: Array = states[:, rows]
-    return found
-
-
-def _first_state(own: PerturbedLaws, one: MotionSegment, offset: float) -> Array:
-    """Return the least bristle state (b,) that the first measured force can come from."""
-    law = bound(own.base, {name: float(x[0]) for name, x in one.path.inputs.items()})
-    v, n, count = float(one.path.velocity[0]), float(one.path.load[0]), own.bristles
-    level = float(law.break_away(n))
-    wanted = min(max(float(one.friction[0]) - offset, -level), level)
-    size = 1e-6
-    at_rest = law.force(v, n, (0.0,) * count)
-    slope = np.array(
-        [
-            (law.force(v, n, tuple(size * (k == i) for i in range(count))) - at_rest) / size
-            for k in range(count)
-        ]
-    )
-    found: Array = slope * (wanted - at_rest) / max(float(slope @ slope), 1e-300)
     return found
 
 

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from stickslip.errors import ConvergenceError
 from stickslip.friction import FrictionLaw
+from stickslip.identification.estimation.bristle_integration import follow
 from stickslip.identification.estimation.levenberg_marquardt import improve
 from stickslip.identification.estimation.parameters import FreeParameter, FreeParameters
 from stickslip.identification.estimation.perturbed_laws import with_arrays
 from stickslip.identification.estimation.ranges import is_level
-from stickslip.identification.force_map.bristle_integration import follow
 from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.quantities import vary

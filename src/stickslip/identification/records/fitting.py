@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,7 +12,7 @@ from stickslip.drives import SampledSwing
 from stickslip.errors import ConvergenceError, InputError, UnknownNameError
 from stickslip.experiments import Measurement, refuse_faults, refuse_unused, with_doubts
 from stickslip.formatting import joined, number, percent, quantity
-from stickslip.friction import FrictionLaw, laws
+from stickslip.friction import FrictionLaw, containment_of, simpler_laws
 from stickslip.identification.contact_inputs import (
     as_informed,
     check_inputs,
@@ -403,50 +403,68 @@ def choice_of(
 def _simpler_fits(
     way: RecordRouteName, wanted: ProblemRequest, watch: Watch | None
 ) -> tuple[FittedLaw, ...]:
-    """Fit the laws that a law contains at first hand, and those that they contain.
+    """Fit the laws that a law contains, with a name or without, the simplest first.
 
-    The simplest are left out: what contains nothing, such as Coulomb friction alone, is found by
-    linear regression as part of the next.
+    Of each, what is looked for and what is held is that of the law. Those that contain nothing are
+    left out: Coulomb friction alone, say, is found by linear regression as part of the next.
     """
-    known = laws()
-    found: dict[str, FittedLaw] = {}
+    kind = _kind_of(wanted.law)
+    free = set(kind.fit_order if wanted.free is None else ())
+    for name in wanted.free or ():
+        free |= set(kind.fit_order) if name == LAW else {name.rpartition(".")[2]}
+    held = dict(wanted.known or {})
+    if not isinstance(wanted.law, type):
+        held |= {name: getattr(wanted.law, name) for name in fields_of(kind) if name not in free}
+    found: dict[type[FrictionLaw], FittedLaw] = {}
 
-    def add(name: str) -> None:
-        simpler = known.get(name)
-        if simpler is None or not simpler.contained or name in found:
-            return
-        for one in simpler.contained:
-            add(one.law)
-        plain = replace(
-            wanted,
-            law=simpler,
-            free=[field for field in simpler.fit_order if not _is_shape(simpler, field)],
-            known=None,
-            settings=replace(wanted.settings, starts=1),
-        )
-        try:
-            ready, end, _ = _searched(way, plain, tuple(found.values()), watch)
-        except (ConvergenceError, InputError):
-            return
-        values = dict(
-            zip(ready.problem.free_parameters.paths, end.best.values.tolist(), strict=True)
-        )
-        friction = {path: v for path, v in values.items() if path.startswith("friction.")}
-        found[name] = FittedLaw(
-            law=vary(ready.start, "friction", friction),
-            values=values,
-            cost=end.best.cost,
-            rows=len(end.best.residual),
-        )
+    def add(richer: type[FrictionLaw], free: Collection[str], held: Mapping[str, float]) -> None:
+        for simpler in simpler_laws(richer, free):
+            how = containment_of(richer, simpler)
+            if how is None or simpler in found or not simpler.contained:
+                continue
+            own = {field: to for field, to in how.values.items() if isinstance(to, str)}
+            left = list(dict.fromkeys(to for field, to in own.items() if field in free))
+            kept = {to: held[field] for field, to in own.items() if held.get(field) is not None}
+            add(simpler, left, kept)
+            one = _fitted_law(
+                way,
+                replace(
+                    wanted,
+                    law=simpler,
+                    free=left,
+                    known=kept,
+                    settings=replace(wanted.settings, starts=1),
+                ),
+                tuple(found.values()),
+                watch,
+            )
+            if one is not None:
+                found[simpler] = one
 
-    for one in _kind_of(wanted.law).contained:
-        add(one.law)
+    add(kind, free, held)
     return tuple(found.values())
 
 
-def _is_shape(kind: type[FrictionLaw], name: str) -> bool:
-    """Whether a parameter is an exponent, which the contained law has at its default."""
-    return fields_of(kind)[name].structural
+def _fitted_law(
+    way: RecordRouteName,
+    wanted: ProblemRequest,
+    contained: Sequence[FittedLaw],
+    watch: Watch | None,
+) -> FittedLaw | None:
+    """Return how the search of a law ends; None if it cannot be fitted."""
+    try:
+        ready, end, _ = _searched(way, wanted, contained, watch)
+    except (ConvergenceError, InputError):
+        return None
+    paths = ready.problem.free_parameters.paths
+    values = dict(zip(paths, end.best.values.tolist(), strict=True))
+    friction = {path: v for path, v in values.items() if path.startswith("friction.")}
+    return FittedLaw(
+        law=vary(ready.start, "friction", friction),
+        values=values,
+        cost=end.best.cost,
+        rows=len(end.best.residual),
+    )
 
 
 def _best_of(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 
-__all__ = ["Path", "displaced", "follow"]
+__all__ = ["Path", "balancing", "displaced", "follow"]
 
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
@@ -198,6 +198,46 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
     if known is not None:
         return known
     found, _, _ = _stepped(_rates(law, v, load), way / v, states, WAY_PARTS, size)
+    return found
+
+
+def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Array:
+    """Return the least bristle states at the first sample of a path that a force can come from.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
+    path : Path
+        The motion.
+    force : float
+        Friction force [N] at the first sample, of which no more counts than breaks away.
+    bristles : int
+        Number of states of the law.
+
+    Returns
+    -------
+    array (bristles, copies)
+        States.
+
+    Examples
+    --------
+    >>> from stickslip import Dahl
+    >>> at_rest = Path(time=np.zeros(1), velocity=np.zeros(1), load=np.ones(1), travel=np.zeros(0))
+    >>> law = Dahl(kinetic_coefficient=0.5, bristle_stiffness=1e3)
+    >>> balancing(law, at_rest, 0.25, 1), balancing(law, at_rest, 4.0, 1)
+    (array([[0.00025]]), array([[0.0005]]))
+    """
+    law = bound(law, {name: float(path.inputs[name][0]) for name in law.inputs})
+    v, n, size = float(path.velocity[0]), float(path.load[0]), 1e-6
+    unbent = law.force(v, n, (0.0,) * bristles)
+    moved = [
+        law.force(v, n, tuple(size * (k == i) for i in range(bristles))) for k in range(bristles)
+    ]
+    slope = np.array([np.atleast_1d((one - unbent) / size) for one in moved])
+    level = law.break_away(n)
+    wanted = np.clip(force, -level, level) - unbent
+    found: Array = slope * wanted / np.maximum(np.sum(slope**2, axis=0), 1e-300)
     return found
 
 
