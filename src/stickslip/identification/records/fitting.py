@@ -1,7 +1,7 @@
 """Fits a law to records in time or to measured friction, by one of three routes."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -89,6 +89,10 @@ WIDENINGS = 3
 """How often at most."""
 WORTH = 0.02
 """Share of the cost that a wider bound must take off: else what ran there is told by nothing."""
+CONTINUED = 4
+"""How often at most a search goes on from its best end where a law has a memory ..."""
+LEFT = 1e-3
+"""... as long as that takes off this share of the cost."""
 DECAY_STEP = 3.0
 """A free decay is fitted in segments, then in segments so much longer, then as a whole."""
 
@@ -339,9 +343,12 @@ def _searched(
     """
     kind, ready = _kind_of(wanted.law), prepared(way, wanted)
     contained = reachable(ready.start, ready.problem.free_parameters, contained)
-    nested = starts_from(kind, ready.problem.free_parameters, contained, ready.load)
+    few = ready.problem.few or ready.problem
+    nested = starts_from(kind, few.free_parameters, contained, ready.load, few)
     ready = replace(ready, tried=(*nested, *ready.tried))
     ready, found = widened_search(ready, wanted.settings, watch, rival)
+    if kind.states and not found.hopeless:
+        found = _to_the_end(ready, found, watch)
     first = found
     if ready.problem.simulates and not driven(wanted.measurement):
         ready, found = _lengthened(ready, found, wanted.measurement, wanted.settings, watch)
@@ -415,33 +422,34 @@ def _simpler_fits(
     held = dict(wanted.known or {})
     if not isinstance(wanted.law, type):
         held |= {name: getattr(wanted.law, name) for name in fields_of(kind) if name not in free}
-    found: dict[type[FrictionLaw], FittedLaw] = {}
+    found: dict[frozenset[str], FittedLaw] = {}
 
-    def add(richer: type[FrictionLaw], free: Collection[str], held: Mapping[str, float]) -> None:
+    def add(richer: type[FrictionLaw], free: Mapping[str, str], held: Mapping[str, float]) -> None:
+        """Add what a law contains of which some fields are free, by those of the law asked for."""
         for simpler in simpler_laws(richer, free):
             how = containment_of(richer, simpler)
-            if how is None or simpler in found or not simpler.contained:
+            if how is None or not simpler.contained:
                 continue
             own = {field: to for field, to in how.values.items() if isinstance(to, str)}
-            left = list(dict.fromkeys(to for field, to in own.items() if field in free))
+            left = {to: free[field] for field, to in own.items() if field in free}
             kept = {to: held[field] for field, to in own.items() if held.get(field) is not None}
+            # the same may have two names: with an exponent that is held at 1, and without
+            key = frozenset(left.values())
+            if key in found:
+                continue
             add(simpler, left, kept)
-            one = _fitted_law(
-                way,
-                replace(
-                    wanted,
-                    law=simpler,
-                    free=left,
-                    known=kept,
-                    settings=replace(wanted.settings, starts=1),
-                ),
-                tuple(found.values()),
-                watch,
+            asked = replace(
+                wanted,
+                law=simpler,
+                free=list(left),
+                known=kept,
+                settings=replace(wanted.settings, starts=1),
             )
+            one = _fitted_law(way, asked, tuple(found.values()), watch)
             if one is not None:
-                found[simpler] = one
+                found[key] = one
 
-    add(kind, free, held)
+    add(kind, {name: name for name in free}, held)
     return tuple(found.values())
 
 
@@ -465,6 +473,20 @@ def _fitted_law(
         cost=end.best.cost,
         rows=len(end.best.residual),
     )
+
+
+def _to_the_end(ready: FitSetup, found: OptimizeResult, watch: Watch | None) -> OptimizeResult:
+    """Return a search that goes on from its best end as long as that is worth it.
+
+    Parameters of memories make long and bent valleys, in which a descent comes slowly.
+    """
+    for _ in range(CONTINUED):
+        again = _best_of(ready, found, [found.best.values], watch)
+        gained = again.best.cost < (1.0 - LEFT) * found.best.cost
+        found = replace(again, costs=found.costs, values=found.values)
+        if found.cancelled or not gained:
+            break
+    return found
 
 
 def _best_of(
