@@ -4,7 +4,7 @@ import contextlib
 import functools
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, replace
 from typing import Any, final
 
 from typing_extensions import override
@@ -189,9 +189,19 @@ def specification(name: str) -> CandidateSpec:
     ('kinetic_coefficient', 'bristle_stiffness', 'viscous_coefficient')
     >>> specification("dahl-exponent").title
     'Dahl with exponent'
+    >>> specification("dahl(level) + power").free
+    ('kinetic_coefficient', 'bristle_stiffness', 'viscous_coefficient', 'viscous_exponent')
     """
     if is_composition(name):
-        return CandidateSpec.of(name, law(name))
+        kind = law(name)
+        written = tuple(
+            field
+            for field, one in kind.made_of.fields.items()
+            if one.quantity.scale and not (one.quantity.structural and one.default is not MISSING)
+        )
+        # a law of that name may hold the exponent of a power that is written here
+        same = {*written} == {*kind.fit_order}
+        return replace(CandidateSpec.of(name, kind), free=None if same else written)
     special = {one.name: one for one in special_specifications()}
     if name in special:
         return special[name]
