@@ -1,6 +1,5 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
-import contextlib
 import functools
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -318,8 +317,7 @@ def simpler_laws(
     found = [known[one.law] for one in kind.contained if one.law in known]
     for term, gone in one_step_simpler(kind):
         if searched & gone:
-            with contextlib.suppress(InputError):  # parts that cannot stand together
-                found.append(class_of(term))
+            found.append(class_of(term))
     return tuple(dict.fromkeys(found))
 
 
