@@ -70,7 +70,8 @@ def test_three_curves_five_memories_and_two_flows_fit_their_own_data(memory, cur
 def test_segments_give_the_share_of_a_memory_as_the_whole_record_does(memory, name):
     own = truth(memory, "level", "viscous")
     found, noise = fitted(own, type(own), 3.0, share=1e-5, segment=1.0)
-    assert found.rms < 1.05 * noise  # four times as much where each segment began unbent
+    # the force is joined straight over 4 ms; four times the noise where segments begin unbent
+    assert found.rms < 1.2 * noise
     share = found[f"friction.{name}"]
     assert share.half_width < 0.25
     assert abs(share.value - getattr(own, name)) < 2.0 * share.half_width
