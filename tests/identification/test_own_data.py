@@ -72,7 +72,7 @@ def test_segments_give_the_share_of_a_memory_as_the_whole_record_does(memory, na
     found, noise = fitted(own, type(own), 3.0, share=1e-5, segment=1.0)
     # the force is joined straight over 4 ms; four times the noise where segments begin unbent
     assert found.rms < 1.2 * noise
-    share = found[f"friction.{name}"]
+    (share,) = (one for one in found.estimates if one.path == f"friction.{name}")
     assert share.half_width < 0.25
     assert abs(share.value - getattr(own, name)) < 2.0 * share.half_width
 
