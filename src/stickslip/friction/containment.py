@@ -24,8 +24,6 @@ from stickslip.friction.parts.base import Becomes
 from stickslip.friction.parts.levels import Surplus
 from stickslip.quantities import fields_of
 
-__all__ = ["Contained", "containment_of", "one_step_simpler"]
-
 Values: TypeAlias = Mapping[str, float | str]
 """Value, or the parameter that it equals, by meaning."""
 Reduction: TypeAlias = tuple[Term, Values, tuple[str, ...]]
@@ -48,19 +46,6 @@ class Contained:
 
 def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Containment | None:
     """Return how a type of law contains another one; None if it does not.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    simpler : type
-        Type of the simpler one.
-
-    Returns
-    -------
-    Containment or None
-        The values at which the richer law is the simpler one. Of laws that are not composed of
-        parts, only what they declare at first hand.
 
     Examples
     --------
@@ -88,16 +73,6 @@ def containment_of(kind: type[FrictionLaw], simpler: type[FrictionLaw]) -> Conta
 
 def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[str]]]:
     """Yield the compositions one step simpler than a law, and which of its parameters each lacks.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the law.
-
-    Yields
-    ------
-    (Term, frozenset of str)
-        None of a law that is not composed of parts.
 
     Examples
     --------

@@ -19,20 +19,6 @@ from stickslip.friction.parts import PARTS
 from stickslip.friction.rate_state import RATE_STATE_FORMS
 from stickslip.quantities import fields_of, gathered, named, own_classes
 
-__all__ = [
-    "LAWS",
-    "CandidateSpec",
-    "contained_laws",
-    "is_composition",
-    "law",
-    "law_type",
-    "laws",
-    "listed",
-    "simpler_laws",
-    "special_specifications",
-    "specification",
-]
-
 
 @final
 class _Lazy(Mapping[str, type[FrictionLaw]]):
@@ -86,20 +72,7 @@ class CandidateSpec:
 
     @classmethod
     def of(cls, name: str, law: FrictionLaw | type[FrictionLaw]) -> "CandidateSpec":
-        """Return a law with all it can fit.
-
-        Parameters
-        ----------
-        name : str
-            Key of the candidate.
-        law : FrictionLaw or type
-            The law, whose title is taken.
-
-        Returns
-        -------
-        CandidateSpec
-            The candidate, with all parameters of the law's `fit_order` free.
-        """
+        """Return a law with all it can fit."""
         return cls(name=name, title=law.title, law=law)
 
 
@@ -177,11 +150,6 @@ def special_specifications() -> tuple[CandidateSpec, ...]:
 def specification(name: str) -> CandidateSpec:
     """Return the candidate for records of that name: a special one, or a law with all it can fit.
 
-    Raises
-    ------
-    UnknownNameError
-        With the nearest known names.
-
     Examples
     --------
     >>> specification("dahl").free
@@ -211,24 +179,6 @@ def specification(name: str) -> CandidateSpec:
 def law(composition: str | Term) -> type[FrictionLaw]:
     """Return the class of laws that a composition stands for; the same one each time.
 
-    Parameters
-    ----------
-    composition : str or term
-        Parts, such as ``"lugre(level + stribeck) + power"``: ``+`` puts parts beside each other,
-        brackets stand around what a memory, a smooth sign or ``both_ways`` is applied to.
-
-    Returns
-    -------
-    type
-        Subclass of `FrictionLaw`; that of the package where the composition has a name.
-
-    Raises
-    ------
-    InputError
-        If the text cannot be read, or its parts cannot stand together.
-    UnknownNameError
-        If it names an unknown part.
-
     Examples
     --------
     >>> law("viscous + level").__name__
@@ -239,10 +189,17 @@ def law(composition: str | Term) -> type[FrictionLaw]:
     >>> Thinning.title, Thinning.contained[0].law
     ('dahl(level + lorentz) + power', 'dahl')
     """
-    term = read(composition) if isinstance(composition, str) else composition
-    if not isinstance(term, Term):
+    if not isinstance(composition, str | Term):
         raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
-    return class_of(term)
+    text = str(composition).strip()
+    named = CATALOGUE.get(text)
+    if named is not None and text != named.composition:
+        part = " is a part, and" if text in PARTS else ""
+        raise InputError(
+            f"{text!r}{part} is the name of the law {named.composition}: give that"
+            f" composition, or take the class stickslip.friction.{named.statement.__name__}."
+        )
+    return class_of(read(composition) if isinstance(composition, str) else composition)
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:
@@ -292,19 +249,6 @@ def simpler_laws(
     kind: type[FrictionLaw], free: Collection[str] | None = None
 ) -> tuple[type[FrictionLaw], ...]:
     """Return the laws that a type of law contains at first hand, with a name and without.
-
-    Parameters
-    ----------
-    kind : type
-        Type of the richer law.
-    free : collection of str, optional
-        What is looked for of it; its `fit_order` if not given. Laws without a name that only lack a
-        level or a slope, or what is held, are left out: linear regression finds those.
-
-    Returns
-    -------
-    tuple of type
-        Types of the simpler laws.
 
     Examples
     --------

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from stickslip.friction import FrictionLaw, bound
 from stickslip.maths import Latches
 
-__all__ = ["Path", "balancing", "displaced", "follow"]
-
 Array = NDArray[np.float64]
 Rates = Callable[[Array], Array]
 
@@ -66,20 +64,7 @@ class Path:
     """Contact inputs at the samples (n,), by name."""
 
     def told(self, law: Any, rows: "NDArray[np.intp] | slice" = slice(None)) -> Any:
-        """Return a law that sees the contact inputs of some samples (k, 1).
-
-        Parameters
-        ----------
-        law : FrictionLaw
-            The law.
-        rows : array of int (k,) or slice
-            The samples; all if not given.
-
-        Returns
-        -------
-        FrictionLaw
-            The law itself if it asks for none.
-        """
+        """Return a law that sees the contact inputs of some samples (k, 1)."""
         return bound(law, {name: self.inputs[name][rows, None] for name in law.inputs})
 
     def chunks(self) -> tuple[Array, ...]:
@@ -112,24 +97,6 @@ def follow(
 
     Within a step the velocity is constant, so that laws which know displacement only see the
     measured one exactly.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
-    path : Path
-        The motion.
-    start : array (bristles, copies)
-        States at the first sample.
-    guess : array (bristles, n), optional
-        States of a similar law at the samples, near which those of this one are looked for.
-    mismatch : float
-        Mismatch at joints over the largest deflection that is none.
-
-    Returns
-    -------
-    array (bristles, n, copies)
-        States at the samples; not finite where they cannot be found.
 
     Examples
     --------
@@ -168,22 +135,6 @@ def follow(
 def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array:
     """Return bristle states after a small displacement, made so slowly that only its way counts.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
-    states : array (bristles, n, copies)
-        States before.
-    load : array (n, 1)
-        Normal forces [N].
-    way : float
-        The displacement [m].
-
-    Returns
-    -------
-    array (bristles, n, copies)
-        States after.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -203,22 +154,6 @@ def displaced(law: FrictionLaw, states: Array, load: Array, way: float) -> Array
 
 def balancing(law: FrictionLaw, path: Path, force: float, bristles: int) -> Array:
     """Return the least bristle states at the first sample of a path that a force can come from.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        Its parameters are numbers, or arrays (copies,) of one value for each copy of the law.
-    path : Path
-        The motion.
-    force : float
-        Friction force [N] at the first sample, of which no more counts than breaks away.
-    bristles : int
-        Number of states of the law.
-
-    Returns
-    -------
-    array (bristles, copies)
-        States.
 
     Examples
     --------

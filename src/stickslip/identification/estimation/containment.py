@@ -14,8 +14,6 @@ from stickslip.identification.estimation.parameters import FreeParameter, FreePa
 from stickslip.identification.estimation.problem import LeastSquaresProblem
 from stickslip.quantities import fields_of
 
-__all__ = ["FittedLaw", "not_whole", "reachable", "search_failure", "starts_from"]
-
 Array = NDArray[np.float64]
 
 STIFFER = 30.0
@@ -54,20 +52,6 @@ def reachable(
     start: FrictionLaw, free_parameters: FreeParameters, fitted: Sequence[FittedLaw]
 ) -> tuple[FittedLaw, ...]:
     """Return those of fitted simpler laws that a richer law can become with what it has free.
-
-    Parameters
-    ----------
-    start : FrictionLaw
-        The richer law; its values hold what is not free.
-    free_parameters : FreeParameters
-        What is free.
-    fitted : sequence of FittedLaw
-        Fits of simpler laws, or of the same law with fewer unknowns.
-
-    Returns
-    -------
-    tuple of FittedLaw
-        Those fits whose law and free parameters the richer law contains.
 
     Examples
     --------
@@ -113,25 +97,6 @@ def starts_from(
     There, some parameters have no effect, such as a Stribeck velocity without a static surplus, and
     hence no slope that would lead a search to them. Of values over decades that is taken whose
     neighbourhood promises the closest fit.
-
-    Parameters
-    ----------
-    kind : type
-        The richer law.
-    free_parameters : FreeParameters
-        What of it, and of the mechanism, is looked for; start values stand for what has no effect.
-    fitted : sequence of FittedLaw
-        Simpler laws, of which those count that the richer one contains at first hand or that no
-        other one of them contains, and the same law with fewer unknowns.
-    load : float
-        Normal force [N].
-    problem : LeastSquaresProblem, optional
-        What is fitted, which tells what values promise; start values are taken if not given.
-
-    Returns
-    -------
-    tuple of array (p,)
-        Start values [SI], one array for each way in which the richer law becomes a fitted one.
 
     Examples
     --------
@@ -223,18 +188,6 @@ def not_whole(item: FreeParameter, value: float) -> float:
     """Return a value; next to it if it is a whole exponent, which has no slope.
 
     Whole exponents shape the equations.
-
-    Parameters
-    ----------
-    item : FreeParameter
-        The free parameter, whose quantity says whether whole values shape equations.
-    value : float
-        Its start value [SI].
-
-    Returns
-    -------
-    float
-        The value, or one next to it by the factor 1 + `NOT_WHOLE`.
     """
     whole = item.quantity.structural and value.is_integer()
     return value * (1.0 + NOT_WHOLE) if whole else value
@@ -283,22 +236,6 @@ def search_failure(
     """Return a sentence if a contained law fits more closely than the richer one; empty if none.
 
     A law that is another one in a limit only, such as that of infinite stiffness, may leave more.
-
-    Parameters
-    ----------
-    kind : type
-        The richer law.
-    cost : float
-        Its sum of squares at the end of the search.
-    rows : int
-        Its number of residuals; fits to other numbers of rows are not compared.
-    fitted : sequence of FittedLaw
-        Fits of laws that it may contain.
-
-    Returns
-    -------
-    str
-        The sentence, with the difference of the root mean squares.
 
     Examples
     --------

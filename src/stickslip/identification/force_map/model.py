@@ -21,8 +21,6 @@ from stickslip.identification.estimation.problem import (
 )
 from stickslip.identification.force_map.data import MotionSegment
 
-__all__ = ["ForceMap", "moved", "spanned"]
-
 Array = NDArray[np.float64]
 
 WEAK = 1e-3
@@ -169,18 +167,6 @@ class ForceMap(RecordProblem):
         """Return the same along other stretches, with the constant force that records set.
 
         Records that set different ones keep that of the mechanism.
-
-        Parameters
-        ----------
-        stretches : sequence of MotionSegment
-            Measured motion and friction.
-        measurement : Measurement
-            The records they come from, whose overrides may set the constant force [N].
-
-        Returns
-        -------
-        ForceMap
-            The problem along these stretches.
         """
         offsets = {one.overrides.get(self.constant, self.offset) for one in measurement.records()}
         offset = offsets.pop() if len(offsets) == 1 else self.offset
@@ -312,20 +298,7 @@ class ForceMap(RecordProblem):
 
 
 def moved(one: MotionSegment, change: Array) -> MotionSegment:
-    """Return a stretch as if friction had been derived with other parameters of the mechanism.
-
-    Parameters
-    ----------
-    one : MotionSegment
-        The stretch.
-    change : array (k,)
-        By how much the parameters change that its regressors are of [SI].
-
-    Returns
-    -------
-    MotionSegment
-        A copy with friction at rest and in motion moved.
-    """
+    """Return a stretch as if friction had been derived with other parameters of the mechanism."""
     if one.regressors is None:
         return one
     held = one.held
@@ -452,18 +425,7 @@ def _inverted(local: Array, rows: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 
 def spanned(columns: Array) -> Array:
-    """Return orthonormal columns that span others (n, r); none if all are 0.
-
-    Parameters
-    ----------
-    columns : array (n, k)
-        Columns, of any sizes.
-
-    Returns
-    -------
-    array (n, r)
-        The basis, without directions that the columns hardly have.
-    """
+    """Return orthonormal columns that span others (n, r); none if all are 0."""
     size = np.linalg.norm(columns, axis=0)
     columns = columns[:, size > 0.0] / size[size > 0.0]
     if not columns.shape[1]:

@@ -25,8 +25,6 @@ from stickslip.identification.force_map.data import MotionSegment
 from stickslip.identification.force_map.model import ForceMap
 from stickslip.quantities import vary
 
-__all__ = ["screened_starts"]
-
 Array = NDArray[np.float64]
 
 SPEEDS = tuple(float(f"{share:.3g}") for share in np.geomspace(1e-3, 1.0, 7))
@@ -58,19 +56,6 @@ APART = 0.7
 
 def screened_starts(problem: ForceMap, coarse: ForceMap) -> tuple[Array, ...]:
     """Return values (p,) from which the search of a force map should begin, the best first.
-
-    Parameters
-    ----------
-    problem : ForceMap
-        What is fitted.
-    coarse : ForceMap
-        The same with few samples, on which points of the grid are compared if the law knows no
-        history. What a filter for few samples leaves of presliding would lead elsewhere.
-
-    Returns
-    -------
-    tuple of array (p,)
-        One at least: the start values as they are where no unknown spans decades.
 
     Examples
     --------

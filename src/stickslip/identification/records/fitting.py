@@ -63,16 +63,6 @@ from stickslip.identification.validation import LAW, Parameters
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import fields_of, vary
 
-__all__ = [
-    "ROUTES",
-    "RecordSettings",
-    "finished",
-    "fit_record",
-    "fit_records",
-    "record_route_name",
-    "widened_search",
-]
-
 Array = NDArray[np.float64]
 
 FEWEST_ROWS = 12
@@ -102,25 +92,6 @@ ROUTES: tuple[RecordRouteName, ...] = ("shooting", "force-map", "inverse-dynamic
 
 def record_route_name(measurement: Measurement, route: str | None = None) -> RecordRouteName:
     """Return how a measurement is fitted: as asked, or as its quantities suggest.
-
-    Parameters
-    ----------
-    measurement : Measurement
-        The records.
-    route : str, optional
-        Name of the route that was asked for; None if none was.
-
-    Returns
-    -------
-    {"shooting", "force-map", "inverse-dynamics"}
-        Name of the route.
-
-    Raises
-    ------
-    InputError
-        If the route is that of features, which has no residuals.
-    UnknownNameError
-        If no route has that name.
 
     Examples
     --------
@@ -152,30 +123,6 @@ def fit_records(
     progress: Watch | None = None,
 ) -> RecordFit:
     """Fit a law to records in time or measured friction; arguments as in `stickslip.fit`.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured; trials may override its parameters.
-    law : FrictionLaw or type
-        An instance, whose values are the start, or a type.
-    measurement : Measurement
-        Records in time, or measured friction.
-    vary : str or sequence of str, optional
-        Parameters to fit; ``"friction.*"`` if not given.
-    fixed : mapping of str to float, optional
-        Values of parameters that are held [SI], of law and mechanism.
-    route : str or RouteChoice, optional
-        How records are fitted, or what `choose_route` returned.
-    settings : RecordSettings, optional
-        Segments, starts and seed.
-    progress : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RecordFit
-        The fitted law, estimates with intervals, predictions.
 
     Examples
     --------
@@ -218,52 +165,7 @@ def fit_record(
     rival: float = 0.0,
     watch: Watch | None = None,
 ) -> RecordFit:
-    """Fit a law to records in time or to measured friction.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    law : FrictionLaw or type
-        A type, whose start values come from the record; or an instance, whose values they are.
-    measurement : Measurement
-        Records in time with position or velocity, and the force applied if there is one; or
-        friction measured directly.
-    unknown : sequence of str
-        Parameters of the mechanism that are looked for too, such as ``"inertia"``.
-    free : sequence of str, optional
-        Parameters of the law that are looked for; all of its `fit_order` if not given.
-    known : mapping of str to float, optional
-        Values of those that are not, by name, where the law is a type.
-    route : {"shooting", "force-map", "inverse-dynamics"} or RouteChoice, optional
-        Simulated segments; measured friction along the measured motion; or friction that inverse
-        dynamics finds, along it. Chosen by `choose_route` if not given; where both the first and
-        the last may serve and the first leaves much of the motion, the better of both.
-    settings : RecordSettings, optional
-        Segments and starts.
-    held : sequence of str
-        Parameters of the mechanism that are not looked for, such as an offset, which else is.
-    contained : sequence of FittedLaw, optional
-        Fits of simpler laws to the same record by the same route, from which the search begins too.
-        If not given, the laws that this one contains are fitted first.
-    rival : float, optional
-        Mean square that another law leaves: where all starts are far above it, only the best of
-        them is continued, and the fit says so.
-    watch : callable, optional
-        Called with the least root mean square so far; False ends the search with the best so far.
-
-    Returns
-    -------
-    RecordFit
-        The law, estimates with intervals, what the record cannot tell.
-
-    Raises
-    ------
-    InputError
-        If the record does not serve, or a name is not known.
-    ConvergenceError
-        If no start predicts the record.
-    """
+    """Fit a law to records in time or to measured friction."""
     check_inputs(law, mechanism, measurement)
     choice = _route(mechanism, measurement, unknown, route, settings)
     choice = choice.with_hold(mechanism, measurement)
@@ -374,25 +276,6 @@ def choice_of(
     route: str | RouteChoice, measurement: Measurement, settings: RecordSettings | None = None
 ) -> RouteChoice:
     """Return the choice of a route that was asked for; one that was made is kept.
-
-    Parameters
-    ----------
-    route : str or RouteChoice
-        Name of a route of records, or a choice with settings of its own.
-    measurement : Measurement
-        The records.
-    settings : RecordSettings, optional
-        Settings of a route that is given by its name; the usual ones if not given.
-
-    Returns
-    -------
-    RouteChoice
-        The route with its settings.
-
-    Raises
-    ------
-    InputError
-        If the route is none of records.
 
     Examples
     --------
@@ -539,22 +422,6 @@ def widened_search(
 
     A bound that follows from a poor guess would pass for what the record says. One that is a limit
     of the quantity, such as 0, or of what the record covers stays.
-
-    Parameters
-    ----------
-    ready : FitSetup
-        The problem with its starts.
-    settings : RecordSettings
-        Number of starts, and their seed.
-    watch : callable or None
-        Called with the least root mean square so far; False ends the search.
-    rival : float
-        Mean square that another law leaves; 0 for none.
-
-    Returns
-    -------
-    (FitSetup, OptimizeResult)
-        The problem with the bounds that were used last, and the end of the search.
     """
     found = search(
         ready.problem,
@@ -626,26 +493,7 @@ def finished(
     found: OptimizeResult,
     searched: OptimizeResult,
 ) -> RecordFit:
-    """Return a fit from the end of its search, which began with one from several starts.
-
-    Parameters
-    ----------
-    route : str
-        Name of the route.
-    measurement : Measurement
-        What was fitted.
-    ready : FitSetup
-        The problem that was searched.
-    found : OptimizeResult
-        The end of the search.
-    searched : OptimizeResult
-        The search that began from all starts.
-
-    Returns
-    -------
-    RecordFit
-        Law and mechanism with the fitted values, estimates with intervals, what cannot be told.
-    """
+    """Return a fit from the end of its search, which began with one from several starts."""
     free_parameters, best = ready.problem.free_parameters, found.best
     at_bounds = bounds_met(free_parameters, best.values)
     values = dict(zip(free_parameters.paths, best.values.tolist(), strict=True))

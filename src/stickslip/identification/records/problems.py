@@ -45,8 +45,6 @@ from stickslip.identification.validation import check_varied
 from stickslip.mechanisms import Mechanism, stops_of
 from stickslip.quantities import fields_of, vary
 
-__all__ = ["FitSetup", "ProblemRequest", "RecordRouteName", "prepared", "simulated"]
-
 Array = NDArray[np.float64]
 SOME = 2_500
 """Samples of a record that start values are looked for with, where many are at rest."""
@@ -199,25 +197,7 @@ def _rows(settings: RecordSettings, length: float | None) -> int:
 
 
 def prepared(route: RecordRouteName, request: ProblemRequest) -> FitSetup:
-    """Return the problem of a route.
-
-    Parameters
-    ----------
-    route : {"shooting", "force-map", "inverse-dynamics"}
-        Name of the route.
-    request : ProblemRequest
-        Law, mechanism, record and free parameters.
-
-    Returns
-    -------
-    FitSetup
-        The problem with start values.
-
-    Raises
-    ------
-    InputError
-        If the record does not serve, or a name is not known.
-    """
+    """Return the problem of a route."""
     if request.settings.position_zeros:
         raise InputError(
             "position_zeros=True is for records of several joints; of one body that moves freely"

@@ -18,8 +18,6 @@ from stickslip.identification.estimation.bristle_integration import Path, balanc
 from stickslip.identification.estimation.parameters import FreeParameters
 from stickslip.identification.estimation.perturbed_laws import PerturbedLaws
 
-__all__ = ["FirstDeflections", "RecordedMotion"]
-
 Array = NDArray[np.float64]
 
 BEFORE = 0.02
@@ -43,20 +41,7 @@ class RecordedMotion:
 
     @classmethod
     def unknown(cls, record: int, start: float) -> "RecordedMotion":
-        """Return the motion of which nothing is known but when it begins, under 1 N.
-
-        Parameters
-        ----------
-        record : int
-            Which record it is of.
-        start : float
-            First time [s].
-
-        Returns
-        -------
-        RecordedMotion
-            A motion of one sample.
-        """
+        """Return the motion of which nothing is known but when it begins [s], under 1 N."""
         one = np.ones(1)
         path = Path(time=start * one, velocity=0.0 * one, load=one, travel=np.zeros(0))
         return cls(record=record, path=path)
@@ -80,20 +65,7 @@ class RecordedMotion:
         return replace(self, path=first)
 
     def covers(self, record: int, time: float) -> bool:
-        """Return whether a time of a record is within the motion.
-
-        Parameters
-        ----------
-        record : int
-            Which record it is of.
-        time : float
-            The time [s].
-
-        Returns
-        -------
-        bool
-            True from the first sample to the last.
-        """
+        """Return whether a time of a record is within the motion."""
         return self.record == record and self.path.time[0] <= time <= self.path.time[-1]
 
     def led_in(self, time: float) -> Path:

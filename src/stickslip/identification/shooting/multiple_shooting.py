@@ -34,8 +34,6 @@ from stickslip.quantities import parameters, vary
 from stickslip.solver import BareRun, EventDriven
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Segment", "Shooting", "ZeroEstimate", "curvature_of"]
-
 Array = NDArray[np.float64]
 
 SOLVER = EventDriven(tier="compiled", tolerance=1e-9, stiff_tolerance=1e-6, max_steps=5_000)
@@ -307,20 +305,7 @@ class Shooting(RecordProblem):
         return np.concatenate(found)
 
     def zeros(self, seen: ResidualJacobian, scale: float = 1.0) -> Mapping[int, ZeroEstimate]:
-        """Return where positions count from, by the last segment of each record that tells it.
-
-        Parameters
-        ----------
-        seen : ResidualJacobian
-            The answer whose local states are taken.
-        scale : float
-            Factor on standard errors of independent residuals, for those that are not.
-
-        Returns
-        -------
-        dict of int to ZeroEstimate
-            By record.
-        """
+        """Return where positions count from, by the last segment of each record that tells it."""
         law, mechanisms = self._changed(seen.values)
         begun = self._begun(law, seen.values, range(len(self.segments)))
         found = {}
