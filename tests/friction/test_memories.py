@@ -410,7 +410,7 @@ def test_positions_alone_in_one_segment_give_the_parameters_of_a_memory():
         position=recorded(own, 3.0).at(t)["x"] + np.random.default_rng(3).normal(0.0, 1e-6, len(t)),
         force=np.array([drive.smooth(one) for one in t]),
     )
-    one = RecordSettings(hold="first", segment=3.1)  # 12 um in segments of a second
+    one = RecordSettings(hold="first", segment=3.1)
     found = fit(Axis(inertia=1.0, load=1.0), type(own), table, settings=one)
     assert found.rms < 1.2e-6
     assert found.law.sticking_surplus == pytest.approx(own.sticking_surplus, rel=0.1)

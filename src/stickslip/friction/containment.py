@@ -5,6 +5,7 @@ import functools
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias, final
 
+from stickslip.errors import InputError
 from stickslip.friction.base import Containment, FrictionLaw
 from stickslip.friction.composition import SIDES, Composition
 from stickslip.friction.notation import (
@@ -78,14 +79,18 @@ def one_step_simpler(kind: type[FrictionLaw]) -> Iterator[tuple[Term, frozenset[
     >>> from stickslip.friction import law
     >>> for term, gone in one_step_simpler(law("dahl(level) + drag")):
     ...     print(term, sorted(gone))
-    level + drag ['bristle_stiffness', 'yield_exponent']
     dahl(level) ['quadratic_coefficient']
+    level + drag ['bristle_stiffness', 'yield_exponent']
     """
     if kind.made_of is None:
         return
     fields = {meaning: field for field, meaning in kind.made_of.meanings.items()}
     for term, values, limits in _reductions(kind.made_of.term):
-        yield term, frozenset(fields[one] for one in (*values, *limits) if one in fields)
+        try:
+            left = {*Composition(term, {}).meanings.values()} - {*values, *limits}
+        except InputError:  # parts that cannot stand together
+            continue
+        yield term, frozenset(field for one, field in fields.items() if one not in left)
 
 
 @functools.cache

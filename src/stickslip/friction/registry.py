@@ -1,10 +1,9 @@
 """The laws by name; installed packages add theirs under the entry point ``stickslip.friction``."""
 
-import contextlib
 import functools
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, replace
 from typing import Any, final
 
 from typing_extensions import override
@@ -157,9 +156,19 @@ def specification(name: str) -> CandidateSpec:
     ('kinetic_coefficient', 'bristle_stiffness', 'viscous_coefficient')
     >>> specification("dahl-exponent").title
     'Dahl with exponent'
+    >>> specification("dahl(level) + power").free
+    ('kinetic_coefficient', 'bristle_stiffness', 'viscous_coefficient', 'viscous_exponent')
     """
     if is_composition(name):
-        return CandidateSpec.of(name, law(name))
+        kind = law(name)
+        written = tuple(
+            field
+            for field, one in kind.made_of.fields.items()
+            if one.quantity.scale and not (one.quantity.structural and one.default is not MISSING)
+        )
+        # a law of that name may hold the exponent of a power that is written here
+        same = {*written} == {*kind.fit_order}
+        return replace(CandidateSpec.of(name, kind), free=None if same else written)
     special = {one.name: one for one in special_specifications()}
     if name in special:
         return special[name]
@@ -252,8 +261,7 @@ def simpler_laws(
     found = [known[one.law] for one in kind.contained if one.law in known]
     for term, gone in one_step_simpler(kind):
         if searched & gone:
-            with contextlib.suppress(InputError):  # parts that cannot stand together
-                found.append(class_of(term))
+            found.append(class_of(term))
     return tuple(dict.fromkeys(found))
 
 
