@@ -11,7 +11,15 @@ from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments.readers.table_reader import Frame
 from stickslip.formatting import number
 
-__all__ = ["TRIAL", "by_trial", "condition_cells", "condition_keys", "conditions_in", "unused_in"]
+__all__ = [
+    "KELVINS",
+    "TRIAL",
+    "by_trial",
+    "condition_cells",
+    "condition_keys",
+    "conditions_in",
+    "unused_in",
+]
 
 TRIAL = "trial"
 """Name of a column that says which trial a row belongs to."""
@@ -65,7 +73,14 @@ def condition_keys(frame: Frame, columns: Sequence[str]) -> dict[str, str]:
     """
     found = {}
     for name in columns:
-        own = next((key for key, header in frame.names.items() if name in (key, header)), None)
+        own = next(
+            (
+                key
+                for key, header in frame.names.items()
+                if name in (key, header, header.partition("[")[0].strip())
+            ),
+            None,
+        )
         if own is None:
             raise UnknownNameError(f"column in conditions of {frame.file}:", name, frame.names)
         unit = frame.units.get(own)
