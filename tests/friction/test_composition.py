@@ -386,14 +386,43 @@ def test_a_composition_of_one_contact_is_never_taken_for_that_of_all(tmp_path):
     assert found["elbow"] is None
 
 
-def test_a_missing_parameter_is_asked_for_under_the_table_that_is_there(tmp_path):
+@pytest.mark.parametrize("text", ["level + lorentz", "simscape"])
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            "",
+            r"friction\.joint\.kinetic_coefficient \(mu_k\) is missing\."
+            r" Add kinetic_coefficient under \[friction\.joint\] or \[friction",
+        ),
+        ("kinetic_coefficient = -1.0", r"friction\.joint\.kinetic_coefficient \(mu_k\) must be"),
+        ("kinetic_coefficent = 1.0", r"unknown key in \[friction\.joint\]"),
+    ],
+)
+def test_what_is_wrong_in_a_table_with_a_composition_is_told_with_the_name_of_that_table(
+    tmp_path, text, line, message
+):
     path = tmp_path / "rig.toml"
-    text = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + lorentz"\n'
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(
-        InputError, match=r"Add kinetic_coefficient under \[friction\.NAME\] or \[friction\]"
-    ):
+    rig = f'[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "{text}"\n{line}\n'
+    path.write_text(rig, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
         load_rig(path)
+    path.write_text(f"{ARM}{rig.partition('2.0')[2].replace('joint', 'elbow.own')}", "utf-8")
+    with pytest.raises(InputError, match=message.replace("joint", r"elbow\.own")):
+        load_rig(path)
+
+
+def test_an_override_that_contradicts_the_file_is_told_with_the_name_of_its_table(tmp_path):
+    path = tmp_path / "rig.toml"
+    values = "kinetic_coefficient = 1.0\nstatic_coefficient = 2.0\nstribeck_velocity = 0.1\n"
+    head = '[mechanism]\ntype = "axis"\ninertia = 2.0\n[friction.joint]\nlaw = "level + lorentz"\n'
+    path.write_text(head + values, encoding="utf-8")
+    for key in ("friction.joint.static_coefficient", "friction.static_coefficient"):
+        with pytest.raises(InputError, match=rf"{key} \(mu_s\) = 0.5 is below kinetic_coefficient"):
+            load_rig(path, overrides={key: 0.5})
+    wrong = r"\[friction\.joint\] of override of .*: 'static_coeficient'"
+    with pytest.raises(InputError, match=wrong):
+        load_rig(path, overrides={"friction.joint.static_coeficient": 0.5})
 
 
 def test_a_part_without_the_name_of_a_law_is_a_composition_by_itself():

@@ -65,6 +65,7 @@ def known_laws(
     file: str,
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
+    called: Mapping[str, str],
     at: str = "friction",
 ) -> KnownLaws:
     """Return the laws for which the table gives every required parameter.
@@ -81,6 +82,8 @@ def known_laws(
         Paths that overrides set.
     kinds : mapping of str to type of FrictionLaw
         Types of laws by registry name.
+    called : mapping of str to str
+        What the file calls tables of laws that do not stand under the name of the law, by path.
     at : str
         Where the table stands, for messages.
 
@@ -102,6 +105,7 @@ def known_laws(
     meant = _meant(kinds, shared)
     for name, law in kinds.items():
         own: Table | None = getattr(friction, python_name(name))
+        table = called.get(f"{at}.{name}", f"{at}.{name}")
         names = [field.name for field in dataclasses.fields(law)]
         values = {key: shared[key] for key in names if key in shared}
         if own is not None:
@@ -109,7 +113,7 @@ def known_laws(
             changed = overridden_fields(law, overridden, of_law=False)
             changed -= overridden_fields(law, overridden, shared=False)
             kept = {key: value for key, value in values.items() if key in changed}
-            values |= _own(own, law, file, overridden, at) | kept
+            values |= _own(own, law, file, overridden, table) | kept
         given[name] = {key: _plain(value) for key, value in values.items()}
         stated = {
             key: value.uncertainty
@@ -120,10 +124,10 @@ def known_laws(
             uncertainties[name] = stated
         missing = [key for key in _required(law) if key not in values]
         if missing and own is not None:
-            raise ParameterError(_missing(law, missing[0], file, at))
+            raise ParameterError(_missing(law, missing[0], file, at, table))
         if missing or (own is None and law.on_request and name not in meant):
             continue
-        found[name] = _build(law, values, file, overridden, at)
+        found[name] = _build(law, values, file, overridden, at, table)
         marked = [key for key in names if isinstance(values.get(key), Given) and values[key].marked]
         if marked:
             assumed[name] = tuple(marked)
@@ -145,6 +149,7 @@ def by_contact(
     file: str,
     overridden: Collection[str],
     kinds: Mapping[str, type[FrictionLaw]],
+    called: Mapping[str, str],
 ) -> dict[str, KnownLaws | None]:
     """Return the laws of each of several contacts; nothing if no contact has a table of its own.
 
@@ -163,6 +168,8 @@ def by_contact(
         Paths that overrides set.
     kinds : mapping of str to type of FrictionLaw
         Types of laws by registry name.
+    called : mapping of str to str
+        As in `known_laws`.
 
     Returns
     -------
@@ -205,7 +212,7 @@ def by_contact(
             if k not in kept or (f"friction.{k}" in of_all and f"friction.{k}" not in of_contact)
         }
         whole = (friction.of_one() if own is None else own).model_copy(update=values)
-        found[name] = known_laws(whole, file, of_contact | of_all, kinds, at)
+        found[name] = known_laws(whole, file, of_contact | of_all, kinds, called, at)
     return found
 
 
@@ -308,7 +315,7 @@ def _required(law: type[FrictionLaw]) -> list[str]:
 
 
 def _own(
-    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], at: str
+    own: Table, law: type[FrictionLaw], file: str, overridden: Collection[str], table: str
 ) -> dict[str, Any]:
     """Return the values of a law's own table, those given as forces over their load."""
     values = own.given()
@@ -324,24 +331,19 @@ def _own(
             continue
         if field in values and f"friction.{law.name}.forces.{key}" not in overridden:
             raise InputError(
-                f"{file}: {at}.{law.name}.{field} and {at}.{law.name}.forces.{key} both give the"
-                " same parameter: leave one out."
+                f"{file}: {table}.{field} and {table}.forces.{key} both give the same parameter:"
+                " leave one out."
             )
         scale = 1.0 if quantity.unit == fields_of(law)[field].unit else load
         values[field] = Given(force.value / scale, force.marked)
     return values
 
 
-def _missing(law: type[FrictionLaw], key: str, file: str, at: str) -> str:
+def _missing(law: type[FrictionLaw], key: str, file: str, at: str, table: str) -> str:
     symbol = f" ({fields_of(law)[key].symbol})" if key in fields_of(law) else ""
     forces = [one for one, (field, _) in force_parameters(law).items() if field == key]
-    # the file calls the table of a composition what it likes
-    table = f"{at}.{law.name if law.title != law.name else 'NAME'}"
     other = f", or {forces[0]} under [{table}.forces]" if forces else ""
-    return (
-        f"{file}: {at}.{law.name}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]"
-        f"{other}."
-    )
+    return f"{file}: {table}.{key}{symbol} is missing. Add {key} under [{table}] or [{at}]{other}."
 
 
 def _build(
@@ -350,15 +352,16 @@ def _build(
     file: str,
     overridden: Collection[str],
     at: str,
+    table: str,
 ) -> FrictionLaw:
     given = {key: _plain(value) for key, value in values.items()}
-    _check_order(law, given, file, overridden, at)
+    _check_order(law, given, file, overridden, at, table)
     try:
         return law(**given)
     except ParameterError as error:
         touched = [path for path in overridden if path.startswith("friction.")]
         where = place(touched[0], file, overridden) if touched else file
-        raise ParameterError(f"{where}: {at}.{law.name}: {error}") from None
+        raise ParameterError(f"{where}: {table}: {error}") from None
 
 
 def _check_order(
@@ -367,14 +370,15 @@ def _check_order(
     file: str,
     overridden: Collection[str],
     at: str,
+    table: str,
 ) -> None:
     """Name both parameters where an override has put one above or below another of the file."""
     known = fields_of(law)
     changed = {
-        key: path
+        key: f"{where}.{key}"
         for key in values
-        for path in (f"friction.{key}", f"friction.{law.name}.{key}")
-        if path in overridden
+        for where, path in ((at, "friction"), (table, f"friction.{law.name}"))
+        if f"{path}.{key}" in overridden
     }
     for upper, quantity in known.items():
         lower = quantity.at_least
@@ -385,9 +389,8 @@ def _check_order(
         key, other, relation = (
             (upper, lower, "below") if upper in changed else (lower, upper, "above")
         )
-        path = at + changed[key].removeprefix("friction")
         raise ParameterError(
-            f"override of {file}: {path} ({known[key].symbol}) = {number(values[key], 6)}"
+            f"override of {file}: {changed[key]} ({known[key].symbol}) = {number(values[key], 6)}"
             f" is {relation} {other} ({known[other].symbol}) = {number(values[other], 6)} of the"
             f" file: override both, so that {upper} is at least {lower}."
         )

@@ -108,6 +108,7 @@ def read_rig(
     of_one_law = {name for name, table in tables if isinstance(table, dict) and "law" in table}
     own = imported(raw, file, beside=beside, overridden=overrides, allow=allow_import)
     overrides = {_of_law(path, own.tables): value for path, value in overrides.items()}
+    called = {law: given for given, law in own.tables.items()}
     contacts = _contacts(raw, own, file, overrides)
     for name, _ in contacts:
         if len(contacts) > 1 and name in of_one_law:
@@ -120,7 +121,7 @@ def read_rig(
         kind = rig_table(own.mechanism, tuple(kinds.values()), contacts)
         table = kind.model_validate(raw)
     except ValidationError as error:
-        raise complaint(error, raw, file, overrides) from None
+        raise complaint(error, raw, file, overrides, called) from None
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     mechanism = _mechanism(table, file, overrides)
@@ -132,10 +133,10 @@ def read_rig(
         mechanism = as_rotary(mechanism)
     mechanism = given_inputs(mechanism, _contact_inputs(table.contact, mechanism, file, overrides))
     names = tuple(name for name, _ in contacts) if len(contacts) > 1 else ()
-    of_contacts = by_contact(table.friction, names, file, overrides, kinds)
+    of_contacts = by_contact(table.friction, names, file, overrides, kinds, called)
     known = KnownLaws()
     if not of_contacts:
-        known = known_laws(table.friction, file, overrides, kinds)
+        known = known_laws(table.friction, file, overrides, kinds, called)
     named = _paths(table, file)
     return Rig(
         title=table.title or Path(file).stem,
@@ -240,7 +241,7 @@ def _contacts(
         friction = raw.get("friction")
         if "mechanism" not in raw or not isinstance(friction, dict):
             return ()
-        raise complaint(error, raw, file, overrides) from None
+        raise complaint(error, raw, file, overrides, {}) from None
     mechanism = _mechanism(table, file, overrides)
     try:
         found = checked_contacts(mechanism)

@@ -44,7 +44,11 @@ def place(key: str, file: str, overridden: Collection[str]) -> str:
 
 
 def complaint(
-    error: ValidationError, raw: Mapping[str, Any], file: str, overridden: Collection[str]
+    error: ValidationError,
+    raw: Mapping[str, Any],
+    file: str,
+    overridden: Collection[str],
+    called: Mapping[str, str],
 ) -> InputError:
     """Return the error to raise: the first that was found, unknown keys before all others.
 
@@ -58,6 +62,8 @@ def complaint(
         Name of the file, for messages.
     overridden : collection of str
         Paths that overrides set.
+    called : mapping of str to str
+        What the file calls tables of laws that do not stand under the name of the law, by path.
 
     Returns
     -------
@@ -67,7 +73,8 @@ def complaint(
     found = error.errors(include_url=False)
     found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
     first: Mapping[str, Any] = found[0]
-    key, value = _key(first["loc"], raw), first["input"]
+    key, value = _as_called(_key(first["loc"], raw), called), first["input"]
+    overridden = [_as_called(path, called) for path in overridden]
     context = first.get("ctx", {})
     kind = first["type"]
     where = place(key, file, overridden)
@@ -104,6 +111,12 @@ def complaint(
     return ParameterError(f"{where}: {key or 'the file'} {wanted}, got {shown(value)}.")
 
 
+def _as_called(key: str, called: Mapping[str, str]) -> str:
+    """Return a key with the name that the file gives its table."""
+    own = next((path for path in called if f"{key}.".startswith(f"{path}.")), None)
+    return key if own is None else called[own] + key.removeprefix(own)
+
+
 def _missing(where: str, key: str, context: Mapping[str, Any]) -> str:
     name, quantity = context["key"], context["quantity"]
     under = f"under {_heading(key)}" if key else "at the top of the file"
@@ -135,11 +148,11 @@ def _key(loc: tuple[int | str, ...], raw: Any) -> str:
     parts: list[str] = []
     node = raw
     for step in loc:
-        if " " in str(step):  # which of several kinds, in words
-            continue
         if _has(node, step):
             node = node[step]
-        elif isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step):
+        elif " " in str(step) or (  # which of several kinds, in words
+            isinstance(node, dict) and (isinstance(step, int) or node.get("type") == step)
+        ):
             continue
         parts.append(str(step))
     return ".".join(parts)
