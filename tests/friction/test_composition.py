@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -146,14 +147,33 @@ def test_directions_keep_parameters_that_the_law_of_one_direction_names_otherwis
     assert one.break_away(1.0) == 1.7  # the smaller one
 
 
+@pytest.mark.parametrize(
+    "name", [name for name, one in LAWS.items() if hasattr(one, "composition")]
+)
+def test_the_name_of_a_law_is_no_other_law_when_it_is_read_as_a_composition(name):
+    kind = LAWS[name]
+    if name == str(kind.composition):
+        assert law(name) is kind
+        return
+    told = re.escape(f"{kind.composition}: give that")
+    with pytest.raises(InputError, match=rf"the name of the law {told}.*\.{kind.__name__}\.$"):
+        law(name)
+    if name in PARTS:
+        with pytest.raises(InputError, match="is a part, and is the name"):
+            law(read(name))
+
+
 def test_smooth_laws_take_the_values_that_their_formulas_print():
     brown = law("brown_mcphee")(
         kinetic_coefficient=1.0, static_coefficient=1.5, transition_velocity=0.01
     )
     # tanh 4 = 0.99933 is what the smoothing leaves of the kinetic level at the transition velocity
     assert brown.force(0.01, 1.0) == pytest.approx(math.tanh(4.0) + 0.5, rel=1e-15)
-    block = law("simscape")(
-        kinetic_coefficient=1.0, static_coefficient=1.5, breakaway_velocity=0.01
+    block = law("simscape + viscous")(
+        kinetic_coefficient=1.0,
+        static_coefficient=1.5,
+        breakaway_velocity=0.01,
+        viscous_coefficient=0.0,
     )
     assert block.force(0.01, 1.0) == pytest.approx(math.tanh(10.0) + 0.5, rel=1e-15)
     rise = law("threlfall(level)")(kinetic_coefficient=2.0, smoothing_velocity=0.1)

@@ -225,10 +225,17 @@ def law(composition: str | Term) -> type[FrictionLaw]:
     >>> Thinning.title, Thinning.contained[0].law
     ('dahl(level + lorentz) + power', 'dahl')
     """
-    term = read(composition) if isinstance(composition, str) else composition
-    if not isinstance(term, Term):
+    if not isinstance(composition, str | Term):
         raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
-    return class_of(term)
+    text = str(composition).strip()
+    named = CATALOGUE.get(text)
+    if named is not None and text != named.composition:
+        part = " is a part, and" if text in PARTS else ""
+        raise InputError(
+            f"{text!r}{part} is the name of the law {named.composition}: give that"
+            f" composition, or take the class stickslip.friction.{named.statement.__name__}."
+        )
+    return class_of(read(composition) if isinstance(composition, str) else composition)
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:
