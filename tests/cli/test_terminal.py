@@ -54,6 +54,29 @@ def test_each_command_has_short_help_with_an_example_and_can_be_quiet(run, comma
     assert "-q, --quiet" in out
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("characterize", "coulomb", "--tests", "creep", "--report", "new/one/file.html"),
+        ("simulate", "demo", "--t-end", "0.1", "-o", "new/one/file.csv"),
+        ("simulate", "demo", "--t-end", "0.1", "--report-to", "new/one"),
+        ("export", "law.toml", "--to", "c", "-o", "new/one"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_commands_make_the_folder_of_what_they_write_and_the_help_says_so(
+    run, tmp_path, sketches, command
+):
+    law = "[friction]\nkinetic_coefficient = 0.3\n[friction.coulomb]\n"
+    (tmp_path / "law.toml").write_text(f'[mechanism]\ntype = "axis"\ninertia = 1.0\n{law}')
+    code, out, err = run(*command)
+    assert code == 0, err
+    assert list((tmp_path / "new" / "one").iterdir())
+    assert "new/one" in out.replace("\\", "/")
+    said = " ".join(run("-h")[1].split())
+    assert "Folders of files to write are made where they do not exist." in said
+
+
 def test_commands_are_listed_by_panels_and_none_is_left_out(run):
     code, out, _ = run("-h")
     assert code == 0

@@ -62,7 +62,8 @@ app = typer.Typer(
     help="Select a friction model for a mechanism from measurements, with parameters and"
     " uncertainties.",
     epilog="Exit codes: 0 success; 1 report not drawn; 2 invalid input or data; 3 no convergence,"
-    " or no law fits; 4 criteria failed; 130 cancelled.",
+    " or no law fits; 4 criteria failed; 130 cancelled. Folders of files to write are made where"
+    " they do not exist.",
 )
 
 
@@ -482,8 +483,8 @@ def export(
         typer.Option(
             "--rig",
             metavar="FILE",
-            help="Rig file (TOML) on which the law is used: mjcf and urdf then say what their"
-            " simplified friction changes of its motion.",
+            help="Rig file (TOML) on which the law is used: an fmu is of that rig with the law;"
+            " mjcf and urdf say what their simplified friction changes of its motion.",
         ),
     ] = None,
     load: Annotated[

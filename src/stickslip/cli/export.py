@@ -36,7 +36,7 @@ class Wanted:
     name: str | None
     """Name of the program."""
     rig: Path | None
-    """Rig on which the law is used."""
+    """Rig on which the law is used; of an FMU, the rig that it is of."""
     load: str | None
     """Normal force at which tables and joints have their friction."""
     law_load: str | None
@@ -140,7 +140,6 @@ def _refuse_foreign(to: str, wanted: Wanted) -> None:
     if to == FMU:
         named_alone: dict[str, object] = {
             "--contact": wanted.contact,
-            "--rig": wanted.rig,
             "--load": wanted.load,
             "--largest-speed": wanted.largest_speed,
             "--at": wanted.at or None,
@@ -162,11 +161,14 @@ def _export_fmu(
     path: Path, wanted: Wanted, output: Path, *, allow_import: bool, force: bool, as_json: bool
 ) -> None:
     """Export a rig with its law as an FMU: into a file, or into a folder."""
-    name = wanted.name if wanted.name is not None else path.stem
+    of, law_named = path, wanted.law
+    if wanted.rig is not None:
+        of, law_named = wanted.rig, str(path) if wanted.law is None else f"{path}:{wanted.law}"
+    name = wanted.name if wanted.name is not None else of.stem
     file = output if output.suffix == ".fmu" else output / f"{identifier(name)}.fmu"
     refuse_overwriting(output, file.parent, force=force)
-    asked = LawAsked(law=wanted.law, load=wanted.law_load)
-    rig, chosen = rig_and_friction(path, (), asked, allow_import=allow_import)
+    asked = LawAsked(law=law_named, load=wanted.law_load)
+    rig, chosen = rig_and_friction(of, (), asked, allow_import=allow_import)
     law = friction_of(chosen)
     export_fmu(
         rig.mechanism,

@@ -31,6 +31,7 @@ from stickslip.identification import (
     RouteName,
     covers,
     law_quantities,
+    refuse_of_laws,
 )
 from stickslip.quantities import Quantity, full_path
 from stickslip.routes import AnyRoute, Law, Options, Request, refuse_unused, route_of
@@ -263,6 +264,8 @@ def _fixed(rig: Rig, texts: Sequence[str], law: AnyLaw) -> dict[str, float]:
             raise InputError(
                 f"--fixed takes NAME=VALUE such as viscous_coefficient=0.4, got {part!r}."
             )
+        if law is None:
+            refuse_of_laws([name.strip()], known)
         path = full_path(name.strip(), known, "parameter in --fixed")
         try:
             found[path] = read_number(_number(value.strip()), known[path])

@@ -124,6 +124,7 @@ INSIDE = {
     "reads_as_forces": "records.level_units",
     "record_route_name": "records.fitting",
     "refitted": "records.refits",
+    "refuse_of_laws": "validation",
     "refuse_uncertainties": "features.features",
     "required_of": "travels.start_values",
     "room_of": "features.scores",

@@ -132,6 +132,7 @@ from stickslip.identification.validation import covers as covers
 from stickslip.identification.validation import law_quantities as law_quantities
 from stickslip.identification.validation import laws_of as laws_of
 from stickslip.identification.validation import names_of as names_of
+from stickslip.identification.validation import refuse_of_laws as refuse_of_laws
 
 __all__ = [
     "Estimate",

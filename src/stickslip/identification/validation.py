@@ -1,13 +1,13 @@
 """What verbs take: which parameters are varied and which fixed; slips that Python lets pass."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import Generic, TypeAlias, TypeVar, cast, final
 
 from stickslip.errors import InputError, UnknownNameError
 from stickslip.experiments import Measurement, Rig, all_paths
-from stickslip.friction import FrictionLaw, RateState
+from stickslip.friction import FrictionLaw, RateState, laws
 from stickslip.mechanisms import Mechanism, slip_of
 from stickslip.quantities import Quantity, fields_of, full_path, parameters
 from stickslip.quantities import vary as with_values
@@ -24,6 +24,7 @@ __all__ = [
     "law_quantities",
     "laws_of",
     "names_of",
+    "refuse_of_laws",
     "varied_paths",
 ]
 
@@ -153,18 +154,40 @@ def _fixed_values(
     fixed: Fixed,
 ) -> dict[str, float]:
     """Return fixed values by full path, each within the range of its parameter."""
-    if law is None and isinstance(fixed, Mapping):
-        for name in fixed:
-            if str(name).startswith("friction."):
-                raise InputError(
-                    "fixed takes only parameters of the mechanism when laws are compared, got"
-                    f" {name}: give the law with its values, or fit it alone."
-                )
     known = {**of_law, **all_paths(mechanism, "mechanism")}
+    if law is None and isinstance(fixed, Mapping):
+        refuse_of_laws(map(str, fixed), known)
     kind = law if isinstance(law, type) else type(law)
     return fixed_values(
         fixed, known, lambda path: (kind if path in of_law else type(mechanism)).__name__
     )
+
+
+def refuse_of_laws(names: Iterable[str], known: Collection[str]) -> None:
+    """Refuse values of laws where these are compared: by their free parameters, all of each.
+
+    Parameters
+    ----------
+    names : iterable of str
+        What is to be fixed.
+    known : collection of str
+        Full paths of the parameters of the mechanism, one of which a last name may mean.
+
+    Raises
+    ------
+    InputError
+        If one is a parameter of a friction law.
+    """
+    own = {path.rpartition(".")[2] for path in known}
+    for name in names:
+        field = name.removeprefix("friction.")
+        if name in (*known, *own) or not any(field in fields_of(kind) for kind in laws().values()):
+            continue
+        raise InputError(
+            "fixed (--fixed) takes only parameters of the mechanism when laws are compared, got"
+            f" {name}: all parameters of each law are fitted. To hold one, fit its law alone"
+            " (`stickslip fit --law NAME --fixed NAME=VALUE`)."
+        )
 
 
 def fixed_values(
