@@ -478,6 +478,14 @@ class _Writer:
         given = (APPLIED, LOAD, MASS, GAMMA * PERIOD)
         ratio = (1.0 - GAMMA) / GAMMA
         states = (VELOCITY, *self.states)
+        between: list[Statement] = [
+            Assign((end,), (one + ratio * (se.Symbol(end) - one),))
+            for end, one in zip(outputs, states, strict=True)
+        ]
+        if self.law.moved is not None:  # a straight line would lead elements past their limits
+            rest = (1.0 - GAMMA) * PERIOD
+            reached = (se.Symbol("velocity_end"), *self.states, LOAD, rest)
+            between = [Call(tuple(self.ends), "settle", reached), between[0]]
         return Function(
             name="slide",
             summary="Velocity and bristle states after a period.",
@@ -485,10 +493,7 @@ class _Writer:
             outputs=self._slid(),
             body=(
                 Call(outputs, "implicit", (*states, *given)),
-                *(
-                    Assign((end,), (one + ratio * (se.Symbol(end) - one),))
-                    for end, one in zip(outputs, states, strict=True)
-                ),
+                *between,
                 Call(outputs, "implicit", (*map(se.Symbol, outputs), *given)),
             ),
             inner=True,
