@@ -1,6 +1,7 @@
 """Help, completion, quiet, the first steps from a data file, and progress without a terminal."""
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -313,6 +314,27 @@ def test_laws_are_counted_as_they_come_and_no_time_is_told_that_nobody_knows(cap
         "Fitting lugre (law 3 of 3, 6 s) ...",
         "Fitting lugre (law 3 of 3, 6 min 40 s) ...",
         "Validating on block 1 of 8 (6 min 40 s) ...",
+    ]
+
+
+def test_the_time_left_is_bounded_where_the_law_that_takes_longest_comes_first(capsys, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("stickslip.cli.progress.time", SimpleNamespace(monotonic=clock))
+    names = ["constant", "ageing", "two-states"]
+    with Searching(names, str, Interrupts(), longest_first=True) as watch:
+        for now, name in ((1, "two-states"), (60, "held-out steps: two-states, 1 of 4")):
+            clock.now = float(now)
+            watch(name, math.nan)
+        for now, name in ((91, "constant"), (101, "ageing"), (131, "ageing"), (400, "ageing")):
+            clock.now = float(now)
+            watch(name, 0.5)
+    assert capsys.readouterr().err.splitlines() == [
+        "Fitting two-states (law 1 of 3) ...",
+        "Validating on held-out steps: two-states, 1 of 4 (1 min 0 s) ...",
+        "Fitting constant (law 2 of 3, 1 min 31 s, about 3 min 0 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 1 min 41 s, about 1 min 30 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 2 min 11 s, about 1 min 0 s left at most) ...",
+        "Fitting ageing (law 3 of 3, 6 min 40 s) ...",  # longer than the first: nobody knows
     ]
 
 

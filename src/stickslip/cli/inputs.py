@@ -323,7 +323,16 @@ def watching(
     def text(error: float) -> str:
         return found.route.residual_text(error, found.measurement, found.options)
 
-    with Interrupts() as interrupts, Searching(names, text, interrupts, at_most=at_most) as bar:
+    with (
+        Interrupts() as interrupts,
+        Searching(
+            names,
+            text,
+            interrupts,
+            at_most=at_most,
+            longest_first=found.route.longest_first,
+        ) as bar,
+    ):
         yield bar
 
 

@@ -51,6 +51,7 @@ class RateStateRoute(Route[RateStateFit, RateStateVerdict]):
     measured = "velocity steps"
     uses = frozenset({"route", "validate", "executor"})
     settings = frozenset({"starts", "seed"})
+    longest_first = True
     fits = RateState
     usual_law = "rate-and-state"
     simulated = False

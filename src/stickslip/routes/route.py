@@ -203,6 +203,8 @@ class Route(ABC, Generic[F, V]):
     """Whether laws are given by the name of the contact."""
     climbs: ClassVar[bool] = False
     """Whether the candidates that are compared by default are only fitted as far as they gain."""
+    longest_first: ClassVar[bool] = False
+    """Whether a law that takes as long as any is fitted first, which bounds the time left."""
     fits: ClassVar[type] = FrictionLaw
     """Base class of the laws that are fitted."""
     usual_law: ClassVar[str] = "coulomb-viscous"

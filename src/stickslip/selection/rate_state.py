@@ -1,7 +1,7 @@
 """Selection on velocity steps: every law fitted, judged on steps it has not seen, one named."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -34,6 +34,7 @@ from stickslip.selection.applicability import checked
 from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
 from stickslip.selection.choice import beyond_doubt, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
+from stickslip.selection.parallel_fit import watched
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
 
@@ -197,11 +198,15 @@ def select_rate_state(
     first = work(richest, "auto", progress)
     drift: Drift = "linear" if first.fit is not None and first.fit.drift else "none"
     rest = [one for one in chosen if one is not richest]
+    by_name = {first.name: first}
     if executor is None:
-        others = [work(one, drift, progress) for one in rest]
+        by_name |= {one.name: work(one, drift, progress) for one in rest}
     else:
-        others = [one.result() for one in [executor.submit(work, x, drift, None) for x in rest]]
-    by_name = {one.name: one for one in (first, *others)}
+        with watched(executor, progress) as workers:
+            for one in rest:
+                workers.begin(one.name, work, one, drift)
+            while workers.futures:
+                by_name |= workers.ended()
     judged = [
         _among(by_name[one.name], [x for x in chosen if one.form.contains(x.form)])
         for one in chosen
@@ -274,7 +279,7 @@ def _candidate(
         return replace(found, dropped=str(error))
     found = replace(found, fit=fit, second=None if validate is None else fit.judged(validate))
     try:
-        unseen = held_out(fit)
+        unseen = held_out(fit, None if watch is None else partial(_told_of_parts, watch, one.name))
     except ConvergenceError as error:
         return replace(found, dropped=f"not judged: without a held-out part, {error}")
     validation = _by_segment(fit, unseen)
@@ -289,7 +294,11 @@ def _candidate(
     )
 
 
-def held_out(fit: RateStateFit) -> Array:
+def _told_of_parts(watch: Watch, name: str, part: int, parts: int) -> None:
+    watch(f"held-out steps: {name}, {part} of {parts}", math.nan)
+
+
+def held_out(fit: RateStateFit, told: Callable[[int, int], object] | None = None) -> Array:
     """Return what fits leave that have not seen it: each velocity step is held out in turn.
 
     The law runs over the whole record, as the load point was moved; what is held out is not
@@ -299,6 +308,8 @@ def held_out(fit: RateStateFit) -> Array:
     ----------
     fit : RateStateFit
         The fit to the whole record, from which searches begin.
+    told : callable, optional
+        Called with the number of each part, and how many there are, before it is evaluated.
 
     Returns
     -------
@@ -315,7 +326,10 @@ def held_out(fit: RateStateFit) -> Array:
     segments = slider.segments
     unseen = np.full(len(segments), np.nan)
     present = np.unique(segments).tolist()
-    for one in present[1:] if slider.by_steps else present:
+    held = present[1:] if slider.by_steps else present
+    for number, one in enumerate(held, 1):
+        if told is not None:
+            told(number, len(held))
         rest = SubsetProblem(slider, [other for other in present if other != one], fit.best)
         end, _ = improve(rest, fit.best.values)
         rows = segments == one
