@@ -155,6 +155,7 @@ def _followed(bench: Bench, turns: Array, speed: float) -> tuple[Array, Array]:
     share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, POINTS))  # even steps of displacement
     starts = np.concatenate([[0.0], arrivals[:-1]])
     times = np.concatenate([a + (b - a) * share[1:] for a, b in zip(starts, arrivals, strict=True)])
+    times = np.union1d(times, run.t)  # steps end where a contact gives way
     seen = run.at(np.minimum(times, run.span[1]))
     return seen["x"], seen["friction"]
 

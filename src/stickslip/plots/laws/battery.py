@@ -101,11 +101,12 @@ def _steady(axes: Axes, results: Drawn, style: Mapping[str, LineStyle]) -> None:
     slow = factor * 10.0 * min(np.abs(one.velocity).min() for one in results.values())
     fast = factor * max(one.velocity.max() for one in results.values())
     decades = 10.0 ** np.arange(np.floor(np.log10(fast) + 0.01), np.log10(slow) + 0.5, -2)[::-1]
-    axes.set_xscale("symlog", linthresh=slow, linscale=0.5)
+    axes.set_xscale("asinh", linear_width=slow)  # logarithmic on both sides, without a corner
     ticks = [*-decades[::-1], 0.0, *decades]
     axes.set_xticks(ticks, [number(one) for one in ticks])
+    axes.set_xticks([], minor=True)
     axes.axhline(0, color=MUTED, linewidth=0.6, zorder=0)
-    axes.set_xlabel(f"velocity, {unit}")
+    axes.set_xlabel(f"velocity, {unit} (logarithmic)")
     axes.set_ylabel("friction, N")
 
 
