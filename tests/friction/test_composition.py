@@ -155,11 +155,11 @@ def test_the_name_of_a_law_is_no_other_law_when_it_is_read_as_a_composition(name
     if name == str(kind.composition):
         assert law(name) is kind
         return
-    told = re.escape(f"{kind.composition}: give that")
-    with pytest.raises(InputError, match=rf"the name of the law {told}.*\.{kind.__name__}\.$"):
+    told = re.escape(f"The law named {name} is {kind.composition}")
+    with pytest.raises(InputError, match=rf"{told}: .*\.{kind.__name__}\.$"):
         law(name)
     if name in PARTS:
-        with pytest.raises(InputError, match="is a part, and is the name"):
+        with pytest.raises(InputError, match=told):
             law(read(name))
 
 
