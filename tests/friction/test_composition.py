@@ -59,6 +59,8 @@ FREE = (
     "lugre(level + logarithmic) + viscous",
     "makkar + viscous",
     "bengisu_akay + drag",
+    "table[0: 2, 1e-2: 15e-1, 5e-2: 12e-1, 3e-1: 13e-1] + viscous",
+    "lugre(table[1e-3: 3e-1, 1e-1: 2e-1]) + viscous",
 )
 CONTACT = {
     "motor": 1.3, "external": -0.7, "transmitted": 2.0, "gravity": -0.4,
@@ -320,8 +322,8 @@ def test_an_elasto_plastic_contact_does_not_drift_below_its_elastic_share_and_lu
         ("tanh(level + step)", "step inside tanh, which is 0 at rest"),
         ("tanh(level) + stribeck", "only some of level and stribeck inside a smooth sign"),
         ("maxwell[1\u0663](level)", "the number of elements must be 1 to 99"),
-        ("(" * 5000 + "level" + ")" * 5000, "at most 500 characters and 20 brackets, got 10005"),
-        ("x" * 10000, "at most 500 characters and 20 brackets, got 10000 and 0"),
+        ("(" * 5000 + "level" + ")" * 5000, "at most 2000 characters and 20 brackets, got 10005"),
+        ("x" * 10000, "at most 2000 characters and 20 brackets, got 10000 and 0"),
         ("tanh(level + viscous)", "other parts than levels inside tanh"),
         ("maxwell(level)", r"how many elements maxwell has: write maxwell\[4\]"),
         ("maxwell[0](level)", "the number of elements must be 1 to 99"),

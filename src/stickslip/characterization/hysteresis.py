@@ -15,8 +15,6 @@ from stickslip.simulation import simulate
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Presliding", "presliding"]
-
 SLOW, SLOW_ENOUGH = 1e-4, 1e-2
 """Highest speed on the path over the one at which friction changes, so that only the path matters:
 wanted, and allowed."""
@@ -97,21 +95,6 @@ def presliding(
     bench: Bench, *, amplitude: float | None = None, inner: tuple[float, float] | None = None
 ) -> Presliding:
     """Move the contact slowly along a path that turns, and test its memory.
-
-    Parameters
-    ----------
-    bench : Bench
-        The law and its sizes.
-    amplitude : float, optional
-        Amplitude of the path [m]; two presliding lengths if not given.
-    inner : tuple of float, optional
-        Where the inner loop of the memory test begins and where it turns [m]; 0.8 and 0.4
-        presliding lengths if not given.
-
-    Returns
-    -------
-    Presliding
-        The loop, and whether the memory is local.
 
     Examples
     --------

@@ -17,8 +17,6 @@ from stickslip.tables import Tabular
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["PreslidingLoop", "presliding_length", "presliding_loop"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 SLOW = 1e-6
@@ -62,18 +60,6 @@ class PreslidingLoop(OnAxes, Tabular):
 def presliding_length(law: FrictionLaw, load: float = 1.0) -> float:
     """Return the displacement [m] at which the first stiffness would reach break-away.
 
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law.
-    load : float
-        Normal force [N].
-
-    Returns
-    -------
-    float
-        Break-away force over the stiffness of the undeflected contact.
-
     Examples
     --------
     >>> from stickslip import Dahl
@@ -93,27 +79,6 @@ def presliding_loop(
     law: FrictionLaw, amplitude: float, load: float = 1.0, *, swings: int = 3
 ) -> PreslidingLoop:
     """Move a contact slowly to and fro, each time farther, and record its friction.
-
-    Parameters
-    ----------
-    law : FrictionLaw
-        The law; its bristles begin undeflected.
-    amplitude : float
-        Amplitude of the last swing [m].
-    load : float
-        Normal force [N].
-    swings : int
-        How many swings; their amplitudes grow evenly.
-
-    Returns
-    -------
-    PreslidingLoop
-        Displacement and friction.
-
-    Raises
-    ------
-    InputError
-        If the amplitude or the number of swings is not positive.
 
     Examples
     --------

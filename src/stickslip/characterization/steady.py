@@ -14,8 +14,6 @@ from stickslip.formatting import quantity
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["SteadyCurve", "steady_curve"]
-
 DECADES = 2
 """Speeds are looked at so many decades below and above the one at which friction changes."""
 SEEN = 2.0

@@ -51,8 +51,6 @@ from stickslip.cli.subcommands import data, profile
 if TYPE_CHECKING:
     from stickslip.selection import PurposeName
 
-__all__ = ["app"]
-
 app = typer.Typer(
     cls=Panels,
     context_settings=dict(CONTEXT),
@@ -829,7 +827,8 @@ def warmup(
 @command(app, "schema")
 def schema(_quiet: Quiet = False) -> None:
     """Print the JSON schema of rig files."""
-    from stickslip.cli.console import document, print_json
+    from stickslip.cli.console import print_json
+    from stickslip.documents import document
     from stickslip.experiments import rig_schema
 
     print_json(document("rig-schema", rig_schema()))

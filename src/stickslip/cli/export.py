@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.cli.console import document, print_json, refuse_overwriting, stdout
+from stickslip.cli.console import print_json, refuse_overwriting, stdout
 from stickslip.cli.law_choice import (
     LawAsked,
     check_named,
@@ -12,12 +12,11 @@ from stickslip.cli.law_choice import (
     friction_title,
     rig_and_friction,
 )
+from stickslip.documents import document
 from stickslip.errors import InputError, ParameterError
 from stickslip.experiments import LOAD, load_rig, read_number
 from stickslip.exports import TARGETS, export, export_fmu, identifier
 from stickslip.quantities import Given, Quantity, named
-
-__all__ = ["Wanted", "run"]
 
 FMU = "fmu"
 """The target that takes a rig with its law."""
@@ -63,32 +62,7 @@ def run(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Export the law of a file, and write what its target takes.
-
-    Parameters
-    ----------
-    path : Path
-        Rig file (TOML) with the law.
-    to : str
-        Name of the target; ``"fmu"`` takes the whole rig.
-    wanted : Wanted
-        The law and its use.
-    output : Path
-        Folder of the files.
-    allow_import : bool
-        Whether rig files may import classes, which runs their code.
-    force : bool
-        Whether files that exist are replaced.
-    as_json : bool
-        Whether one JSON document is printed on stdout instead of text.
-
-    Raises
-    ------
-    InputError
-        If the file has no law, the target needs what is not known, or the output exists.
-    ParameterError
-        If a value is out of its range.
-    """
+    """Export the law of a file, and write what its target takes."""
     known = named({**TARGETS, FMU: None}, to, "target")
     if path.suffix.lower() in BESIDE:
         raise InputError(

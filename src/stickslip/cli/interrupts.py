@@ -7,8 +7,6 @@ from typing import Any, Self, final
 
 from stickslip.cli.console import note
 
-__all__ = ["BEST", "Interrupts"]
-
 BEST = "Stopping with the best fit so far; press Ctrl-C again to cancel."
 """What is said where the first interrupt ends a search."""
 

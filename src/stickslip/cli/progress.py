@@ -21,9 +21,6 @@ from typing_extensions import override
 from stickslip.cli.console import is_quiet, stderr
 from stickslip.cli.interrupts import BEST, Interrupts
 
-__all__ = ["Compiling", "Drawing", "Improving", "Searching", "Watching"]
-
-
 SILENCE: Final = 20.0
 """Time after which a line says how far work is where no bar can be seen [s]."""
 LONG: Final = 5.0
@@ -83,15 +80,7 @@ class _Shown:
         self._start = self._last = time.monotonic()
 
     def _say(self, step: str, done: float = 0.0, total: float = 0.0) -> None:
-        """Write what is in work, and how far it is, where no bar can be seen.
-
-        Parameters
-        ----------
-        step : str
-            What is in work.
-        done, total : float
-            How much is done, and of how much; 0 if unknown.
-        """
+        """Write what is in work, and how far it is, where no bar can be seen."""
         now = time.monotonic()
         if self._first is None and done > 0.0:
             self._first = now, done

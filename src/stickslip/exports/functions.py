@@ -40,8 +40,6 @@ from stickslip.exports.program import (
 from stickslip.formulation import collapsed
 from stickslip.quantities import turned
 
-__all__ = ["functions_of", "input_variables", "rotary_code", "rotary_words", "turned_variable"]
-
 GAMMA: Final = 1.0 - 1.0 / math.sqrt(2.0)
 EXPANSIONS, ROOTS = 40, 60
 """Most times that a bracket is widened, and that it is divided; a few are the rule."""
@@ -73,19 +71,6 @@ T = TypeVar("T")
 def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...]:
     """Return the functions of a law, each after those that it calls.
 
-    Parameters
-    ----------
-    law : Equations
-        The law.
-    rotary : bool
-        Whether it is of a rotary axis, so that forces are torques and displacements angles.
-
-    Returns
-    -------
-    tuple of Function
-        ``friction``, ``break_away``, ``step`` and ``compensation``, ``rates`` and ``steady`` of a
-        law with bristles, and what they call.
-
     Examples
     --------
     >>> from stickslip import Coulomb
@@ -104,20 +89,7 @@ def functions_of(law: Equations, *, rotary: bool = False) -> tuple[Function, ...
 
 
 def input_variables(law: Equations, *, rotary: bool) -> tuple[Variable, ...]:
-    """Return the contact inputs of a law as arguments of its functions.
-
-    Parameters
-    ----------
-    law : Equations
-        The law.
-    rotary : bool
-        Whether it is of a rotary axis.
-
-    Returns
-    -------
-    tuple of Variable
-        One for each.
-    """
+    """Return the contact inputs of a law as arguments of its functions."""
     return tuple(
         Variable(
             name=name,

@@ -37,8 +37,6 @@ from stickslip.selection import (
     select_rate_state,
 )
 
-__all__ = ["RateStateRoute"]
-
 COEFFICIENT = Scale(1.0, "")
 """Errors of a coefficient are absolute, not percentages."""
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import TypeVar, override
 
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Checks, Measurement, interval_of
 from stickslip.formatting import quantity
 from stickslip.identification import (
@@ -26,18 +26,6 @@ from stickslip.identification import (
 )
 from stickslip.selection.verdict import Candidate, Verdict
 
-__all__ = [
-    "FOLDS",
-    "TRUSTED",
-    "CrossValidated",
-    "CrossValidatedVerdict",
-    "CrossValidation",
-    "Plan",
-    "cross_validate",
-    "halves",
-    "plan_of",
-]
-
 Array = NDArray[np.float64]
 Fit_co = TypeVar("Fit_co", bound=RecordFit[Any] | RateStateFit, covariant=True)
 
@@ -45,8 +33,6 @@ FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
-TRUSTED = 1000.0
-"""Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 
 
 @final
@@ -80,22 +66,7 @@ class CrossValidation:
     def of(
         cls, losses: Sequence["_Loss"], ahead: "_Loss | None", joints: Iterable[str] = ()
     ) -> "CrossValidation":
-        """Return the errors of blocks and of an extrapolation, and those of each joint.
-
-        Parameters
-        ----------
-        losses : sequence of _Loss
-            Of each block.
-        ahead : _Loss or None
-            Of the last third; None if nothing comes before it.
-        joints : iterable of str
-            Joints that have errors of their own.
-
-        Returns
-        -------
-        CrossValidation
-            The errors; those of a joint from the blocks in which it moves.
-        """
+        """Return the errors of blocks and of an extrapolation, and those of each joint."""
         return cls(
             losses=tuple(one.mean for one in losses),
             extrapolation=math.nan if ahead is None else math.sqrt(ahead.mean),
@@ -160,19 +131,6 @@ class CrossValidated(Candidate[Fit_co]):
         return self.fit.inference.effective if self.fit else 0.0
 
     @property
-    @final
-    def weak(self) -> bool:
-        """Whether a parameter of the law ended at a bound, or the condition is above 1,000."""
-        if self.fit is None:
-            return True
-        return self.fit.inference.condition > TRUSTED or self.at_bound
-
-    @property
-    @abstractmethod
-    def at_bound(self) -> bool:
-        """Whether a parameter of the law ended at a bound of its search."""
-
-    @property
     @abstractmethod
     def is_simpler(self) -> Collection[str]:
         """Names of those of these that it is at its fitted values."""
@@ -201,30 +159,10 @@ class CrossValidatedVerdict(Verdict[Candidate_co]):
 
 
 def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
-    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to the whole record, with its effective sample size.
-    horizon : float
-        Length of the segments to predict [s].
-    folds : int
-        Number of blocks of time.
-
-    Returns
-    -------
-    Plan
-        Blocks, gap and horizon for all candidates.
-
-    Raises
-    ------
-    InputError
-        If the record is too short for blocks to be held out.
-    """
+    """Return a plan: gaps as long as residuals of a fit are correlated, a horizon that fits in."""
     spans = fit.problem.spans
     if interleaved(spans):
-        return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
+        return Plan(folds=len(spans), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     if not length > 0.0:
         raise InputError(
@@ -244,13 +182,7 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
 
 
 def _check_block(measurement: Measurement, block: float, length: float, folds: int) -> None:
-    """Refuse a record whose blocks have too few samples to be simulated.
-
-    Raises
-    ------
-    InputError
-        With the length of the record, which the user knows, as that of a block nobody gave.
-    """
+    """Refuse a record whose blocks have too few samples to be simulated."""
     times = [np.asarray(record.time) for record in measurement.records() if record.time is not None]
     if not times or any(block / interval_of(time) >= LEAST for time in times):
         return
@@ -263,25 +195,7 @@ def _check_block(measurement: Measurement, block: float, length: float, folds: i
 
 
 def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
-    """Return held-out errors of a fit, its unknowns fitted anew without each block.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit to the whole record.
-    plan : Plan
-        Blocks, gap [s] and horizon [s].
-
-    Returns
-    -------
-    CrossValidation
-        Mean square of each block, and the error of an extrapolation.
-
-    Raises
-    ------
-    InputError
-        If nothing is left to fit to when a block is held out.
-    """
+    """Return held-out errors of a fit, its unknowns fitted anew without each block."""
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = positions_of(fit.problem), positions_of(judged)
     edges = np.linspace(0.0, max(trained[-1, 1], tested[-1, 1]), plan.folds + 1)
@@ -295,6 +209,10 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
         begin, end = min(first, tested[held, 0].min()), max(last, tested[held, 1].max())
         without = refitted(fit, begin - plan.gap, end + plan.gap)
         if without is not None:
+            if len(without.residual) < len(fit.values):  # it would keep what it has seen
+                raise ConvergenceError(
+                    f"{len(without.residual)} rows are left for {len(fit.values)} unknowns"
+                )
             losses.append(_loss(judged, without.values, held))
     if not losses:
         raise InputError(

@@ -9,11 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-from stickslip.friction import FrictionLaw
+from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import FittedLaw
-from stickslip.selection.candidates import CandidateSpec, Watch, contains
-
-__all__ = ["Fitted", "fitted_side_by_side", "takes_long", "watched"]
+from stickslip.selection.candidates import Watch, contains
 
 PATIENCE = 0.2
 """Time between looks at whether the search is still wanted [s]."""
@@ -101,20 +99,7 @@ class _Workers(Generic[C]):
 
 @contextmanager
 def watched(executor: Executor, watch: Watch | None) -> Iterator[_Workers[Any]]:
-    """Let workers fit candidates while somebody watches here.
-
-    Parameters
-    ----------
-    executor : Executor
-        The workers.
-    watch : callable or None
-        Called with name and least residual; False ends the searches. None if nobody watches.
-
-    Yields
-    ------
-    _Workers
-        Begins work and returns what has ended.
-    """
+    """Let workers fit candidates while somebody watches here."""
     with tempfile.TemporaryDirectory() as folder:
         yield _Workers(executor, watch, _Wanted(Path(folder, "end")))
 
@@ -133,24 +118,6 @@ def fitted_side_by_side(
 
     `watch` is called here: with the least residual of each candidate when its search ends, and in
     between to ask whether to go on. When it answers False, searches end with the best so far.
-
-    Parameters
-    ----------
-    fitted : callable
-        Fits one candidate, given fits of contained laws and the least mean square of the others.
-    chosen : sequence of CandidateSpec
-        The candidates to fit.
-    watch : callable or None
-        Called with name and least residual; False ends the searches. None if nobody watches.
-    executor : Executor or None
-        Processes that fit; None to fit one after the other.
-    found : dict, optional
-        Those of the candidates that are fitted already, by name; all of them in the end.
-
-    Returns
-    -------
-    list of Tried
-        The fitted candidates, in the order of `chosen`.
     """
     found = {} if found is None else found
     waiting = [one for one in chosen if one.name not in found]

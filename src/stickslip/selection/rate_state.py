@@ -32,18 +32,11 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.applicability import checked
 from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
-from stickslip.selection.choice import beyond_doubt, choose, effective_aic
+from stickslip.selection.choice import as_good, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.parallel_fit import watched
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
-
-__all__ = [
-    "RateStateLaws",
-    "held_out",
-    "rate_state_laws",
-    "select_rate_state",
-]
 
 Array: TypeAlias = NDArray[np.float64]
 RateStateLaw: TypeAlias = RateState | type[RateState] | str
@@ -80,16 +73,6 @@ class _Law:
 
 def rate_state_laws(laws: RateStateLaws | RateStateLaw | None) -> tuple[_Law, ...]:
     """Return the candidates: those given, or the usual forms of rate-and-state friction.
-
-    Parameters
-    ----------
-    laws : mapping, sequence or a single RateState, type or str, or None
-        Instances, the type, or names of `RATE_STATE_FORMS`.
-
-    Raises
-    ------
-    InputError
-        If one is not known, or two have one name.
 
     Examples
     --------
@@ -303,24 +286,6 @@ def held_out(fit: RateStateFit, told: Callable[[int, int], object] | None = None
 
     The law runs over the whole record, as the load point was moved; what is held out is not
     compared. Of a record with a single step, parts with equally many samples are held out.
-
-    Parameters
-    ----------
-    fit : RateStateFit
-        The fit to the whole record, from which searches begin.
-    told : callable, optional
-        Called with the number of each part, and how many there are, before it is evaluated.
-
-    Returns
-    -------
-    array (n,)
-        Measured less predicted coefficient of each row of ``fit.problem``; NaN before the first of
-        several steps.
-
-    Raises
-    ------
-    ConvergenceError
-        If the rest cannot be predicted.
     """
     slider = fit.problem
     segments = slider.segments
@@ -388,14 +353,11 @@ def _rival(
     closest: RateStateCandidate, others: Sequence[RateStateCandidate]
 ) -> RateStateCandidate | None:
     """Return the nearest law that neither contains the closest, nor is contained, nor is worse."""
-    assert closest.validation is not None
     criteria = effective_aic([closest, *others])
     for one in others:
-        assert one.validation is not None
         nested = one.name in closest.simpler or closest.name in one.simpler
         worse = criteria[one.name] - criteria[closest.name] > DECISIVE
-        worse = worse or beyond_doubt(one.validation.losses, closest.validation.losses)
-        if not (nested or worse or one.dropped):
+        if as_good(one, closest) and not (nested or worse or one.dropped):
             return one
     return None
 

@@ -11,13 +11,11 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.friction import RateState
-from stickslip.identification import VELOCITY_STEPS, RateStateFit, bounds_met
+from stickslip.identification import VELOCITY_STEPS, RateStateFit
 from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
 from stickslip.selection.verdict import plain
 
 Array: TypeAlias = NDArray[np.float64]
-
-__all__ = ["OtherStep", "RateStateCandidate", "RateStateVerdict"]
 
 
 @final
@@ -59,11 +57,6 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
     @override
     def is_simpler(self) -> Collection[str]:
         return self.reduces_to
-
-    @property
-    @override
-    def at_bound(self) -> bool:
-        return self.fit is not None and bool(bounds_met(self.fit))
 
     @override
     def to_row(self) -> Mapping[str, Any]:

@@ -17,13 +17,17 @@ from stickslip.identification import (
     RecordSettings,
     Score,
     TrialComparison,
+    interleaved,
 )
 from stickslip.selection.choice import reduces_to
-from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict, Plan
+from stickslip.selection.cross_validation import (
+    CrossValidated,
+    CrossValidatedVerdict,
+    CrossValidation,
+    Plan,
+)
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.verdict import plain, score_scale
-
-__all__ = ["Purpose", "RecordCandidate", "RecordVerdict", "SecondRecord"]
 
 
 @final
@@ -79,6 +83,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Which value that was given the record contradicts, as a clause; empty if it does not."""
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
+    curve: CrossValidation | None = None
+    """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -94,14 +100,17 @@ class RecordCandidate(CrossValidated[RecordFit]):
 
     @property
     @override
-    def is_simpler(self) -> tuple[str, ...]:
-        fit = self.fit
-        return tuple(name for name, law in self.simpler.items() if fit and reduces_to(fit, law))
+    def effective(self) -> float:
+        """Effective number of independent residuals, 0 without a fit; all readings of a table."""
+        if self.fit is None or not interleaved(self.fit.problem.spans):
+            return super().effective
+        return float(len(self.fit.residual))
 
     @property
     @override
-    def at_bound(self) -> bool:
-        return self.fit is not None and any(p.startswith("friction.") for p in self.fit.at_bounds)
+    def is_simpler(self) -> tuple[str, ...]:
+        fit = self.fit
+        return tuple(name for name, law in self.simpler.items() if fit and reduces_to(fit, law))
 
     @property
     def law(self) -> FrictionLaw | None:
@@ -137,6 +146,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "block_errors": [math.sqrt(x) for x in validation.losses] if validation else [],
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
+            "curve_score": self.curve.score if self.curve else None,
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,
@@ -171,6 +181,8 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """How each law was fitted: segments, starts and their seed."""
     trials: TrialComparison | None = None
     """Whether several trials share the closest law; None where there is nothing to compare."""
+    equals: tuple[str, ...] = ()
+    """Names of the laws that the record does not tell from the closest, the best first."""
     experiments: tuple[Experiment, ...] = ()
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -266,6 +278,7 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
             "gap": self.plan.gap,
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),
+            "not_distinguished_from": list(self.equals),
             "not_tried": {"laws": list(self.untried), "why": self.why_untried},
             "second_record": asdict(self.on_second) if self.on_second else None,
             "control": self.control.to_dict() if self.control else None,

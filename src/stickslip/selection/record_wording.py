@@ -20,7 +20,7 @@ from stickslip.formatting import (
 from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
-from stickslip.selection.choice import as_good
+from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.late_forces import PRESLIDING
@@ -40,16 +40,6 @@ from stickslip.selection.wording import (
     to_predict,
 )
 
-__all__ = [
-    "distinct",
-    "error_text",
-    "first_of",
-    "outcomes",
-    "record_wording",
-    "restarts_text",
-    "route_text",
-]
-
 MOST = 3
 """Items of a list at most."""
 SEVERAL = 2.0
@@ -58,20 +48,6 @@ SEVERAL = 2.0
 
 def error_text(value: float, quantity: str, *, turning: bool = False) -> str:
     """Return a score of one law alone with its unit; angles if what was measured turns.
-
-    Parameters
-    ----------
-    value : float
-        Held-out error [SI].
-    quantity : str
-        Name of the quantity that is predicted, such as ``"position"``.
-    turning : bool
-        Whether it is of rotation: rad for m, N m for N.
-
-    Returns
-    -------
-    str
-        Number and unit.
 
     Examples
     --------
@@ -90,20 +66,6 @@ def _scale(candidates: Sequence[RecordCandidate], fit: RecordFit) -> Scale:
 def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
     """Return a score; one of several with the digits that tell it from them, seven at most.
 
-    Parameters
-    ----------
-    scale : Scale
-        Unit of all scores of the verdict.
-    among : sequence of float
-        Scores that must be told apart [SI].
-    value : float
-        The score to write [SI].
-
-    Returns
-    -------
-    str
-        Number and unit.
-
     Examples
     --------
     >>> [distinct(Scale(1e3, "mm"), (1.234e-3, 1.2341e-3), one) for one in (1.234e-3, 1.2341e-3)]
@@ -120,22 +82,7 @@ def distinct(scale: Scale, among: Sequence[float], value: float) -> str:
 def outcomes(
     candidates: Sequence[RecordCandidate], best: RecordCandidate, *, recommended: bool = True
 ) -> list[RecordCandidate]:
-    """Add to each candidate what became of it.
-
-    Parameters
-    ----------
-    candidates : sequence of RecordCandidate
-        All laws that were tried.
-    best : RecordCandidate
-        The law that the rule of choice takes.
-    recommended : bool
-        Whether it is recommended.
-
-    Returns
-    -------
-    list of RecordCandidate
-        Copies with an outcome in words, in the same order.
-    """
+    """Add to each candidate what became of it."""
     return [replace(c, outcome=_outcome(c, best, recommended=recommended)) for c in candidates]
 
 
@@ -153,17 +100,30 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
         if more > 0:
             return f"{count(more, 'more parameter')}, no significant improvement"
         return NOT_DISTINGUISHED
-    told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference" if told else f"reference, {NOT_DISTINGUISHED}"
+        return "reference"
     if best.score <= 0.0:  # numbers that a law made, without noise
         return "non-zero error, while the chosen law fits exactly"
-    return f"{ratio(c.score / best.score)} the error" + ("" if told else ", not significant")
+    return f"{ratio(c.score / best.score)} the error"
 
 
-def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
-    """Whether a candidate errs more than the chosen one by more than one paired error."""
-    return not as_good(c, best, share=math.inf)
+def equals_of(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate]
+) -> list[RecordCandidate]:
+    """Return the laws that held-out blocks do not tell from the one that is taken, the best first.
+
+    Not those that are this law at their values, nor those with more parameters, an objection and no
+    smaller error: with a part more that nothing asks for, any law predicts alike.
+    """
+    found = [
+        c
+        for c in candidates
+        if c.name != best.name and c.fit and best.name not in c.is_simpler
+        if not c.fit.search_failure and not c.refuted
+        if as_good(c, best)
+        if not c.dropped or c.score < best.score or c.parameters < best.parameters
+    ]
+    return sorted(found, key=lambda c: c.score)
 
 
 def record_wording(
@@ -180,52 +140,20 @@ def record_wording(
     trials: TrialComparison | None = None,
     shown: Scale | None = None,
 ) -> Wording:
-    """Put a selection on records into words.
-
-    Parameters
-    ----------
-    candidates : sequence of RecordCandidate
-        All laws tried, with their outcome.
-    best : RecordCandidate
-        The law that the rule of choice takes, recommended or not.
-    without : RecordCandidate, optional
-        No friction at all.
-    picks : mapping of str to str
-        What other criteria would pick.
-    checks : Checks
-        What was checked of the record.
-    experiments : sequence of Experiment
-        Proposed measurements, the most telling first.
-    scored : str
-        What held-out errors are of.
-    fault : str
-        Why no law explains the record; empty if one does.
-    on_second : SecondRecord, optional
-        What a second record says of the choice.
-    trials : TrialComparison, optional
-        Whether several trials share the best law.
-    shown : Scale, optional
-        What scores are shown in; their median chooses if not given.
-
-    Returns
-    -------
-    Wording
-        Verdict, reasons, what is open and what to measure next.
-    """
+    """Put a selection on records into words."""
     assert best.fit is not None
-    rivals = [
-        c
-        for c in candidates
-        if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
-    ]
-    equal = [c for c in rivals if as_good(c, best)]
+    equal = equals_of(best, candidates)
     scale = shown or _scale(candidates, best.fit)
-    verdict = _verdict(best, equal, candidates, fault, on_second, trials, scale)
-    lede = _lede(candidates, best, equal, without, scored, on_second, scale, said=verdict)
+    curve = _closer_curve(best, scale)
+    alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
+    alike += [c.title for c in equal]
+    least = all(best.score <= other.score for other in equal)
+    verdict = _verdict(best, alike, candidates, fault, on_second, trials, scale, least=least)
+    lede = _lede(candidates, best, alike, without, scored, on_second, scale, said=verdict)
     return Wording(
         verdict=verdict,
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
-        settles=() if fault else _settles(best),
+        settles=() if fault or curve else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
         no_score="",
@@ -234,12 +162,14 @@ def record_wording(
 
 def _verdict(
     best: RecordCandidate,
-    equal: Sequence[RecordCandidate],
+    alike: Sequence[str],
     candidates: Sequence[RecordCandidate],
     fault: str,
     on_second: SecondRecord | None,
     trials: TrialComparison | None,
     scale: Scale,
+    *,
+    least: bool,
 ) -> str:
     name = friction_of(best.title)
     if best.refuted:
@@ -255,7 +185,6 @@ def _verdict(
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
         )
-    least = all(best.score <= other.score for other in equal)
     found = f"{capital(name)} {'predicts best' if least else 'is chosen'}"
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
@@ -268,10 +197,13 @@ def _verdict(
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:
         return f"{found}, but the two halves of the record disagree: {apart}."
+    curve = _closer_curve(best, scale)
+    if curve:
+        return f"{found}, but {curve}."
     if best.doubt:
         return to_predict(name, best.doubt)
-    if equal:
-        return f"Use {name}; {_not_distinguished(equal)}."
+    if alike:
+        return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
 
 
@@ -280,8 +212,16 @@ def _halves_apart(fit: RecordFit) -> str:
     return difference([estimate.quantity for estimate in fit.estimates], fit.halves)
 
 
-def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
-    return not_distinguished([c.title for c in candidates], "this record")
+def _closer_curve(best: RecordCandidate, scale: Scale) -> str:
+    """Return that a table has a shape which no law has; empty if it is in doubt."""
+    if best.curve is None or not errs_more(best, replace(best, validation=best.curve)):
+        return ""
+    errors = (best.curve.score, best.score)
+    own, law = (distinct(scale, errors, one) for one in errors)
+    return (
+        "a smooth curve through the readings that is no law predicts held-out ones better:"
+        f" {own} instead of {law}"
+    )
 
 
 def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
@@ -327,7 +267,7 @@ def first_of(objections: str) -> str:
 def _lede(
     candidates: Sequence[RecordCandidate],
     best: RecordCandidate,
-    equal: Sequence[RecordCandidate],
+    alike: Sequence[str],
     without: RecordCandidate | None,
     scored: str,
     on_second: SecondRecord | None,
@@ -347,11 +287,11 @@ def _lede(
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
         text += f" Not all of its parameters are identified: {best.doubt}."
-    if equal and _not_distinguished(equal) not in said:
-        text += f" {capital(_not_distinguished(equal))}."
+    if alike and not_distinguished(alike, "this record") not in said:
+        text += f" {capital(not_distinguished(alike, 'this record'))}."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
-        apart = _told_apart(usual, best)
+        apart = not as_good(usual, best)
         shown = told(usual.score) if apart else scale.error(usual.score)
         text += (
             f" Coulomb + viscous friction, the usual choice: {shown} on the same blocks"

@@ -14,7 +14,7 @@ from stickslip.experiments import (
     with_doubts,
 )
 from stickslip.formatting import Scale, quantity
-from stickslip.friction import FrictionLaw
+from stickslip.friction import CandidateSpec, FrictionLaw
 from stickslip.identification import (
     LAW,
     FittedLaw,
@@ -39,25 +39,24 @@ from stickslip.selection.applicability import checked, one_way, unsuited_by
 from stickslip.selection.candidates import (
     LEFT_OUT,
     REFERENCE,
-    CandidateSpec,
     Watch,
     contains,
     control,
     specifications,
 )
 from stickslip.selection.choice import (
-    NEAR,
-    beyond_doubt,
+    ALIKE,
+    APART,
+    apart,
     choose,
     effective_aic,
-    established,
+    errs_more,
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.ladder import Climbed, climbed
 from stickslip.selection.late_forces import late_force
-from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import takes_long
 from stickslip.selection.record_admissibility import (
@@ -65,6 +64,7 @@ from stickslip.selection.record_admissibility import (
     standard_uncertainty,
     unexplained,
     variation_of,
+    with_curve,
 )
 from stickslip.selection.record_verdict import (
     Purpose,
@@ -72,21 +72,7 @@ from stickslip.selection.record_verdict import (
     RecordVerdict,
     SecondRecord,
 )
-from stickslip.selection.record_wording import outcomes, record_wording
-
-__all__ = [
-    "PURPOSES",
-    "PurposeName",
-    "select_records",
-    "unfitted",
-    "verdict_on",
-    "way_for",
-    "with_contained",
-    "with_objections",
-    "with_scores",
-    "without_spare",
-]
-
+from stickslip.selection.record_wording import equals_of, outcomes, record_wording
 
 LateForce: TypeAlias = Callable[[RecordCandidate, Sequence[RecordCandidate]], ModelError | None]
 PurposeName: TypeAlias = Literal["simulate", "position", "compensate"]
@@ -252,18 +238,6 @@ def _tried(
 def way_for(purpose: str | None, measurement: Measurement) -> RecordRouteName | None:
     """Return how records are fitted for a purpose: one that compensates needs the force itself.
 
-    Parameters
-    ----------
-    purpose : str or None
-        What the law is for; None if nothing was said.
-    measurement : Measurement
-        The records.
-
-    Returns
-    -------
-    {"inverse-dynamics"} or None
-        Name of the route; None if the purpose asks for none.
-
     Examples
     --------
     >>> way_for("compensate", Measurement(time=[0.0, 1.0], position=[0.0, 1.0], force=[1.0, 1.0]))
@@ -334,20 +308,7 @@ def _fits(tried: Sequence[RecordCandidate]) -> list[RecordFit]:
 
 
 def unfitted(one: CandidateSpec, reason: str) -> RecordCandidate:
-    """Return a candidate without a fit, kept with the reason.
-
-    Parameters
-    ----------
-    one : CandidateSpec
-        The candidate.
-    reason : str
-        Why it has none.
-
-    Returns
-    -------
-    RecordCandidate
-        The candidate, dropped.
-    """
+    """Return a candidate without a fit, kept with the reason."""
     return RecordCandidate(
         name=one.name, title=one.title, fit=None, validation=None, dropped=reason
     )
@@ -419,18 +380,7 @@ def _without_spare(fit: RecordFit, fitted: Callable[..., RecordFit]) -> RecordFi
 
 
 def without_spare(fit: RecordFit) -> tuple[FrictionLaw, tuple[str, ...]] | None:
-    """Return a law without slopes that went to 0, and what is left to fit; None if none did.
-
-    Parameters
-    ----------
-    fit : RecordFit
-        A fit, whose search was not ended early.
-
-    Returns
-    -------
-    (FrictionLaw, tuple of str) or None
-        The law, and paths of its parameters that are fitted.
-    """
+    """Return a law without slopes that went to 0, and what is left to fit; None if none did."""
     fields = type(fit.law).__dataclass_fields__
     spare = [
         f"friction.{name}"
@@ -455,22 +405,7 @@ def _judged(
 def with_scores(
     candidate: RecordCandidate, plan: Plan, validate: Measurement | None
 ) -> RecordCandidate:
-    """Add held-out errors; a candidate without them says why.
-
-    Parameters
-    ----------
-    candidate : RecordCandidate
-        A law with its fit, if there is one.
-    plan : Plan
-        Blocks, gap and horizon.
-    validate : Measurement or None
-        A second record, which no fit has seen.
-
-    Returns
-    -------
-    RecordCandidate
-        The candidate with its errors on held-out blocks and on the second record.
-    """
+    """Add held-out errors; a candidate without them says why."""
     if candidate.fit is None or candidate.dropped:
         return candidate
     if candidate.fit.optimum.hopeless:
@@ -553,20 +488,7 @@ def _judgeable(judged: Sequence[RecordCandidate]) -> list[RecordCandidate]:
 def with_contained(
     judged: Sequence[RecordCandidate], chosen: Sequence[CandidateSpec]
 ) -> list[RecordCandidate]:
-    """Add to each candidate which of the others its law contains.
-
-    Parameters
-    ----------
-    judged : sequence of RecordCandidate
-        The candidates.
-    chosen : sequence of CandidateSpec
-        Their laws, and what is fitted of them.
-
-    Returns
-    -------
-    list of RecordCandidate
-        Copies that name the candidates which they contain.
-    """
+    """Add to each candidate which of the others its law contains."""
     simpler = {
         rich.name: {
             one.name: one.law if isinstance(one.law, type) else type(one.law)
@@ -593,40 +515,7 @@ def verdict_on(
     shown: Scale | None = None,
     late: LateForce | None = None,
 ) -> RecordVerdict:
-    """Return the verdict on candidates that were judged.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        What was measured.
-    measurement : Measurement
-        The records.
-    judged : sequence of RecordCandidate
-        Laws with held-out errors and objections.
-    without : RecordCandidate or None
-        No friction at all, judged alike.
-    plan : Plan
-        Blocks, gap and horizon of the held-out errors.
-    purpose : str
-        What the law is for.
-    checks : Checks
-        What was checked of the records.
-    validate : Measurement or None
-        A second record, which no fit has seen.
-    fault : str
-        Why no law can be recommended, if that is known before.
-    material : float
-        Share of the residual that laws of their own must take off for trials to count as different.
-    shown : Scale, optional
-        What scores are shown in; their median chooses if not given.
-    late : callable, optional
-        Returns whether a late force channel explains the record as well as a candidate does.
-
-    Returns
-    -------
-    RecordVerdict
-        The law that is named, or what comes closest.
-    """
+    """Return the verdict on candidates that were judged."""
     ordered = _with_criteria(sorted(judged, key=lambda c: c.score))
     scored = _judgeable(ordered)
     picks = _picks(scored)
@@ -636,8 +525,8 @@ def verdict_on(
     scored = [_objected(c, scored, least) for c in scored]
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
     sound = [c for c in searched if not c.refuted]
-    closest = choose(sound or searched or scored, uncertainty=least)
-    closest = _doubted(closest, scored)
+    closest = _doubted(choose(sound or searched or scored, uncertainty=least))
+    closest = with_curve(closest, uncertainty=least)
     if late is not None:
         closest = _with_error(closest, late(closest, scored))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
@@ -687,6 +576,7 @@ def verdict_on(
         second=validate,
         on_second=on_second,
         trials=trials,
+        equals=tuple(one.name for one in equals_of(closest, ordered)),
         experiments=experiments,
         half_estimates=halves(closest.fit),
         shown=shown,
@@ -725,10 +615,8 @@ def _with_criteria(candidates: Sequence[RecordCandidate]) -> list[RecordCandidat
 
 
 def _better_than(best: RecordCandidate, without: RecordCandidate) -> bool:
-    """Whether a law is shown to predict better than no friction, and by more than 5 %."""
-    if not math.isfinite(without.score) or without.validation is None:
-        return True
-    return without.score > (1.0 + FLOOR) * best.score and established(best, without)
+    """Whether a law predicts better than no friction."""
+    return not math.isfinite(without.score) or errs_more(without, best)
 
 
 def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> SecondRecord | None:
@@ -752,7 +640,7 @@ def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> S
         if c.second
         and (
             not math.isfinite(own.rms)  # what the choice cannot simulate needs no test
-            or (own.rms > (1.0 + NEAR) * c.second.rms and beyond_doubt(mine, losses[c.name]))
+            or (own.rms > (1.0 + ALIKE) * c.second.rms and apart(mine, losses[c.name]) > APART)
         )
     ]
     rival = min(
@@ -782,17 +670,14 @@ def _objected(
     return candidate
 
 
-def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> RecordCandidate:
+def _doubted(best: RecordCandidate) -> RecordCandidate:
     """Return what is taken with what spoke against it as its doubt.
 
-    Where something speaks against every law, parameters that are not identified are a doubt too; a
-    law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
-    So does a law whose search failed: its values are not those of the least error; and one with a
-    given value that the record contradicts.
+    A law whose search failed stays without recommendation: its values are not those of the least
+    error. So does one with a given value that the record contradicts.
     """
-    if best.refuted or (best.fit is not None and best.fit.search_failure):
-        return best
-    if best.dropped and not (best.weak and all(c.dropped for c in scored)):
+    failed = best.fit is not None and best.fit.search_failure
+    if best.dropped and not (best.refuted or failed):
         return replace(best, dropped="", doubt=best.dropped)
     return best
 

@@ -32,8 +32,6 @@ from stickslip.experiments.readers.video_tracks import is_blocks
 from stickslip.formatting import count, number
 from stickslip.units import CELSIUS, factor, is_of, is_unit, shown
 
-__all__ = ["Guess", "guess_data"]
-
 NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "time": (
         *("time", "zeit", "timestamp", "zeitstempel", "uhrzeit", "datetime", "elapsed", "stamp"),

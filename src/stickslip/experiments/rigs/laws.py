@@ -15,8 +15,6 @@ from stickslip.formatting import number
 from stickslip.friction import FrictionLaw, force_parameters, law_type, laws, listed
 from stickslip.quantities import fields_of
 
-__all__ = ["by_contact", "known_laws", "laws_of", "overridden_fields"]
-
 
 def laws_of(
     friction: object, contacts: Collection[str], more: Mapping[str, type[FrictionLaw]]
@@ -25,20 +23,6 @@ def laws_of(
 
     These are the laws that are tried unasked, those with a table, and for values that these have
     not, all that have them; all laws where a key is unknown.
-
-    Parameters
-    ----------
-    friction : object
-        What stands in the file.
-    contacts : collection of str
-        Names of the contacts, which may have tables of their own.
-    more : mapping of str to type of FrictionLaw
-        Laws that are in no registry, by name.
-
-    Returns
-    -------
-    dict of str to type of FrictionLaw
-        By name, in the order of the registry.
     """
     top = friction if isinstance(friction, Mapping) else {}
     tables = [top, *(top[name] for name in contacts if isinstance(top.get(name), Mapping))]
@@ -71,31 +55,6 @@ def known_laws(
     """Return the laws for which the table gives every required parameter.
 
     A value in a law's own table comes before a shared one, but not before an override of that.
-
-    Parameters
-    ----------
-    friction : Table
-        The table ``[friction]``.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-    kinds : mapping of str to type of FrictionLaw
-        Types of laws by registry name.
-    called : mapping of str to str
-        What the file calls tables of laws that do not stand under the name of the law, by path.
-    at : str
-        Where the table stands, for messages.
-
-    Returns
-    -------
-    KnownLaws
-        Complete laws, with their assumed fields.
-
-    Raises
-    ------
-    ParameterError
-        If the table of a law lacks a required parameter.
     """
     found: dict[str, FrictionLaw] = {}
     assumed: dict[str, tuple[str, ...]] = {}
@@ -155,31 +114,6 @@ def by_contact(
 
     What stands directly in the table ``[friction]`` is shared: it comes before what stands in the
     table of a contact only where an override sets it.
-
-    Parameters
-    ----------
-    friction : FrictionTable
-        The table ``[friction]``.
-    contacts : collection of str
-        Names of the contacts.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-    kinds : mapping of str to type of FrictionLaw
-        Types of laws by registry name.
-    called : mapping of str to str
-        As in `known_laws`.
-
-    Returns
-    -------
-    dict of str to KnownLaws or None
-        Laws by contact, None where the file says that nothing rubs.
-
-    Raises
-    ------
-    InputError
-        If a law that all contacts would share has a table beside those of contacts.
     """
     given = friction.given()
     keys = {python_name(name, "contact"): name for name in contacts}
@@ -224,26 +158,7 @@ def overridden_fields(
     of_law: bool = True,
     at: str = "friction",
 ) -> set[str]:
-    """Return the fields of a law that overrides set: by shared paths, by those of its own table.
-
-    Parameters
-    ----------
-    law : type of FrictionLaw
-        Type of the law.
-    overridden : collection of str
-        Paths that overrides set.
-    shared : bool
-        Whether paths shared by all laws count.
-    of_law : bool
-        Whether paths of the law's own table count.
-    at : str
-        Where the table stands.
-
-    Returns
-    -------
-    set of str
-        Names of fields.
-    """
+    """Return the fields of a law that overrides set: by shared paths, by those of its own table."""
     found = set()
     forces = force_parameters(law)
     for path in overridden:

@@ -9,8 +9,6 @@ from stickslip.errors import InputError, ParameterError, UnknownNameError, neare
 from stickslip.experiments.readers.toml import paths_of
 from stickslip.units import shown
 
-__all__ = ["complaint", "place"]
-
 _WANTED = {
     "model_type": "must be a table",
     "model_attributes_type": "must be a table",
@@ -23,22 +21,7 @@ _WANTED = {
 
 
 def place(key: str, file: str, overridden: Collection[str]) -> str:
-    """Return where a key was given: the file, or an override of it.
-
-    Parameters
-    ----------
-    key : str
-        Dotted path of the key.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-
-    Returns
-    -------
-    str
-        Words for the place.
-    """
+    """Return where a key was given: the file, or an override of it."""
     own = any(key == path or key.startswith(path + ".") for path in overridden)
     return f"override of {file}" if own else file
 
@@ -50,26 +33,7 @@ def complaint(
     overridden: Collection[str],
     called: Mapping[str, str],
 ) -> InputError:
-    """Return the error to raise: the first that was found, unknown keys before all others.
-
-    Parameters
-    ----------
-    error : ValidationError
-        What pydantic found.
-    raw : mapping of str to object
-        Tables that were validated.
-    file : str
-        Name of the file, for messages.
-    overridden : collection of str
-        Paths that overrides set.
-    called : mapping of str to str
-        What the file calls tables of laws that do not stand under the name of the law, by path.
-
-    Returns
-    -------
-    InputError
-        The error, which is not raised here.
-    """
+    """Return the error to raise: the first that was found, unknown keys before all others."""
     found = error.errors(include_url=False)
     found.sort(key=lambda one: one["type"] not in {"unknown_key", "misplaced"})
     first: Mapping[str, Any] = found[0]

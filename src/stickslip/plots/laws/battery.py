@@ -30,8 +30,6 @@ from stickslip.plots.core.helpers import LineStyle, looks
 from stickslip.plots.core.svg import Draw
 from stickslip.plots.core.theme import C2, INK, MUTED, STICK, SURFACE, label_at
 
-__all__ = ["draw_characteristic", "plot_characteristic", "plot_characterization"]
-
 Drawn: TypeAlias = Mapping[str, Any]
 """Results of one test by law."""
 SIZE: Final = (880, 320)
@@ -45,19 +43,7 @@ LEGEND: Final = 2
 
 
 def draw_characteristic(results: Mapping[str, Characteristic]) -> Draw:
-    """Return a drawing of one test of several laws.
-
-    Parameters
-    ----------
-    results : mapping of str to Characteristic
-        Results of the same test by law; the first law's stands out.
-
-    Returns
-    -------
-    callable
-        Draws it in one panel; of a stick-slip map, the amplitudes of the first law and the
-        boundaries of all.
-    """
+    """Return a drawing of one test of several laws."""
 
     def draw(figure: Figure, narrow: bool) -> None:
         axes = figure.add_subplot()

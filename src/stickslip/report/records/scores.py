@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from stickslip.formatting import Scale, in_words, joined, percent, quantity
+from stickslip.formatting import Scale, in_words, joined, number, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.markup import typeset
@@ -11,9 +11,8 @@ from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plo
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of
 from stickslip.selection import (
-    LEVEL,
-    LIKELY,
-    MATERIAL,
+    ALIKE,
+    APART,
     NEAR,
     JointVerdict,
     RecordCandidate,
@@ -21,8 +20,6 @@ from stickslip.selection import (
     in_sentence,
     score_text,
 )
-
-__all__ = ["error_column", "picks_text", "scores_section"]
 
 NAMES: Final = {
     "held-out blocks": "held-out error",
@@ -145,14 +142,11 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        "Rule of choice: (1) A law is admitted only if it is established over every simpler law"
-        " that it contains: an F test with the effective sample size is significant at"
-        f" {percent(LEVEL)}, and the held-out blocks agree, or they are inconclusive and the"
-        f" residual falls by {percent(MATERIAL)}. (2) Of these laws, the one with the lowest AIC"
-        f" is chosen if its error is within one paired standard error and {percent(LIKELY)} of the"
-        " lowest error. (3) Otherwise, of the laws within one paired standard error and"
-        f" {percent(NEAR)} of the lowest error, one without objections is chosen, then the one"
-        " with the fewest parameters. "
+        f"Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of those"
+        " of the law with the lowest error, or whose error is within"
+        f" {percent(ALIKE)} of it, the one with the"
+        " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
+        f" {number(APART)} standard errors are not told apart. "
     )
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 
