@@ -157,11 +157,11 @@ def test_the_name_of_a_law_is_no_other_law_when_it_is_read_as_a_composition(name
     if name == str(kind.composition):
         assert law(name) is kind
         return
-    told = re.escape(f"{kind.composition}: give that")
-    with pytest.raises(InputError, match=rf"the name of the law {told}.*\.{kind.__name__}\.$"):
+    told = re.escape(f"The law named {name} is {kind.composition}")
+    with pytest.raises(InputError, match=rf"{told}: .*\.{kind.__name__}\.$"):
         law(name)
     if name in PARTS:
-        with pytest.raises(InputError, match="is a part, and is the name"):
+        with pytest.raises(InputError, match=told):
             law(read(name))
 
 
@@ -181,6 +181,26 @@ def test_smooth_laws_take_the_values_that_their_formulas_print():
     rise = law("threlfall(level)")(kinetic_coefficient=2.0, smoothing_velocity=0.1)
     assert rise.force(0.1, 1.0) == 2.0
     assert rise.force(0.05, 1.0) == pytest.approx(2.0 * math.expm1(-1.5) / math.expm1(-3.0))
+
+
+def test_a_factor_of_a_parameter_is_printed_wherever_a_part_reads_that_parameter():
+    kind = law_type("joint-load-temperature")
+    assert kind.formula.count(r"e^{-|v/(v_s (1 + \alpha_T T))|^n}") == 2
+    assert "v/v_s" not in kind.formula
+    one = kind(
+        kinetic_coefficient=1.0,
+        static_coefficient=1.5,
+        stribeck_velocity=0.01,
+        stribeck_velocity_temperature_slope=0.02,
+        gravity_coefficient=0.0,
+        gravity_static_surplus=0.5,
+        viscous_coefficient=0.0,
+        viscous_temperature_decay=0.0,
+    )
+    loaded, free = (
+        bound(one, {"temperature": 50.0, "gravity": x}).force(0.01, 1.0) for x in (1.0, 0.0)
+    )
+    assert loaded - free == pytest.approx(0.5 * math.exp(-((1.0 / 2.0) ** 2)))
 
 
 def test_further_curves_take_the_values_that_their_formulas_print():

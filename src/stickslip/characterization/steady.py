@@ -14,9 +14,10 @@ from stickslip.formatting import quantity
 if TYPE_CHECKING:
     import pandas as pd
 
-BELOW, ABOVE = 2, 3
-"""Speeds are looked at so many decades below and above the one at which friction changes: farther
-above, where viscous friction is seen."""
+DECADES = 2
+"""Speeds are looked at so many decades below and above the one at which friction changes."""
+SEEN = 2.0
+"""Friction over the highest level, up to which they are looked at one decade farther."""
 SAMPLES = 201
 """Speeds on each side."""
 FALL = 0.01
@@ -108,7 +109,10 @@ def steady_curve(bench: Bench) -> SteadyCurve:
     Break-away takes 1.5 N, sliding 1 N. A drive that is soft can stick and slip.
     """
     law, load = bench.curve, bench.load
-    speeds = bench.speed * np.geomspace(10.0**-BELOW, 10.0**ABOVE, SAMPLES)
+    reach = 10.0**DECADES
+    farther = np.abs(law.steady(bench.speed * 10.0 * reach * np.array([-1.0, 1.0]), load))
+    slow = np.max(farther) <= SEEN * bench.levels[1]  # viscous friction is hardly seen before
+    speeds = bench.speed * np.geomspace(1.0 / reach, 10.0 * reach if slow else reach, SAMPLES)
     velocity = np.concatenate([-speeds[::-1], speeds])
     force = np.asarray(law.steady(velocity, load), dtype=np.float64) + np.zeros_like(velocity)
     back, ahead = (float(law.towards(side).break_away(load)) for side in (-1, 1))

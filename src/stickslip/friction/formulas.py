@@ -118,7 +118,7 @@ def _placed(c: Composition, leaf: Leaf, tex: str, side: int | None = None) -> st
         one.name: one.quantity.symbol.replace("{0}", x.index if x else "")
         for one in leaf.part.parameters
     }
-    for name in {*own, *leaf.names}:
+    for name in {*own, *leaf.names, *leaf.modulated}:
         field = leaf.names.get(name, name)
         chosen = field if isinstance(field, str) else field[side or 0]
         one = c.fields.get(chosen)

@@ -192,14 +192,20 @@ def law(composition: str | Term) -> type[FrictionLaw]:
     if not isinstance(composition, str | Term):
         raise InputError(f"a composition must be a text or a sum of parts, got {composition!r}.")
     text = str(composition).strip()
-    named = CATALOGUE.get(text)
-    if named is not None and text != named.composition:
-        part = " is a part, and" if text in PARTS else ""
-        raise InputError(
-            f"{text!r}{part} is the name of the law {named.composition}: give that"
-            f" composition, or take the class stickslip.friction.{named.statement.__name__}."
-        )
-    return class_of(read(composition) if isinstance(composition, str) else composition)
+    entry = CATALOGUE.get(text)
+    if entry is None or text == entry.composition:
+        return class_of(read(composition) if isinstance(composition, str) else composition)
+    said = (
+        f"The law named {text} is {entry.composition}: give that, or the class"
+        f" stickslip.friction.{entry.statement.__name__}."
+    )
+    if text not in PARTS:
+        raise InputError(said)
+    try:
+        class_of(read(text))
+    except InputError as error:
+        raise InputError(f"{error} {said}") from None
+    raise InputError(f"{text!r} alone is a part. {said}")
 
 
 def __getattr__(name: str) -> type[FrictionLaw]:

@@ -73,7 +73,7 @@ class _Wanted:
 
 
 @dataclass(frozen=True)
-class Workers(Generic[C]):
+class _Workers(Generic[C]):
     """Candidates in the work of other processes, watched and stopped from this one."""
 
     executor: Executor
@@ -98,10 +98,10 @@ class Workers(Generic[C]):
 
 
 @contextmanager
-def watched(executor: Executor, watch: Watch | None) -> Iterator[Workers[Any]]:
+def watched(executor: Executor, watch: Watch | None) -> Iterator[_Workers[Any]]:
     """Let workers fit candidates while somebody watches here."""
     with tempfile.TemporaryDirectory() as folder:
-        yield Workers(executor, watch, _Wanted(Path(folder, "end")))
+        yield _Workers(executor, watch, _Wanted(Path(folder, "end")))
 
 
 def fitted_side_by_side(
