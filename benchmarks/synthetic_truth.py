@@ -170,7 +170,6 @@ def regrets(
             "effective": c.effective,
             "simpler": list(c.simpler),
             "is_simpler": list(c.is_simpler),
-            "weak": c.weak,
         }
         for c in verdict.candidates
         if c.validation
@@ -267,7 +266,6 @@ class Stored:
     effective: float
     simpler: tuple[str, ...]
     is_simpler: tuple[str, ...]
-    weak: bool
 
     @property
     def score(self) -> float:
@@ -288,7 +286,6 @@ def repicked(row: dict[str, Any]) -> dict[str, Any]:
             effective=one["effective"],
             simpler=tuple(one["simpler"]),
             is_simpler=tuple(one["is_simpler"]),
-            weak=one["weak"],
         )
         for name, one in row["judged"].items()
     ]

@@ -31,13 +31,11 @@ HOMES = {
 }
 
 INSIDE = {
+    "ALIKE": "choice",
+    "APART": "choice",
     "CrossValidatedVerdict": "cross_validation",
     "DOUBT_NAMES": "travel_wording",
     "Experiment": "design.experiments",
-    "LEVEL": "choice",
-    "LIKELY": "choice",
-    "MATERIAL": "choice",
-    "NEAR": "choice",
     "PLAIN": "travels",
     "Proposal": "design.discriminating_settings",
     "PurposeName": "records",
@@ -49,6 +47,7 @@ INSIDE = {
     "Steady": "design.predictors",
     "TRAVEL_COLUMN": "lab_sheet",
     "Wording": "verdict",
+    "apart": "choice",
     "error_text": "record_wording",
     "feature_laws": "features",
     "friction_of": "wording",

@@ -1,9 +1,8 @@
 # Written by tools/stubs.py from the table in __init__.py; renew it by `make stubs`.
 from stickslip.selection.candidates import specifications as specifications
-from stickslip.selection.choice import LEVEL as LEVEL
-from stickslip.selection.choice import LIKELY as LIKELY
-from stickslip.selection.choice import MATERIAL as MATERIAL
-from stickslip.selection.choice import NEAR as NEAR
+from stickslip.selection.choice import ALIKE as ALIKE
+from stickslip.selection.choice import APART as APART
+from stickslip.selection.choice import apart as apart
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of
 from stickslip.selection.cross_validation import CrossValidatedVerdict as CrossValidatedVerdict

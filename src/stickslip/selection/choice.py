@@ -1,8 +1,8 @@
-"""Which of the fitted laws is named: what a richer law has to show, and the choice.
+"""Which of the fitted laws is named, and which ones held-out blocks do not tell from it.
 
-A richer law fits and often predicts a little better by chance. It is *established* over a simpler
-law that it contains by two witnesses: an F test on the residuals of the whole record, with their
-effective sample size, and held-out blocks in pairs (decision 0024 has the measured error rates).
+One rule serves all kinds of measurement: the losses of two laws on the same held-out blocks are
+compared as ratios, block by block, and their mean is compared with its own scatter. A law counts by
+what it predicts, whatever it contains and wherever its parameters end (decision 0077).
 """
 
 import math
@@ -17,32 +17,27 @@ from stickslip.identification import RecordFit
 from stickslip.selection.cross_validation import CrossValidated
 
 __all__ = [
+    "ALIKE",
+    "APART",
     "LEAST",
-    "LEVEL",
-    "LIKELY",
-    "MATERIAL",
     "NEAR",
+    "apart",
     "as_good",
-    "beyond_doubt",
     "choose",
     "effective_aic",
-    "established",
-    "paired",
+    "errs_more",
     "reduces_to",
     "shown_over_simpler",
-    "significant",
 ]
 
-NEAR = 0.02
-"""Share by which an error may be larger and count as the same, if blocks do not contradict."""
-LIKELY = 0.30
-"""Share by which the error of the law with the least AIC may be larger than the least error."""
-SAME = 1e-3
-"""Share of a mean square below which a difference is one of the search, not of the laws."""
-LEVEL = 0.99
-"""Confidence of the F test: several richer laws are tried at once."""
-MATERIAL = 0.05
-"""Share of the residual that a richer law must take off where held-out blocks are undecided."""
+NEAR = 1.5
+"""Standard errors of the mean ratio within which a more usual law is named instead of the best."""
+APART = 2.5
+"""Standard errors of the mean ratio from which the verdict says that two laws are told apart."""
+ALIKE = 0.02
+"""Share by which an error may be larger and count as the same, whatever its standard error ..."""
+READINGS = 2.0
+"""... or so many readings of all, where these are few: a part that fits two by chance gains that."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 
@@ -50,8 +45,12 @@ LEAST = 1e-300
 C = TypeVar("C", bound=CrossValidated[Any])
 
 
-def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]:
-    """Return the mean difference of two laws' losses and its standard error, from blocks in pairs.
+def apart(other: Sequence[float], best: Sequence[float]) -> float:
+    """Return how many standard errors the losses of a law lie above those of another.
+
+    The mean logarithm of the ratio of both losses, block by block, over its standard error. The
+    mean loss of the better law is added to both: neither a block in which a law happens to be exact
+    nor one that is bad for all decides alone.
 
     Parameters
     ----------
@@ -60,137 +59,117 @@ def paired(other: Sequence[float], best: Sequence[float]) -> tuple[float, float]
 
     Returns
     -------
-    tuple of float
-        Mean of `other` less `best`, and its standard error; 0 for a single block.
+    float
+        Above 0 where `other` is worse; 0 for a single block, infinite if all ratios are equal.
 
     Examples
     --------
-    >>> paired([2.0, 4.0], [1.0, 1.0])
-    (2.0, 1.0)
+    >>> round(apart([2.0, 4.0, 3.0], [1.0, 1.0, 1.0]), 2), apart([2.0], [1.0])
+    (5.16, 0.0)
     """
-    gaps = np.subtract(other, best)
-    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps)) if len(gaps) > 1 else 0.0
-    return float(gaps.mean()), error
+    if len(best) < 2:
+        return 0.0
+    level = max(float(np.mean(best)), LEAST)
+    ratios = np.log((np.asarray(other) + level) / (np.asarray(best) + level))
+    error = float(np.std(ratios, ddof=1)) / math.sqrt(len(ratios))
+    mean = float(ratios.mean())
+    return mean / error if error > 0.0 else math.copysign(math.inf, mean) if mean else 0.0
 
 
-def as_good(other: CrossValidated[Any], best: CrossValidated[Any], *, share: float = NEAR) -> bool:
-    """Whether another's loss is within one paired standard error and a share of the best's.
-
-    Parameters
-    ----------
-    other : CrossValidated
-        A candidate on the same blocks.
-    best : CrossValidated
-        The candidate with the least held-out error.
-    share : float
-        Share of the least error within which the other error must lie.
-
-    Returns
-    -------
-    bool
-        True if the held-out errors do not tell them apart.
-    """
-    if other.validation is None or best.validation is None:
-        return False
-    gap, error = paired(other.validation.losses, best.validation.losses)
-    same = SAME * best.score**2
-    return bool(gap <= max(error, same) and other.score <= (1.0 + share) * best.score)
-
-
-def established(
-    rich: CrossValidated[Any], simple: CrossValidated[Any], *, uncertainty: float = 0.0
-) -> bool:
-    """Whether a richer law is shown to hold where a simpler one that it contains does not.
-
-    Parameters
-    ----------
-    rich, simple : CrossValidated
-        Two candidates on one record, judged on the same blocks.
-    uncertainty : float
-        Of what is compared, as stated, or of its rounding: a simpler law whose held-out error is
-        within it needs no richer one.
-
-    Returns
-    -------
-    bool
-        True if F test and held-out errors are for the richer law.
-    """
-    assert rich.validation is not None
-    assert simple.validation is not None
-    if simple.score <= uncertainty or not significant(rich, simple):
-        return False
-    own, other = rich.validation.losses, simple.validation.losses
-    if rich.weak:  # a fit at a bound is no evidence for the law, only its predictions may be
-        return beyond_doubt(other, own)
-    # Ratios weigh blocks alike: squares of one bad block would outweigh all others.
-    gain, error = paired(*(np.log(np.maximum(one, LEAST)).tolist() for one in (other, own)))
-    material = rich.residual < (1.0 - MATERIAL) * simple.residual
-    return gain > error or (gain >= -error and material)
-
-
-def significant(
-    rich: CrossValidated[Any],
-    simple: CrossValidated[Any],
+def errs_more(
+    other: CrossValidated[Any],
+    best: CrossValidated[Any],
     *,
-    level: float = LEVEL,
-    effective: float | None = None,
+    errors: float = APART,
+    uncertainty: float = 0.0,
 ) -> bool:
-    """Whether an F test on the whole record is for a richer law, which need not be judged yet.
+    """Whether a law predicts held-out blocks worse than another: the rule of acceptance.
 
     Parameters
     ----------
-    rich, simple : CrossValidated
-        Two candidates with fits to one record.
-    level : float
-        Confidence of the test.
-    effective : float, optional
-        Effective number of residuals; that of the richer fit if not given.
+    other, best : CrossValidated
+        Candidates on the same blocks.
+    errors : float
+        Standard errors by which it must do so.
+    uncertainty : float
+        Of what is predicted, as stated, or of its rounding: errors within it are alike.
 
     Returns
     -------
     bool
-        True if the richer law is not the simpler one at its values, and its gain no chance.
+        True if its error is larger by more than 2 % (more where readings are few), and its losses
+        by so many standard errors.
     """
-    size = rich.effective if effective is None else effective
-    return simple.name not in rich.is_simpler and _chance(rich, simple, size) < 1.0 - level
+    if other.validation is None or best.validation is None or other.score <= uncertainty:
+        return False
+    share = max(ALIKE, READINGS / max(best.effective, READINGS))
+    larger = other.score > (1.0 + share) * best.score
+    return larger and apart(other.validation.losses, best.validation.losses) > errors
 
 
-def _chance(rich: CrossValidated[Any], simple: CrossValidated[Any], effective: float) -> float:
-    """Return how likely the richer law's gain on the whole record is if the simpler one holds.
-
-    The F test of nested regressions. Residuals are counted by the effective number of the richer
-    fit: what a wrong simpler law leaves is correlated because it is wrong.
-    """
-    from scipy import stats
-
-    extra = max(rich.parameters - simple.parameters, 1)
-    freedom = max(effective - rich.parameters, 1.0)
-    ratio = min(simple.residual / max(rich.residual, LEAST), 1e100)
-    return float(stats.f.sf((ratio**2 - 1.0) * freedom / extra, extra, freedom))
-
-
-def beyond_doubt(worse: Sequence[float], better: Sequence[float]) -> bool:
-    """Whether a law's losses are above another's by more than a 95 % interval of the difference.
+def as_good(
+    other: CrossValidated[Any], best: CrossValidated[Any], *, uncertainty: float = 0.0
+) -> bool:
+    """Whether held-out blocks do not tell a law from another that may be better.
 
     Parameters
     ----------
-    worse, better : sequence of float (blocks,)
-        Mean squares on the same blocks; a single one leaves any difference in doubt.
+    other, best : CrossValidated
+        Candidates on the same blocks.
+    uncertainty : float
+        As for `errs_more`.
 
     Returns
     -------
     bool
-        True if the difference is significant.
-
-    Examples
-    --------
-    >>> beyond_doubt([2.0, 2.1, 1.9], [1.0, 1.0, 1.0]), beyond_doubt([2.0], [1.0])
-    (True, False)
+        True if both have held-out errors that are not told apart.
     """
-    from scipy import stats
+    known = other.validation is not None and best.validation is not None
+    return known and not errs_more(other, best, uncertainty=uncertainty)
 
-    gap, error = paired(worse, better)
-    return len(worse) > 1 and gap > float(stats.t.ppf(0.975, len(worse) - 1)) * error
+
+def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
+    """Return the law to name: of those that predict as well as the best, the most usual.
+
+    Parameters
+    ----------
+    scored : sequence of CrossValidated
+        Candidates with held-out errors, at least one.
+    uncertainty : float
+        As for `errs_more`.
+
+    Returns
+    -------
+    CrossValidated
+        The candidate with the fewest parameters whose losses are within `NEAR` standard errors of
+        those of the candidate with the least error; of several, that with the least error.
+    """
+    best = min(scored, key=lambda c: c.score)
+    near = [c for c in scored if not errs_more(c, best, errors=NEAR, uncertainty=uncertainty)]
+    return min(near, key=lambda c: (c.parameters, c.score))
+
+
+def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
+    """Whether a law predicts better than all simpler ones that it contains, of which there are some.
+
+    Parameters
+    ----------
+    rich : CrossValidated
+        The law.
+    scored : sequence of CrossValidated
+        All candidates with held-out errors.
+    uncertainty : float
+        As for `errs_more`.
+
+    Returns
+    -------
+    bool
+        True if each candidate that it contains errs more.
+    """
+    simpler = [c for c in scored if c.name in rich.simpler]
+    return bool(simpler) and all(
+        errs_more(c, rich, errors=NEAR, uncertainty=uncertainty) for c in simpler
+    )
 
 
 def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, float]:
@@ -200,68 +179,8 @@ def effective_aic(candidates: Sequence[CrossValidated[Any]]) -> Mapping[str, flo
     """
     size = min(candidates, key=lambda c: c.residual).effective
     return {
-        c.name: size * math.log(max(c.residual**2, 1e-300)) + 2.0 * c.parameters for c in candidates
+        c.name: size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters for c in candidates
     }
-
-
-def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
-    """Return the law to name: the best of those established over every simpler one they contain.
-
-    Of the established laws, the one with the least AIC (effective sample size) where held-out
-    blocks do not speak against it: within one paired standard error and 30 % of the least error.
-    If they do, those within one paired standard error and 2 % of the least error count as equal,
-    and one without an objection, then the one with the fewest parameters, is taken.
-
-    Parameters
-    ----------
-    scored : sequence of CrossValidated
-        Candidates with held-out errors, at least one.
-    uncertainty : float
-        Of what is compared, as stated, or of its rounding.
-
-    Returns
-    -------
-    CrossValidated
-        The candidate to name.
-    """
-    shown = [
-        c
-        for c in scored
-        if not _simpler_of(c, scored) or shown_over_simpler(c, scored, uncertainty=uncertainty)
-    ]
-    least = min(shown, key=lambda c: c.score)
-    criteria = effective_aic(shown)
-    likely = min(shown, key=lambda c: criteria[c.name])
-    if as_good(likely, least, share=LIKELY):
-        return likely
-    near = [c for c in shown if as_good(c, least)]
-    return min(near, key=lambda c: (bool(c.dropped), c.parameters, c.score))
-
-
-def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law is established over all simpler ones that it contains, of which there are some.
-
-    Parameters
-    ----------
-    rich : CrossValidated
-        The law.
-    scored : sequence of CrossValidated
-        All candidates with held-out errors.
-    uncertainty : float
-        Of what is compared, as for `established`.
-
-    Returns
-    -------
-    bool
-        True if it contains a simpler law and is established over each.
-    """
-    simpler = _simpler_of(rich, scored)
-    return bool(simpler) and all(established(rich, c, uncertainty=uncertainty) for c in simpler)
-
-
-def _simpler_of(rich: C, scored: Sequence[C]) -> list[C]:
-    """Return the candidates that a law contains."""
-    return [c for c in scored if c.name in rich.simpler]
 
 
 def reduces_to(fit: RecordFit, simpler: type[FrictionLaw]) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import TypeVar, override
 
-from stickslip.errors import InputError
+from stickslip.errors import ConvergenceError, InputError
 from stickslip.experiments import Checks, Measurement, interval_of
 from stickslip.formatting import quantity
 from stickslip.identification import (
@@ -28,7 +28,6 @@ from stickslip.selection.verdict import Candidate, Verdict
 
 __all__ = [
     "FOLDS",
-    "TRUSTED",
     "CrossValidated",
     "CrossValidatedVerdict",
     "CrossValidation",
@@ -45,8 +44,6 @@ FOLDS = 8
 """Blocks of time, each predicted by a fit to the others."""
 EXTRAPOLATED = 1.0 / 3.0
 """Last share of the record that a fit to the rest extrapolates to."""
-TRUSTED = 1000.0
-"""Condition of the scaled slopes beyond which a gain of the fit itself counts for nothing."""
 
 
 @final
@@ -160,19 +157,6 @@ class CrossValidated(Candidate[Fit_co]):
         return self.fit.inference.effective if self.fit else 0.0
 
     @property
-    @final
-    def weak(self) -> bool:
-        """Whether a parameter of the law ended at a bound, or the condition is above 1,000."""
-        if self.fit is None:
-            return True
-        return self.fit.inference.condition > TRUSTED or self.at_bound
-
-    @property
-    @abstractmethod
-    def at_bound(self) -> bool:
-        """Whether a parameter of the law ended at a bound of its search."""
-
-    @property
     @abstractmethod
     def is_simpler(self) -> Collection[str]:
         """Names of those of these that it is at its fitted values."""
@@ -224,7 +208,7 @@ def plan_of(fit: RecordFit, *, horizon: float, folds: int = FOLDS) -> Plan:
     """
     spans = fit.problem.spans
     if interleaved(spans):
-        return Plan(folds=min(folds, len(spans)), gap=0.0, horizon=horizon, length=0.0)
+        return Plan(folds=len(spans), gap=0.0, horizon=horizon, length=0.0)
     length = float(np.sum(spans[:, 2] - spans[:, 1]))
     if not length > 0.0:
         raise InputError(
@@ -281,6 +265,8 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
     ------
     InputError
         If nothing is left to fit to when a block is held out.
+    ConvergenceError
+        If fewer rows than unknowns are left.
     """
     judged = fit.build(fit.measurement, plan.horizon)
     trained, tested = positions_of(fit.problem), positions_of(judged)
@@ -295,6 +281,10 @@ def cross_validate(fit: RecordFit, plan: Plan) -> CrossValidation:
         begin, end = min(first, tested[held, 0].min()), max(last, tested[held, 1].max())
         without = refitted(fit, begin - plan.gap, end + plan.gap)
         if without is not None:
+            if len(without.residual) < len(fit.values):  # it would keep what it has seen
+                raise ConvergenceError(
+                    f"{len(without.residual)} rows are left for {len(fit.values)} unknowns"
+                )
             losses.append(_loss(judged, without.values, held))
     if not losses:
         raise InputError(

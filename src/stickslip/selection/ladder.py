@@ -9,15 +9,15 @@ from typing import final
 from stickslip.formatting import count
 from stickslip.friction import Rung, rungs
 from stickslip.selection.candidates import LEFT_OUT, CandidateSpec, Watch
-from stickslip.selection.choice import LEAST, LEVEL, significant
+from stickslip.selection.choice import LEAST
 from stickslip.selection.parallel_fit import Fitted, fitted_side_by_side
 from stickslip.selection.record_verdict import RecordCandidate
 from stickslip.selection.wording import friction_of
 
 __all__ = ["Climbed", "climbed"]
 
-HINTED = 0.5
-"""Confidence below which the gain of a further part is not worth held-out fits."""
+SHOWN = 5.0
+"""Akaike's criterion by which a law must be below all that it contains to be built upon."""
 IDLE = "not scored: it leaves hardly less than a law that it contains"
 
 
@@ -50,8 +50,8 @@ def climbed(
 
     Of the usual ones, laws without memory that have at most one part beside a level and a viscous
     part are always fitted. Where the best of all leaves more than noise, so is Dahl's law. Then
-    those with one part more than the best law follow, as long as an F test shows that law to hold
-    over all that it contains.
+    those with one part more than the best law follow, as long as that law leaves less than all that
+    it contains, by Akaike's criterion.
 
     Parameters
     ----------
@@ -99,6 +99,13 @@ def climbed(
     return Climbed(specs=tuple(chosen), tried=tuple(tried), untried=left, why=said)
 
 
+def _criterion(c: RecordCandidate, size: float) -> float:
+    spare = size - c.parameters - 1.0
+    if spare <= 0.0:
+        return math.inf
+    return size * (math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters / spare)
+
+
 @final
 @dataclass(frozen=True)
 class _Fits:
@@ -108,8 +115,9 @@ class _Fits:
     """All candidates so far."""
     known: Mapping[str, RecordCandidate]
     """Those whose search came to its end, by name."""
-    size: float
-    """Effective number of residuals: that of the fit that has the most.
+    criteria: Mapping[str, float]
+    """Akaike's criterion of these, corrected for few residuals (Hurvich & Tsai 1989), which are
+    counted by the effective number of the fit that has the most.
 
     Of what a law that lacks another part leaves, little counts as independent, so that by its own
     number hardly a law would be climbed from.
@@ -123,7 +131,8 @@ class _Fits:
             for c in tried
             if c.fit and not c.fit.search_failure and not c.fit.optimum.hopeless
         }
-        return cls(tried, known, max((c.effective for c in known.values()), default=0.0))
+        size = max((c.effective for c in known.values()), default=0.0)
+        return cls(tried, known, {name: _criterion(c, size) for name, c in known.items()})
 
     def above(
         self, by_name: Mapping[str, CandidateSpec], at_noise: Callable[[RecordCandidate], bool]
@@ -133,7 +142,7 @@ class _Fits:
             return [], "the search was stopped"
         if not self.known:
             return [], "no simpler law could be fitted"
-        best = min(filter(self.is_shown, self.known.values()), key=self.criterion)
+        best = min(filter(self.is_shown, self.known.values()), key=lambda c: self.criteria[c.name])
         title = friction_of(best.title)
         if at_noise(best):
             return [], f"{title} leaves no more than noise"
@@ -143,18 +152,14 @@ class _Fits:
         more = [by_name[name] for name in names if name in by_name and name not in tried]
         return more, f"no law with one part more is shown to hold over {title}"
 
-    def criterion(self, c: RecordCandidate) -> float:
-        """Return Akaike's criterion."""
-        return self.size * math.log(max(c.residual**2, LEAST)) + 2.0 * c.parameters
-
-    def is_shown(self, c: RecordCandidate, *, level: float = LEVEL) -> bool:
-        """Whether a law is shown to hold over all that it contains."""
-        simpler = (self.known[name] for name in c.simpler if name in self.known)
-        return all(significant(c, one, level=level, effective=self.size) for one in simpler)
+    def is_shown(self, c: RecordCandidate, *, by: float = SHOWN) -> bool:
+        """Whether the criterion of a law is so far below those of all that it contains."""
+        simpler = (self.criteria[name] for name in c.simpler if name in self.known)
+        return all(one - self.criteria[c.name] > by for one in simpler)
 
     def is_idle(self, name: str) -> bool:
         """Whether a law takes no more off than chance does from one that it contains."""
-        return name in self.known and not self.is_shown(self.known[name], level=HINTED)
+        return name in self.known and not self.is_shown(self.known[name], by=0.0)
 
     def is_promising(self, own: Rung, above: Rung) -> bool:
         """Whether a law is fitted: one with memory, which takes long, if its part gains alone."""

@@ -32,7 +32,7 @@ from stickslip.identification import (
 from stickslip.mechanisms import Mechanism
 from stickslip.selection.applicability import checked
 from stickslip.selection.candidates import LEFT_OUT, Watch, check_apart
-from stickslip.selection.choice import beyond_doubt, choose, effective_aic
+from stickslip.selection.choice import as_good, choose, effective_aic
 from stickslip.selection.cross_validation import CrossValidation
 from stickslip.selection.rate_state_verdict import OtherStep, RateStateCandidate, RateStateVerdict
 from stickslip.selection.rate_state_wording import outcomes, rate_state_wording
@@ -374,14 +374,11 @@ def _rival(
     closest: RateStateCandidate, others: Sequence[RateStateCandidate]
 ) -> RateStateCandidate | None:
     """Return the nearest law that neither contains the closest, nor is contained, nor is worse."""
-    assert closest.validation is not None
     criteria = effective_aic([closest, *others])
     for one in others:
-        assert one.validation is not None
         nested = one.name in closest.simpler or closest.name in one.simpler
         worse = criteria[one.name] - criteria[closest.name] > DECISIVE
-        worse = worse or beyond_doubt(one.validation.losses, closest.validation.losses)
-        if not (nested or worse or one.dropped):
+        if as_good(one, closest) and not (nested or worse or one.dropped):
             return one
     return None
 

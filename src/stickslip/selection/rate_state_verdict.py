@@ -11,7 +11,7 @@ from typing_extensions import override
 
 from stickslip.described import Described
 from stickslip.friction import RateState
-from stickslip.identification import VELOCITY_STEPS, RateStateFit, bounds_met
+from stickslip.identification import VELOCITY_STEPS, RateStateFit
 from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict
 from stickslip.selection.verdict import plain
 
@@ -59,11 +59,6 @@ class RateStateCandidate(CrossValidated[RateStateFit]):
     @override
     def is_simpler(self) -> Collection[str]:
         return self.reduces_to
-
-    @property
-    @override
-    def at_bound(self) -> bool:
-        return self.fit is not None and bool(bounds_met(self.fit))
 
     @override
     def to_row(self) -> Mapping[str, Any]:

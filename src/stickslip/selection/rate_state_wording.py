@@ -79,7 +79,7 @@ def _outcome(
     if rival is not None and one.name == rival.name:
         return "not told apart from the chosen law"
     if closest.name in one.simpler:
-        return "not established over the chosen law, which it contains"
+        return "not shown to be better than the chosen law, which it contains"
     return f"{ratio(one.score / closest.score)} the error" if closest.score > 0.0 else "worse"
 
 

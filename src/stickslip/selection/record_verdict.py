@@ -99,11 +99,6 @@ class RecordCandidate(CrossValidated[RecordFit]):
         return tuple(name for name, law in self.simpler.items() if fit and reduces_to(fit, law))
 
     @property
-    @override
-    def at_bound(self) -> bool:
-        return self.fit is not None and any(p.startswith("friction.") for p in self.fit.at_bounds)
-
-    @property
     def law(self) -> FrictionLaw | None:
         """The fitted law."""
         return self.fit.law if self.fit else None
@@ -171,6 +166,8 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
     """How each law was fitted: segments, starts and their seed."""
     trials: TrialComparison | None = None
     """Whether several trials share the closest law; None where there is nothing to compare."""
+    equals: tuple[str, ...] = ()
+    """Names of the laws that the record does not tell from the closest, the best first."""
     experiments: tuple[Experiment, ...] = ()
     """Measurements that would tell the best from its rivals, the most telling first."""
     half_estimates: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -266,6 +263,7 @@ class RecordVerdict(CrossValidatedVerdict[RecordCandidate]):
             "gap": self.plan.gap,
             "horizon": self.plan.horizon,
             "picks_of_other_criteria": dict(self.picks),
+            "not_distinguished_from": list(self.equals),
             "not_tried": {"laws": list(self.untried), "why": self.why_untried},
             "second_record": asdict(self.on_second) if self.on_second else None,
             "control": self.control.to_dict() if self.control else None,

@@ -42,6 +42,7 @@ from stickslip.selection.wording import (
 
 __all__ = [
     "distinct",
+    "equals_of",
     "error_text",
     "first_of",
     "outcomes",
@@ -153,17 +154,42 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
         if more > 0:
             return f"{count(more, 'more parameter')}, no significant improvement"
         return NOT_DISTINGUISHED
-    told = _told_apart(c, best)
     if c.name == REFERENCE:
-        return "reference" if told else f"reference, {NOT_DISTINGUISHED}"
+        return "reference"
     if best.score <= 0.0:  # numbers that a law made, without noise
         return "non-zero error, while the chosen law fits exactly"
-    return f"{ratio(c.score / best.score)} the error" + ("" if told else ", not significant")
+    return f"{ratio(c.score / best.score)} the error"
 
 
-def _told_apart(c: RecordCandidate, best: RecordCandidate) -> bool:
-    """Whether a candidate errs more than the chosen one by more than one paired error."""
-    return not as_good(c, best, share=math.inf)
+def equals_of(
+    best: RecordCandidate, candidates: Sequence[RecordCandidate]
+) -> list[RecordCandidate]:
+    """Return the laws that held-out blocks do not tell from the one that is taken, the best first.
+
+    Not those that are this law at their values, nor those with more parameters, an objection and no
+    smaller error: with a part more that nothing asks for, any law predicts alike.
+
+    Parameters
+    ----------
+    best : RecordCandidate
+        The law that the rule of choice takes.
+    candidates : sequence of RecordCandidate
+        All laws tried.
+
+    Returns
+    -------
+    list of RecordCandidate
+        Those that are named beside it.
+    """
+    found = [
+        c
+        for c in candidates
+        if c.name != best.name and c.fit and best.name not in c.is_simpler
+        if not c.fit.search_failure and not c.refuted
+        if as_good(c, best)
+        if not c.dropped or c.score < best.score or c.parameters < best.parameters
+    ]
+    return sorted(found, key=lambda c: c.score)
 
 
 def record_wording(
@@ -213,12 +239,7 @@ def record_wording(
         Verdict, reasons, what is open and what to measure next.
     """
     assert best.fit is not None
-    rivals = [
-        c
-        for c in candidates
-        if c.name != best.name and c.fit and not c.dropped and best.name not in c.is_simpler
-    ]
-    equal = [c for c in rivals if as_good(c, best)]
+    equal = equals_of(best, candidates)
     scale = shown or _scale(candidates, best.fit)
     verdict = _verdict(best, equal, candidates, fault, on_second, trials, scale)
     lede = _lede(candidates, best, equal, without, scored, on_second, scale, said=verdict)
@@ -351,7 +372,7 @@ def _lede(
         text += f" {capital(_not_distinguished(equal))}."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
-        apart = _told_apart(usual, best)
+        apart = not as_good(usual, best)
         shown = told(usual.score) if apart else scale.error(usual.score)
         text += (
             f" Coulomb + viscous friction, the usual choice: {shown} on the same blocks"

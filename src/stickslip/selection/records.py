@@ -46,18 +46,18 @@ from stickslip.selection.candidates import (
     specifications,
 )
 from stickslip.selection.choice import (
-    NEAR,
-    beyond_doubt,
+    ALIKE,
+    APART,
+    apart,
     choose,
     effective_aic,
-    established,
+    errs_more,
     shown_over_simpler,
 )
 from stickslip.selection.cross_validation import Plan, cross_validate, halves, plan_of
 from stickslip.selection.given_levels import refuted_by_record
 from stickslip.selection.ladder import Climbed, climbed
 from stickslip.selection.late_forces import late_force
-from stickslip.selection.leave_one_out import FLOOR
 from stickslip.selection.next_measurements import experiments_after
 from stickslip.selection.parallel_fit import takes_long
 from stickslip.selection.record_admissibility import (
@@ -72,7 +72,7 @@ from stickslip.selection.record_verdict import (
     RecordVerdict,
     SecondRecord,
 )
-from stickslip.selection.record_wording import outcomes, record_wording
+from stickslip.selection.record_wording import equals_of, outcomes, record_wording
 
 __all__ = [
     "PURPOSES",
@@ -636,8 +636,7 @@ def verdict_on(
     scored = [_objected(c, scored, least) for c in scored]
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
     sound = [c for c in searched if not c.refuted]
-    closest = choose(sound or searched or scored, uncertainty=least)
-    closest = _doubted(closest, scored)
+    closest = _doubted(choose(sound or searched or scored, uncertainty=least))
     if late is not None:
         closest = _with_error(closest, late(closest, scored))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]
@@ -687,6 +686,7 @@ def verdict_on(
         second=validate,
         on_second=on_second,
         trials=trials,
+        equals=tuple(one.name for one in equals_of(closest, ordered)),
         experiments=experiments,
         half_estimates=halves(closest.fit),
         shown=shown,
@@ -725,10 +725,8 @@ def _with_criteria(candidates: Sequence[RecordCandidate]) -> list[RecordCandidat
 
 
 def _better_than(best: RecordCandidate, without: RecordCandidate) -> bool:
-    """Whether a law is shown to predict better than no friction, and by more than 5 %."""
-    if not math.isfinite(without.score) or without.validation is None:
-        return True
-    return without.score > (1.0 + FLOOR) * best.score and established(best, without)
+    """Whether a law predicts better than no friction."""
+    return not math.isfinite(without.score) or errs_more(without, best)
 
 
 def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> SecondRecord | None:
@@ -752,7 +750,7 @@ def _on_second(closest: RecordCandidate, scored: Sequence[RecordCandidate]) -> S
         if c.second
         and (
             not math.isfinite(own.rms)  # what the choice cannot simulate needs no test
-            or (own.rms > (1.0 + NEAR) * c.second.rms and beyond_doubt(mine, losses[c.name]))
+            or (own.rms > (1.0 + ALIKE) * c.second.rms and apart(mine, losses[c.name]) > APART)
         )
     ]
     rival = min(
@@ -782,17 +780,14 @@ def _objected(
     return candidate
 
 
-def _doubted(best: RecordCandidate, scored: Sequence[RecordCandidate]) -> RecordCandidate:
+def _doubted(best: RecordCandidate) -> RecordCandidate:
     """Return what is taken with what spoke against it as its doubt.
 
-    Where something speaks against every law, parameters that are not identified are a doubt too; a
-    law at a bound, or whose parameters cannot be separated at all, stays without recommendation.
-    So does a law whose search failed: its values are not those of the least error; and one with a
-    given value that the record contradicts.
+    A law whose search failed stays without recommendation: its values are not those of the least
+    error. So does one with a given value that the record contradicts.
     """
-    if best.refuted or (best.fit is not None and best.fit.search_failure):
-        return best
-    if best.dropped and not (best.weak and all(c.dropped for c in scored)):
+    failed = best.fit is not None and best.fit.search_failure
+    if best.dropped and not (best.refuted or failed):
         return replace(best, dropped="", doubt=best.dropped)
     return best
 

@@ -67,8 +67,12 @@ SLOWEST = 0.1
 """Share of the largest speed that a law may take as unresolved at most."""
 CREEPING = 1e-3
 """Share of the largest speed that a displacement within what is resolved may have at rest."""
-SHARES = 8
-"""Segments of a table; its rows are dealt out to them in turn, so that each has all speeds."""
+SHARES = 20
+"""Segments of a table at most; its speeds are dealt out to them in turn, so that each has slow and
+fast ones, and all readings at one speed are in one segment."""
+
+FEW_SPEEDS = 4
+"""Speeds of a table below which its rows are dealt out instead."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -424,11 +428,24 @@ def _table(
         record=number,
         path=path,
         friction=friction,
-        segment=first + rows % min(SHARES, len(rows) // 2),
+        segment=first + _dealt(velocity),
         timed=False,
         resting=velocity == 0.0,
         held=friction,
     )
+
+
+def _dealt(velocity: Array) -> NDArray[np.intp]:
+    """Return the segment of each row of a table (n,).
+
+    Every other speed is in the first half of the segments. Of few speeds, rows are dealt out.
+    """
+    speeds, place = np.unique(velocity, return_inverse=True)
+    if len(speeds) < FEW_SPEEDS:
+        place = np.arange(len(velocity))
+    count = min(SHARES, int(place.max()) + 1)
+    share = place % count
+    return np.asarray((share % 2) * ((count + 1) // 2) + share // 2)
 
 
 def _series(

@@ -130,7 +130,9 @@ def _shifts(spans: Array) -> dict[int, float]:
 
 
 def interleaved(spans: Array) -> bool:
-    """Whether segments lie within each other: those of a table, its rows dealt out in turn."""
+    """Whether segments lie within each other, or are a row each: those of a table."""
+    if np.all(spans[:, 1] == spans[:, 2]):
+        return True
     same = spans[1:, 0] == spans[:-1, 0]
     return bool(np.any(same & (spans[1:, 1] < 0.5 * (spans[:-1, 1] + spans[:-1, 2]))))
 

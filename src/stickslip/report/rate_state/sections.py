@@ -281,9 +281,9 @@ def scores_section(verdict: RateStateVerdict) -> Section:
     table = Table(
         columns=columns,
         rows=tuple(_row(verdict, c, axis=axis is not None, second=second) for c in rows),
-        caption="A law is named only if it is established over every simpler one that it contains:"
-        " by an F test of the residuals (effective sample size) and by held-out errors. Of two"
-        " laws of evolution neither contains the other, but Nagata's contains the ageing law.",
+        caption="Of the laws whose losses are within one standard error of those of the law with"
+        " the lowest error, the one with the fewest parameters is named. Of two laws of evolution"
+        " neither contains the other, but Nagata's contains the ageing law.",
     )
     how = (
         "Each law is fitted to the whole record, and once more without each velocity step, which"

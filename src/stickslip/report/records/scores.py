@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from stickslip.formatting import Scale, in_words, joined, percent, quantity
+from stickslip.formatting import Scale, in_words, joined, number, percent, quantity
 from stickslip.report.core.blocks import Paragraph
 from stickslip.report.core.documents import Section
 from stickslip.report.core.markup import typeset
@@ -11,10 +11,8 @@ from stickslip.report.core.sparklines import Axis, Colour, error_axis, error_plo
 from stickslip.report.core.tables import Cell, Column, Name, Number, Row, Table
 from stickslip.report.records.texts import symbols_of
 from stickslip.selection import (
-    LEVEL,
-    LIKELY,
-    MATERIAL,
-    NEAR,
+    ALIKE,
+    APART,
     JointVerdict,
     RecordCandidate,
     RecordVerdict,
@@ -145,14 +143,10 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        "Rule of choice: (1) A law is admitted only if it is established over every simpler law"
-        " that it contains: an F test with the effective sample size is significant at"
-        f" {percent(LEVEL)}, and the held-out blocks agree, or they are inconclusive and the"
-        f" residual falls by {percent(MATERIAL)}. (2) Of these laws, the one with the lowest AIC"
-        f" is chosen if its error is within one paired standard error and {percent(LIKELY)} of the"
-        " lowest error. (3) Otherwise, of the laws within one paired standard error and"
-        f" {percent(NEAR)} of the lowest error, one without objections is chosen, then the one"
-        " with the fewest parameters. "
+        "Rule of choice: of the laws whose losses are within one standard error of those of the law"
+        f" with the lowest error, or whose error is within {percent(ALIKE)} of it, the one with the"
+        " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
+        f" {number(APART)} standard errors are not told apart. "
     )
     return " ".join([text + picks_text(verdict), *verdict.missing]).strip()
 

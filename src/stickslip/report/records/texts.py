@@ -3,11 +3,9 @@
 import math
 from collections.abc import Iterable
 
-import numpy as np
-
 from stickslip.formatting import rounded
 from stickslip.identification import Estimate
-from stickslip.selection import RecordCandidate, RecordVerdict
+from stickslip.selection import RecordCandidate, RecordVerdict, apart
 
 __all__ = [
     "paired",
@@ -28,29 +26,17 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
 
 
 def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
-    """Return the difference of two losses over its standard error, from blocks in pairs.
+    """Return how many standard errors the losses of a candidate lie above those of another.
 
-    Parameters
-    ----------
-    other : RecordCandidate
-        A candidate.
-    best : RecordCandidate
-        The candidate it is compared with.
-
-    Returns
-    -------
-    float or None
-        Mean difference of the losses of held-out blocks over its standard error; None if the blocks
-        cannot be paired, or all differences are equal.
+    None if the blocks cannot be paired, or all ratios are equal.
     """
     if other.validation is None or best.validation is None:
         return None
     one, two = other.validation.losses, best.validation.losses
     if len(one) != len(two) or len(one) < 2:
         return None
-    gaps = np.subtract(one, two)
-    error = float(np.std(gaps, ddof=1)) / math.sqrt(len(gaps))
-    return float(gaps.mean()) / error if error > 0.0 else None
+    found = apart(one, two)
+    return found if math.isfinite(found) else None
 
 
 def symbols_of(candidates: Iterable[RecordCandidate]) -> frozenset[str]:

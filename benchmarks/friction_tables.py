@@ -1,0 +1,260 @@
+"""Tables of friction at 8 to 12 speeds: does a selection name the law, and what it cannot tell?
+
+``python -m benchmarks.friction_tables --numbers 0 40 --seed 1 --noise 0.02``; results are appended
+to a file line by line. Truths are five of the candidates in turn, or laws that are none of them
+(``--truths outside``), or a table that is in some way bad (``--bad few``). A verdict is *right* if
+it names the truth, or a law that predicts the true curve within the noise and is said not to be
+told from the truth; of a truth that is no candidate, if the prediction is within the noise. It is a
+*false certainty* if it recommends another law, does not mention the truth, and predicts worse than
+the noise.
+"""
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from benchmarks.rigs import Array, Random, between
+from stickslip import (
+    Axis,
+    Coulomb,
+    CoulombViscous,
+    DirectionDependent,
+    FrictionLaw,
+    Measurement,
+    PowerViscous,
+    Stribeck,
+    select,
+)
+from stickslip.errors import StickslipError
+from stickslip.friction import law
+from stickslip.selection.record_verdict import RecordVerdict
+
+RESULTS = "friction_tables.jsonl"
+AXIS = Axis(inertia=1.0)
+Curve: TypeAlias = Callable[[Array], Array]
+BAD = ("few", "sparse", "repeats", "decades", "outlier", "understated", "overstated", "falling", "frictionless")
+"""Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are measured twice or three times; over four decades; with
+one reading that is wrong by ten times the noise; with a stated uncertainty three times too small or
+too large; of the falling branch of a Stribeck curve alone; of noise alone."""
+
+
+def _of(one: FrictionLaw) -> Curve:
+    return lambda v: np.asarray(one.force(v, np.ones(len(v))), dtype=float)
+
+
+def _coulomb(_: Random, level: float, __: float) -> tuple[str, Curve]:
+    return "coulomb", _of(Coulomb(kinetic_coefficient=level))
+
+
+def _viscous(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    slope = level / speed * between(random, 0.3, 3.0)
+    one = CoulombViscous(kinetic_coefficient=level, viscous_coefficient=slope)
+    return "coulomb-viscous", _of(one)
+
+
+def _stribeck(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    one = Stribeck(
+        kinetic_coefficient=level,
+        static_coefficient=level * float(random.uniform(1.3, 2.0)),
+        stribeck_velocity=between(random, 0.08, 0.25) * speed,
+        viscous_coefficient=level / speed * float(random.uniform(0.2, 1.0)),
+    )
+    return "stribeck", _of(one)
+
+
+def _power(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    n = float(random.uniform(0.35, 0.6))
+    one = PowerViscous(
+        kinetic_coefficient=level * float(random.choice([0.0, 0.3, 1.0])),
+        viscous_coefficient=level / speed**n * float(random.uniform(1.0, 3.0)),
+        exponent=n,
+    )
+    return "power-viscous", _of(one)
+
+
+def _directional(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    sides = [level, level * float(random.uniform(1.2, 1.7))]
+    if random.random() < 0.5:
+        slopes = [level / speed * between(random, 0.3, 1.5) for _ in sides]
+        one: FrictionLaw = DirectionDependent(
+            forward_kinetic_coefficient=sides[0],
+            backward_kinetic_coefficient=sides[1],
+            forward_viscous_coefficient=slopes[0],
+            backward_viscous_coefficient=slopes[1],
+        )
+        return "direction-dependent", _of(one)
+    parts = [_stribeck(random, one, speed)[1] for one in sides]
+    return "directional-stribeck", lambda v: np.where(v > 0.0, parts[0](v), parts[1](v))
+
+
+def _tanh(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    s, slope = between(random, 0.05, 0.3) * speed, 0.3 * level / speed
+    return "", lambda v: level * np.tanh(v / s) + slope * v
+
+
+def _logarithmic(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    s, share = 0.01 * speed, float(random.uniform(0.05, 0.3))
+    return "", lambda v: level * np.sign(v) * (1.0 + share * np.log1p(np.abs(v) / s))
+
+
+def _eyring(random: Random, level: float, speed: float) -> tuple[str, Curve]:
+    s = between(random, 0.01, 0.3) * speed
+    return "", lambda v: level * np.arcsinh(v / s)
+
+
+TRUTHS = (_coulomb, _viscous, _stribeck, _power, _directional)
+OUTSIDE = (_tanh, _logarithmic, _eyring)
+
+
+def _speeds(random: Random, speed: float, count: int, *, sides: int, decades: float) -> Array:
+    """Return speeds (count,) [m/s]: evenly spaced, in ratios, or drawn."""
+    number = count // sides
+    kind = "ratios" if decades > 1.5 else random.choice(["even", "ratios", "drawn"])
+    low = 10.0**-decades
+    if kind == "even":
+        one = np.linspace(1.0 / number, 1.0, number)
+    elif kind == "ratios":
+        one = np.geomspace(low, 1.0, number)
+    else:
+        one = np.sort(np.exp(random.uniform(math.log(low), 0.0, number)))
+        one[-1] = 1.0
+    return speed * (one if sides == 1 else np.concatenate([-one[::-1], one]))
+
+
+def drawn(
+    number: int, seed: int, noise: float, *, outside: bool = False, bad: str = ""
+) -> tuple[dict[str, Any], Curve, Array, Measurement]:
+    """Return what a table is of, the true curve, the noise at its speeds, and the table."""
+    random = np.random.default_rng([41, seed, number])
+    level, speed = between(random, 0.1, 1000.0), between(random, 0.01, 1.0)
+    truths = OUTSIDE if outside else TRUTHS
+    make = _stribeck if bad == "falling" else truths[number % len(truths)]
+    truth, curve = make(random, level, speed)
+    sides = 2 if make is _directional else int(random.integers(1, 3))
+    count = 5 if bad == "few" else int(random.integers(8, 13))
+    # of both directions together, or of each
+    count = sides * (count // sides if bad == "sparse" else count)
+    sides = 1 if bad in {"few", "falling"} and make is not _directional else sides
+    v = _speeds(random, speed, count, sides=sides, decades=4.0 if bad == "decades" else 1.3)
+    if bad == "repeats":
+        v = np.repeat(v, random.integers(1, 4, len(v)))
+    if bad == "falling":
+        v = 0.25 * v
+    if bad == "frictionless":
+        truth, curve = "", lambda v: 0.0 * v
+    f = curve(v)
+    # of each reading, or the same at all speeds
+    size = noise * (np.abs(f) if random.random() < 0.5 else np.full(len(f), np.abs(f).mean()))
+    size = np.full(len(f), 0.02 * level) if bad == "frictionless" else size
+    f = f + size * random.normal(size=len(f))
+    if bad == "outlier":
+        f[int(random.integers(len(f)))] += 10.0 * size.mean() * random.choice([-1.0, 1.0])
+    table = Measurement(velocity=v, friction=f, load=1.0)
+    if bad in {"understated", "overstated"}:
+        stated = size.mean() * (3.0 if bad == "overstated" else 1.0 / 3.0)
+        table = replace(table, uncertainty={"friction": float(stated)})
+    return {"number": number, "seed": seed, "noise": noise, "truth": truth,
+            "kind": make.__name__.strip("_")}, curve, size, table  # fmt: skip
+
+
+def _names(truth: str) -> set[str]:
+    """Return names that a truth has as a candidate."""
+    if truth == "directional-stribeck":
+        return {law("both_ways(level + stribeck + viscous)").name, truth}
+    return {truth} if truth else set()
+
+
+def rated(
+    verdict: RecordVerdict, row: Mapping[str, Any], curve: Curve, size: Array, table: Measurement
+) -> dict[str, Any]:
+    """Return whether a verdict is right, or a false certainty."""
+    closest = verdict.closest
+    assert closest.fit is not None
+    named = closest.name in _names(row["truth"])
+    tied = bool(_names(row["truth"]) & {*verdict.equals})
+    v = np.asarray(table.velocity)
+    sides = [one for one in (v[v < 0.0], v[v > 0.0]) if len(one)]
+    fine = np.concatenate([np.interp(np.linspace(0, len(one) - 1, 60), np.arange(len(one)), one)
+                           for one in map(np.sort, sides)])  # fmt: skip
+    predicted = np.asarray(closest.fit.law.force(fine, np.ones(len(fine)))) + closest.fit.offset
+    order = np.argsort(v)
+    doubt = np.interp(fine, v[order], size[order])
+    error = float(np.sqrt(np.mean(((predicted - curve(fine)) / np.maximum(doubt, 1e-300)) ** 2)))
+    close = error <= 1.0
+    right = named or (close and (tied or not row["truth"]))
+    return {
+        "named": closest.name,
+        "error": error,
+        "right": right,
+        "false": verdict.best is not None and not named and not tied and not close,
+        "none": verdict.best is None,
+        "verdict": verdict.sentence,
+    }
+
+
+def judged(number: int, seed: int, noise: float, **kind: Any) -> dict[str, Any]:
+    """Return what a selection says of a table."""
+    row, curve, size, table = drawn(number, seed, noise, **kind)
+    began = time.process_time()
+    try:
+        verdict = select(AXIS, None, table)
+    except StickslipError as error:
+        return row | {"refused": str(error), "seconds": time.process_time() - began}
+    assert isinstance(verdict, RecordVerdict)
+    seconds = time.process_time() - began
+    return row | rated(verdict, row, curve, size, table) | {"seconds": seconds}
+
+
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a line for each table that is not right, and the numbers of all."""
+    known = [row for row in rows if "refused" not in row]
+    lines = [
+        f"{row['number']:3} {row['kind']:12} {row['named']:30} error {row['error']:6.2f}"
+        f" {'FALSE' if row['false'] else '     '} {row['verdict']}"
+        for row in known
+        if not row["right"]
+    ]
+    lines += [f"{row['number']:3} {row['kind']:12} {row['refused']}" for row in rows
+              if "refused" in row]  # fmt: skip
+    right, false = (sum(row[key] for row in known) for key in ("right", "false"))
+    none = sum(row["none"] for row in known)
+    return [*lines, f"{right} of {len(rows)} right, {false} false certainties, {none} without a law,"
+            f" median error over the noise {np.median([row['error'] for row in known]):.2f},"
+            f" {sum(row['seconds'] for row in rows):.0f} s"]  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.friction_tables")
+    parser.add_argument("--numbers", type=int, nargs=2, default=[0, 40])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--noise", type=float, default=0.02, help="share of the friction")
+    parser.add_argument("--truths", choices=("candidates", "outside"), default="candidates")
+    parser.add_argument("--bad", choices=("", *BAD), default="")
+    parser.add_argument("--results", type=Path, default=Path(RESULTS))
+    given = parser.parse_args()
+    rows = []
+    with given.results.open("a", encoding="utf-8") as file:
+        for number in range(*given.numbers):
+            rows.append(
+                judged(
+                    number,
+                    given.seed,
+                    given.noise,
+                    outside=given.truths == "outside",
+                    bad=given.bad,
+                )
+            )
+            file.write(json.dumps(rows[-1]) + "\n")
+            file.flush()
+    print("\n".join(summary(rows)))
+
+
+if __name__ == "__main__":
+    main()
