@@ -4,9 +4,9 @@
 to a file line by line. Truths are five of the candidates in turn, or laws that are none of them
 (``--truths outside``), or a table that is in some way bad (``--bad few``). A verdict is *right* if
 it names the truth, or a law that predicts the true curve within the noise and is said not to be
-told from the truth; of a truth that is no candidate, if the prediction is within the noise. It is a
-*false certainty* if it recommends another law, does not mention the truth, and predicts worse than
-the noise.
+told from the truth; of a truth that is no candidate, if the prediction is within the noise, or a
+curve that is no law is said to come closer. It is a *false certainty* if it recommends another law,
+mentions neither the truth nor such a curve, and predicts worse than the noise.
 """
 
 import argparse
@@ -39,10 +39,21 @@ from stickslip.selection.record_verdict import RecordVerdict
 RESULTS = "friction_tables.jsonl"
 AXIS = Axis(inertia=1.0)
 Curve: TypeAlias = Callable[[Array], Array]
-BAD = ("few", "sparse", "repeats", "decades", "outlier", "understated", "overstated", "falling", "frictionless")
-"""Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are measured twice or three times; over four decades; with
-one reading that is wrong by ten times the noise; with a stated uncertainty three times too small or
-too large; of the falling branch of a Stribeck curve alone; of noise alone."""
+BAD = (
+    "few",
+    "sparse",
+    "repeats",
+    "decades",
+    "outlier",
+    "understated",
+    "overstated",
+    "falling",
+    "frictionless",
+)
+"""Tables of five speeds; of 8 to 12 readings in both directions together; of speeds that are measured
+once to three times; over four decades; with one reading that is wrong by ten times the noise; with
+a stated uncertainty three times too small or too large; of the falling branch of a Stribeck curve
+alone; of noise alone."""
 
 
 def _of(one: FrictionLaw) -> Curve:
@@ -188,12 +199,13 @@ def rated(
     doubt = np.interp(fine, v[order], size[order])
     error = float(np.sqrt(np.mean(((predicted - curve(fine)) / np.maximum(doubt, 1e-300)) ** 2)))
     close = error <= 1.0
-    right = named or (close and (tied or not row["truth"]))
+    other = tied or not row["truth"]
+    right = named or (other and (close or closest.curve is not None))
     return {
         "named": closest.name,
         "error": error,
         "right": right,
-        "false": verdict.best is not None and not named and not tied and not close,
+        "false": verdict.best is not None and not (named or tied or close or closest.curve),
         "none": verdict.best is None,
         "verdict": verdict.sentence,
     }
@@ -223,11 +235,13 @@ def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
     lines += [f"{row['number']:3} {row['kind']:12} {row['refused']}" for row in rows
               if "refused" in row]  # fmt: skip
-    right, false = (sum(row[key] for row in known) for key in ("right", "false"))
-    none = sum(row["none"] for row in known)
-    return [*lines, f"{right} of {len(rows)} right, {false} false certainties, {none} without a law,"
-            f" median error over the noise {np.median([row['error'] for row in known]):.2f},"
-            f" {sum(row['seconds'] for row in rows):.0f} s"]  # fmt: skip
+    right, false, none = (sum(row[key] for row in known) for key in ("right", "false", "none"))
+    error = np.median([row["error"] for row in known])
+    return [
+        *lines,
+        f"{right} of {len(rows)} right, {false} false certainties, {none} without a law, median"
+        f" error over the noise {error:.2f}, {sum(row['seconds'] for row in rows):.0f} s",
+    ]
 
 
 def main() -> None:

@@ -239,9 +239,10 @@ BOXES = (
      "decades and from simpler fits", False),
     (733, 202, "Does a law fit worse than one\nit contains? The search failed:\nit is not ranked"
      " above it", False),
-    (733, 290, "Richer law established? F test\non the record and held-out blocks", True),
-    (733, 375, "Best of the established laws,\nif it explains the record and\nholds on the second"
-     " one", False),
+    (733, 290, "Which laws predict held-out blocks\nas well as the best, within 1.1\nstandard"
+     " errors of the ratio?", False),
+    (733, 375, "Of these the one with the fewest\nparameters, if it explains the\nrecord and holds"
+     " on the second one", False),
 )  # fmt: skip
 WIDTH, LINE, ROUND = 212, 15, 14
 """Width of a box, height of its lines, and what is left above and below them."""

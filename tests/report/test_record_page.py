@@ -500,9 +500,9 @@ def test_points_say_whether_the_motion_speeds_up_or_slows_down(loops_html, table
 
 def test_the_caption_of_the_scores_states_the_rule(html):
     text = text_of(html)
-    assert "established over every simpler law that it contains" in text
-    assert "lowest AIC is chosen if its error is within one paired standard error and 30 %" in text
-    assert "within one paired standard error and 2 % of the lowest error" in text
+    assert "within 1.1 standard errors of those of the law with the lowest error" in text
+    assert "the one with the fewest parameters is named" in text
+    assert "Laws within 2.5 standard errors are not told apart" in text
     assert "the fewest parameters" in text
 
 

@@ -122,6 +122,21 @@ def test_a_power_of_the_speed_is_named_although_its_level_is_at_the_bound(count)
         assert verdict.best.score < 0.1  # Coulomb + viscous friction: .5 N
 
 
+def test_a_smooth_curve_that_comes_closer_than_every_law_to_a_table_is_told():
+    random = np.random.default_rng(7)
+    v = np.geomspace(0.01, 1.0, 12)
+    table = Measurement(
+        velocity=v, friction=2.0 * np.tanh(v / 0.1) * (1.0 + 0.01 * random.normal(size=12))
+    )
+    verdict = select(AXIS, LAWS, table)
+    assert "a smooth curve through the readings that is no law predicts" in verdict.sentence
+    assert verdict.closest.curve.score < 0.5 * verdict.closest.score
+    assert not verdict.words.settles
+    followed = select(AXIS, LAWS, power_table(1, count=12))
+    assert followed.best.name == "power-viscous"
+    assert followed.best.curve is None
+
+
 def test_all_readings_at_one_speed_are_held_out_together():
     v = np.repeat([0.1, 0.2, 0.3, 0.4, 0.5], 3)
     table = Measurement(velocity=v, friction=2.0 + 3.0 * v)

@@ -36,6 +36,7 @@ INSIDE = {
     "CrossValidatedVerdict": "cross_validation",
     "DOUBT_NAMES": "travel_wording",
     "Experiment": "design.experiments",
+    "NEAR": "choice",
     "PLAIN": "travels",
     "Proposal": "design.discriminating_settings",
     "PurposeName": "records",

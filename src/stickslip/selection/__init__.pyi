@@ -2,6 +2,7 @@
 from stickslip.selection.candidates import specifications as specifications
 from stickslip.selection.choice import ALIKE as ALIKE
 from stickslip.selection.choice import APART as APART
+from stickslip.selection.choice import NEAR as NEAR
 from stickslip.selection.choice import apart as apart
 from stickslip.selection.criteria import Criteria as Criteria
 from stickslip.selection.criteria import criteria_of as criteria_of

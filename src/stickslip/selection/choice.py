@@ -30,14 +30,15 @@ __all__ = [
     "shown_over_simpler",
 ]
 
-NEAR = 1.5
-"""Standard errors of the mean ratio within which a more usual law is named instead of the best."""
+NEAR = 1.1
+"""Standard errors of the mean ratio within which a more usual law is named instead of the best; a
+gain in one block alone has exactly one."""
 APART = 2.5
 """Standard errors of the mean ratio from which the verdict says that two laws are told apart."""
 ALIKE = 0.02
 """Share by which an error may be larger and count as the same, whatever its standard error ..."""
 READINGS = 2.0
-"""... or so many readings of all, where these are few: a part that fits two by chance gains that."""
+"""... or so many readings of all, where these are few: what a part that fits them gains."""
 LEAST = 1e-300
 """Stands for 0 in logarithms and ratios."""
 
@@ -150,7 +151,7 @@ def choose(scored: Sequence[C], *, uncertainty: float = 0.0) -> C:
 
 
 def shown_over_simpler(rich: C, scored: Sequence[C], *, uncertainty: float = 0.0) -> bool:
-    """Whether a law predicts better than all simpler ones that it contains, of which there are some.
+    """Whether a law predicts better than all simpler ones that it contains, and there are some.
 
     Parameters
     ----------

@@ -17,9 +17,15 @@ from stickslip.identification import (
     RecordSettings,
     Score,
     TrialComparison,
+    interleaved,
 )
 from stickslip.selection.choice import reduces_to
-from stickslip.selection.cross_validation import CrossValidated, CrossValidatedVerdict, Plan
+from stickslip.selection.cross_validation import (
+    CrossValidated,
+    CrossValidatedVerdict,
+    CrossValidation,
+    Plan,
+)
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.verdict import plain, score_scale
 
@@ -79,6 +85,8 @@ class RecordCandidate(CrossValidated[RecordFit]):
     """Which value that was given the record contradicts, as a clause; empty if it does not."""
     left_out: tuple[str, ...] = ()
     """Paths of what went to 0 beside the rest of the law, and was left out of the fit."""
+    curve: CrossValidation | None = None
+    """Held-out errors of a smooth curve that is no law, where it comes closer to a table."""
     aic: float = math.nan
     """Akaike's criterion, residuals counted by their effective number."""
     bic: float = math.nan
@@ -91,6 +99,14 @@ class RecordCandidate(CrossValidated[RecordFit]):
     def parameters(self) -> int:
         """Number of unknowns that were fitted, whether or not the record identifies them."""
         return len(self.fit.free_parameters) if self.fit else 0
+
+    @property
+    @override
+    def effective(self) -> float:
+        """Effective number of independent residuals, 0 without a fit; all readings of a table."""
+        if self.fit is None or not interleaved(self.fit.problem.spans):
+            return super().effective
+        return float(len(self.fit.residual))
 
     @property
     @override
@@ -132,6 +148,7 @@ class RecordCandidate(CrossValidated[RecordFit]):
             "block_errors": [math.sqrt(x) for x in validation.losses] if validation else [],
             "extrapolation": validation.extrapolation if validation else None,
             "second_record": self.second.rms if self.second else None,
+            "curve_score": self.curve.score if self.curve else None,
             "left_out": list(self.left_out),
             "contains": list(self.simpler),
             "aic": self.aic,

@@ -20,7 +20,7 @@ from stickslip.formatting import (
 from stickslip.identification import AGREE, RecordFit, TrialComparison, difference, far_above_dry
 from stickslip.quantities import turned
 from stickslip.selection.candidates import REFERENCE
-from stickslip.selection.choice import as_good
+from stickslip.selection.choice import as_good, errs_more
 from stickslip.selection.design.experiments import Experiment
 from stickslip.selection.identifiable import settled_estimates
 from stickslip.selection.late_forces import PRESLIDING
@@ -241,12 +241,16 @@ def record_wording(
     assert best.fit is not None
     equal = equals_of(best, candidates)
     scale = shown or _scale(candidates, best.fit)
-    verdict = _verdict(best, equal, candidates, fault, on_second, trials, scale)
-    lede = _lede(candidates, best, equal, without, scored, on_second, scale, said=verdict)
+    curve = _closer_curve(best, scale)
+    alike = [*(["a curve of another shape"] if best.curve and not curve else [])]
+    alike += [c.title for c in equal]
+    least = all(best.score <= other.score for other in equal)
+    verdict = _verdict(best, alike, candidates, fault, on_second, trials, scale, least=least)
+    lede = _lede(candidates, best, alike, without, scored, on_second, scale, said=verdict)
     return Wording(
         verdict=verdict,
         lede=" ".join([lede + _trials_text(trials, verdict), *best.fit.assumptions]),
-        settles=() if fault else _settles(best),
+        settles=() if fault or curve else _settles(best),
         cannot_tell=_cannot_tell(best, candidates, picks),
         measure_next=_measure_next(experiments, candidates, checks, fault, on_second),
         no_score="",
@@ -255,12 +259,14 @@ def record_wording(
 
 def _verdict(
     best: RecordCandidate,
-    equal: Sequence[RecordCandidate],
+    alike: Sequence[str],
     candidates: Sequence[RecordCandidate],
     fault: str,
     on_second: SecondRecord | None,
     trials: TrialComparison | None,
     scale: Scale,
+    *,
+    least: bool,
 ) -> str:
     name = friction_of(best.title)
     if best.refuted:
@@ -276,7 +282,6 @@ def _verdict(
             f"{capital(name)} is chosen on the first record, but {friction_of(other.title)} has a"
             f" clearly smaller error on the second ({rival} against {own})."
         )
-    least = all(best.score <= other.score for other in equal)
     found = f"{capital(name)} {'predicts best' if least else 'is chosen'}"
     if trials is not None and not trials.shared:
         outcome = trials.sentences[0]
@@ -289,10 +294,13 @@ def _verdict(
     apart = _halves_apart(best.fit) if best.fit else ""
     if apart:
         return f"{found}, but the two halves of the record disagree: {apart}."
+    curve = _closer_curve(best, scale)
+    if curve:
+        return f"{found}, but {curve}."
     if best.doubt:
         return to_predict(name, best.doubt)
-    if equal:
-        return f"Use {name}; {_not_distinguished(equal)}."
+    if alike:
+        return f"Use {name}; {not_distinguished(alike, 'this record')}."
     return f"Use {name}."
 
 
@@ -301,8 +309,16 @@ def _halves_apart(fit: RecordFit) -> str:
     return difference([estimate.quantity for estimate in fit.estimates], fit.halves)
 
 
-def _not_distinguished(candidates: Sequence[RecordCandidate]) -> str:
-    return not_distinguished([c.title for c in candidates], "this record")
+def _closer_curve(best: RecordCandidate, scale: Scale) -> str:
+    """Return that a table has a shape which no law has; empty if it is in doubt."""
+    if best.curve is None or not errs_more(best, replace(best, validation=best.curve)):
+        return ""
+    errors = (best.curve.score, best.score)
+    own, law = (distinct(scale, errors, one) for one in errors)
+    return (
+        "a smooth curve through the readings that is no law predicts held-out ones better:"
+        f" {own} instead of {law}"
+    )
 
 
 def _trials_text(trials: TrialComparison | None, verdict: str) -> str:
@@ -348,7 +364,7 @@ def first_of(objections: str) -> str:
 def _lede(
     candidates: Sequence[RecordCandidate],
     best: RecordCandidate,
-    equal: Sequence[RecordCandidate],
+    alike: Sequence[str],
     without: RecordCandidate | None,
     scored: str,
     on_second: SecondRecord | None,
@@ -368,8 +384,8 @@ def _lede(
         text += f" {_second_text(candidates, on_second, scale)}"
     if best.doubt and best.doubt not in said:
         text += f" Not all of its parameters are identified: {best.doubt}."
-    if equal and _not_distinguished(equal) not in said:
-        text += f" {capital(_not_distinguished(equal))}."
+    if alike and not_distinguished(alike, "this record") not in said:
+        text += f" {capital(not_distinguished(alike, 'this record'))}."
     usual = next((c for c in candidates if c.name == REFERENCE), None)
     if usual is not None and usual.name != best.name and usual.fit:
         apart = not as_good(usual, best)

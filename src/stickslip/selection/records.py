@@ -65,6 +65,7 @@ from stickslip.selection.record_admissibility import (
     standard_uncertainty,
     unexplained,
     variation_of,
+    with_curve,
 )
 from stickslip.selection.record_verdict import (
     Purpose,
@@ -637,6 +638,7 @@ def verdict_on(
     searched = [c for c in scored if c.fit and not c.fit.search_failure]
     sound = [c for c in searched if not c.refuted]
     closest = _doubted(choose(sound or searched or scored, uncertainty=least))
+    closest = with_curve(closest, uncertainty=least)
     if late is not None:
         closest = _with_error(closest, late(closest, scored))
     ordered = [next((one for one in scored if one.name == c.name), c) for c in ordered]

@@ -281,7 +281,7 @@ def scores_section(verdict: RateStateVerdict) -> Section:
     table = Table(
         columns=columns,
         rows=tuple(_row(verdict, c, axis=axis is not None, second=second) for c in rows),
-        caption="Of the laws whose losses are within one standard error of those of the law with"
+        caption="Of the laws whose losses are within 1.1 standard errors of those of the law with"
         " the lowest error, the one with the fewest parameters is named. Of two laws of evolution"
         " neither contains the other, but Nagata's contains the ageing law.",
     )

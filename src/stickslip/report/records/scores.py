@@ -13,6 +13,7 @@ from stickslip.report.records.texts import symbols_of
 from stickslip.selection import (
     ALIKE,
     APART,
+    NEAR,
     JointVerdict,
     RecordCandidate,
     RecordVerdict,
@@ -143,8 +144,9 @@ def _caption(verdict: RecordVerdict, axis: Axis | None) -> str:
     if verdict.plan.length:
         text += "Last third: fitted to the data before it, scored on the last third. "
     text += (
-        "Rule of choice: of the laws whose losses are within one standard error of those of the law"
-        f" with the lowest error, or whose error is within {percent(ALIKE)} of it, the one with the"
+        f"Rule of choice: of the laws whose losses are within {number(NEAR)} standard errors of those"
+        " of the law with the lowest error, or whose error is within"
+        f" {percent(ALIKE)} of it, the one with the"
         " fewest parameters is named. Losses are compared as ratios, block by block. Laws within"
         f" {number(APART)} standard errors are not told apart. "
     )
