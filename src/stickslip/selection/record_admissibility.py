@@ -48,7 +48,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     """Return why a fit may not be taken, in words; empty if it may.
 
     Only the law's parameters are judged: an offset may well be 0. An interval that reaches 0 counts
-    only where the law is not established over simpler ones (`shown`): that of one of several
+    only where the law does not predict better than simpler ones (`shown`): that of one of several
     correlated parameters is wide though all of them are needed together.
 
     Parameters
@@ -56,7 +56,7 @@ def objection(fit: RecordFit, *, shown: bool = False) -> str:
     fit : RecordFit
         Fit of the law in question.
     shown : bool
-        Whether the law is established over simpler ones.
+        Whether the law predicts better than simpler ones.
 
     Returns
     -------

@@ -153,7 +153,7 @@ def _outcome(c: RecordCandidate, best: RecordCandidate, *, recommended: bool) ->
     if as_good(c, best):
         if more > 0:
             return f"{count(more, 'more parameter')}, no significant improvement"
-        return NOT_DISTINGUISHED
+        return f"{'reference, ' if c.name == REFERENCE else ''}{NOT_DISTINGUISHED}"
     if c.name == REFERENCE:
         return "reference"
     if best.score <= 0.0:  # numbers that a law made, without noise

@@ -28,7 +28,18 @@ def rival_of(verdict: RecordVerdict) -> RecordCandidate | None:
 def paired(other: RecordCandidate, best: RecordCandidate) -> float | None:
     """Return how many standard errors the losses of a candidate lie above those of another.
 
-    None if the blocks cannot be paired, or all ratios are equal.
+    Parameters
+    ----------
+    other : RecordCandidate
+        A candidate.
+    best : RecordCandidate
+        The candidate it is compared with.
+
+    Returns
+    -------
+    float or None
+        As by `stickslip.selection.choice.apart`; None if the blocks cannot be paired, or all ratios
+        are equal.
     """
     if other.validation is None or best.validation is None:
         return None
